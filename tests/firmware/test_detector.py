@@ -12,7 +12,6 @@ from fingertip import jit
 from fingertip.design import Design
 from fingertip.firmware.sources import SOURCE, library_sources
 from fingertip.firmware.trees import float_key
-from fingertip.firmware.wiring import load_controller_design
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, FastSettings
 from fingertip.slip.detectors.fast_model import load_model
@@ -76,9 +75,9 @@ def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recor
     }
 
 
-@pytest.fixture(params=["library", "controller_library"])
+@pytest.fixture(params=["library", "article_library"])
 def either(request: pytest.FixtureRequest) -> Library:
-    """Library without and with the board's filtered signal."""
+    """Library with and without the board's filtered signal."""
     found: Library = request.getfixturevalue(request.param)
     return found
 
@@ -92,38 +91,36 @@ def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None
         assert_same_bits(either, recording.tactile_v, recording.filtered_v)
 
 
-def test_filtered_signal_counts_where_the_board_gives_it(library: Library, controller_library: Library) -> None:
+def test_filtered_signal_counts_where_the_board_gives_it(article_library: Library, library: Library) -> None:
     """Also as the C library takes it: one board's decisions depend on it, the other's do not."""
     signals = random_signals(library.design, 40_000)["bursts"]
-    for each, differs in ((library, False), (controller_library, True)):
+    for each, differs in ((article_library, False), (library, True)):
         both, alone = (each.detector("float").process(*inputs)[0] for inputs in (signals.inputs, signals.inputs[:1]))
         assert np.array_equal(both, alone) != differs
 
 
-def test_double_build_has_the_bits_of_the_plain_loop(controller_library: Library) -> None:
+def test_double_build_has_the_bits_of_the_plain_loop(library: Library) -> None:
     """Also of the loop that numba has not compiled, one sample at a time."""
-    recording = slip_recording(controller_library.design, 1.0)
-    detector = python_detector(controller_library.design)
+    recording = slip_recording(library.design, 1.0)
+    detector = python_detector(library.design)
     on = [detector.step(*values) for values in zip(*(each.tolist() for each in recording.inputs), strict=True)]
-    *_, found = controller_library.detector("double").process(*recording.inputs)
+    *_, found = library.detector("double").process(*recording.inputs)
     assert found.tolist() == on
     assert any(on)
 
 
-def test_infinite_and_missing_samples_do_the_same_in_both(controller_library: Library) -> None:
+def test_infinite_and_missing_samples_do_the_same_in_both(library: Library) -> None:
     random = np.random.default_rng(3)
     for wrong in (np.inf, -np.inf, np.nan):
         volts = np.concatenate((random.normal(size=1000), [wrong], random.normal(size=3000)))
         for inputs in ((volts,), (volts, volts), (random.normal(size=4001), volts)):
-            assert_same_bits(controller_library, *inputs)
-        assert not controller_library.detector("float").process(volts, volts)[3][1100:].any()
+            assert_same_bits(library, *inputs)
+        assert not library.detector("float").process(volts, volts)[3][1100:].any()
 
 
 @pytest.mark.parametrize("rate_hz", [1000.0, 1234.5, 5000.0, 20000.0])
 def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path) -> None:
-    tables = load_controller_design().model_dump()
-    tables["detector"]["sample_rate_hz"] = rate_hz
-    design = Design(**tables)
+    design = Design(detector={"sample_rate_hz": rate_hz})
     library = make_library(design, tmp_path)
     output = assert_same_bits(library, *slip_recording(design, 3.0).inputs)
     assert output.on.any()
@@ -141,9 +138,9 @@ def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(either
 
 
 @pytest.mark.slow
-def test_double_build_has_the_bits_of_python_over_ten_million_samples(controller_library: Library) -> None:
-    signals = random_signals(controller_library.design, 1_200_000, seed=5)
-    total = sum(len(assert_same_bits(controller_library, *signal.inputs).on) for signal in signals.values())
+def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: Library) -> None:
+    signals = random_signals(library.design, 1_200_000, seed=5)
+    total = sum(len(assert_same_bits(library, *signal.inputs).on) for signal in signals.values())
     assert total >= 10_000_000
 
 
@@ -178,23 +175,21 @@ def test_the_comparison_of_intervals_can_fail() -> None:
     assert find_intervals(np.array([True, True, False, True])) == [(0, 2), (3, 4)]
 
 
-def test_chunks_do_not_matter(controller_library: Library) -> None:
-    inputs = slip_recording(controller_library.design, 2.0).inputs
-    whole = controller_library.detector("float").process(*inputs)
-    detector = controller_library.detector("float")
+def test_chunks_do_not_matter(library: Library) -> None:
+    inputs = slip_recording(library.design, 2.0).inputs
+    whole = library.detector("float").process(*inputs)
+    detector = library.detector("float")
     cuts = [1, 7, 8, 1000, 2500]
     pieces = [detector.process(*piece) for piece in zip(*(np.split(each, cuts) for each in inputs), strict=True)]
     for values, parts in zip(whole, zip(*pieces, strict=True), strict=True):
         assert np.array_equal(values, np.concatenate(parts))
 
 
-def test_float_does_not_depend_on_the_force_at_which_it_begins(controller_library: Library) -> None:
+def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library) -> None:
     """A constant voltage costs no digits, as filters take differences: 16 V away, decisions stay the same."""
     step = 2.0**-14  # voltages that single precision holds exactly, here and there
-    tactile, filtered = (np.round(each / step) * step for each in slip_recording(controller_library.design, 4.0).inputs)
-    near, far = (
-        controller_library.detector("float").process(tactile + offset, filtered + offset) for offset in (0.0, 16.0)
-    )
+    tactile, filtered = (np.round(each / step) * step for each in slip_recording(library.design, 4.0).inputs)
+    near, far = (library.detector("float").process(tactile + offset, filtered + offset) for offset in (0.0, 16.0))
     assert near[3].any()
     for values, others in zip(near, far, strict=True):
         assert np.array_equal(values, others)
@@ -208,12 +203,11 @@ def test_compiles_without_warnings_whatever_the_optimisation(library: Library, r
     compile_host(tmp_path, real, level, "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wstrict-prototypes")
 
 
-def test_sanitizers_find_no_undefined_behaviour(controller_library: Library, tmp_path: Path) -> None:
+def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path) -> None:
     """A whole program: the sanitizers must be the first library of a process."""
     import subprocess
 
     require_gcc()
-    library = controller_library
     write_sources(library.design, tmp_path)
     program = tmp_path / "main.c"
     program.write_text(

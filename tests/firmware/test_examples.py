@@ -13,31 +13,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.design import Design
 from fingertip.firmware import write_firmware
-from fingertip.firmware.wiring import load_controller_design
 from tests.conftest import ROOT
-from tests.firmware.conftest import INSTALL, Library, make_library
+from tests.firmware.conftest import INSTALL, Library
 from tests.tools import require_tool
 from tools.firmware.signals import slip_recording
 
 ARDUINO = Path(__file__).parent / "arduino"
 BOARDS = ("TEENSYDUINO", "ARDUINO_ARCH_STM32", "ARDUINO_ARCH_RENESAS", "ARDUINO_ARCH_RP2040")
 EXAMPLES = ("slip_pin", "slip_stream")
-CONTROLLER_FILE = "controller.toml"
 
 
 @pytest.fixture(scope="session")
 def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Library of a design for a controller, as Arduino takes it, with both examples as programs of this machine."""
+    """Library of the default design, as Arduino takes it, with both examples as programs of this machine."""
     require_tool("g++", INSTALL)
     folder = tmp_path_factory.mktemp("arduino")
-    design = load_controller_design()
+    design = Design()
     write_firmware(design, folder)
-    lines = []
-    for table in ("board", "detector"):
-        changes = getattr(design, table).model_dump(exclude_unset=True)
-        lines += [f"[{table}]", *(f"{key} = {value!r}".replace("'", '"') for key, value in changes.items())]
-    (folder / CONTROLLER_FILE).write_text("\n".join([*lines, ""]))
     subprocess.run(
         ["gcc", "-c", "-O2", "-std=gnu11", str(folder / "src/slip_detector.c"), "-o", str(folder / "detector.o")],
         check=True,
@@ -54,11 +48,6 @@ def compile_sketch(folder: Path, example: str, board: str, *arguments: str) -> N
     compiler = ["-x", "c++", "-include", "Arduino.h", str(sketch), "-x", "none"]
     done = subprocess.run(["g++", *flags, *compiler, *arguments], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-
-
-@pytest.fixture(scope="session")
-def controller(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    return make_library(load_controller_design(), tmp_path_factory.mktemp("controller"))
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
@@ -85,19 +74,19 @@ def run_example(arduino: Path, example: str, codes: tuple[np.ndarray, ...]) -> t
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, controller: Library, example: str) -> None:
-    design = controller.design
+def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, library: Library, example: str) -> None:
+    design = library.design
     codes = slip_recording(design, 2.0).codes(design)
     _, changes, period = run_example(arduino, example, codes)
-    on = controller.detector("float").process_codes(*codes)
+    on = library.detector("float").process_codes(*codes)
     expected = [(0, 0), *((int(i) + 1, int(on[i + 1])) for i in np.flatnonzero(np.diff(on.astype(int))))]
     assert changes == expected
     assert len(changes) > 1
     assert period == pytest.approx(1e6 / design.detector.sample_rate_hz)
 
 
-def test_lines_hold_time_and_voltage(arduino: Path, controller: Library) -> None:
-    design = controller.design
+def test_lines_hold_time_and_voltage(arduino: Path, library: Library) -> None:
+    design = library.design
     codes = np.array([0, 1, 2048, 4095, *[1000] * 3000])
     text, _, _ = run_example(arduino, "slip_stream", (codes, codes[::-1]))
     header, *lines = text.splitlines()
@@ -141,16 +130,15 @@ def test_the_longest_line_fits_and_negative_voltages_are_written(arduino: Path, 
     ]
 
 
-def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, controller: Library) -> None:
+def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, library: Library) -> None:
     """A pseudo-terminal stands for the port: the sketch writes to it, and `fingertip detect -` reads it as it comes."""
-    design = controller.design
+    design = library.design
     codes = slip_recording(design, 3.0).codes(design)
     first, second = pty.openpty()
     tty.setraw(first)
     tty.setraw(second)
-    command = [sys.executable, "-m", "fingertip", "detect", "-", "--detector", "fast"]
     detect = subprocess.Popen(
-        [*command, "--design", str(arduino / CONTROLLER_FILE)],
+        [sys.executable, "-m", "fingertip", "detect", "-", "--detector", "fast"],
         stdin=second, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
     )  # fmt: skip
@@ -161,7 +149,7 @@ def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, controller: L
         sketch.stdin.write(as_lines(codes).encode())
         sketch.stdin.close()
     out, err = detect.communicate(timeout=60)
-    on = controller.detector("float").process_codes(*codes)
+    on = library.detector("float").process_codes(*codes)
     changes = np.flatnonzero(np.diff(np.concatenate(([0], on.astype(int)))))
     expected = [(("OFF", "ON")[int(on[i])], round(i / design.detector.sample_rate_hz, 4)) for i in changes]
     found = [(line.split()[0], float(line.split()[1])) for line in out.splitlines()]

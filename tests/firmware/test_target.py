@@ -42,13 +42,11 @@ def run(library: Library, target: Target, recording: Recording, level: str = "-O
 
 @by_target
 @pytest.mark.parametrize("level", ["-O2", "-Os"])
-def test_decisions_and_confidences_are_those_of_this_machine(
-    controller_library: Library, target: Target, level: str
-) -> None:
+def test_decisions_and_confidences_are_those_of_this_machine(library: Library, target: Target, level: str) -> None:
     """Both compute single precision by IEEE 754, so the numbers have the same bits."""
-    recording = slip_recording(controller_library.design, 1.5)
-    found = run(controller_library, target, recording, level)
-    _, confidence, _, on = controller_library.detector("float").process(*recording.inputs)
+    recording = slip_recording(library.design, 1.5)
+    found = run(library, target, recording, level)
+    _, confidence, _, on = library.detector("float").process(*recording.inputs)
     assert len(found.on) == len(on)
     assert np.array_equal(found.on, on)
     assert np.array_equal(found.confidence, confidence)
@@ -56,17 +54,17 @@ def test_decisions_and_confidences_are_those_of_this_machine(
 
 
 @by_target
-def test_decisions_in_simulated_trials_are_those_of_python(controller_library: Library, target: Target) -> None:
-    for recording in campaign_recordings(controller_library.design, stride=200):
-        output = FastDetector(FastSettings.from_design(controller_library.design)).process(*recording.inputs)
-        assert count_differences(output.on, run(controller_library, target, recording).on)[0] == 0
+def test_decisions_in_simulated_trials_are_those_of_python(library: Library, target: Target) -> None:
+    for recording in campaign_recordings(library.design, stride=200):
+        output = FastDetector(FastSettings.from_design(library.design)).process(*recording.inputs)
+        assert count_differences(output.on, run(library, target, recording).on)[0] == 0
 
 
-def test_the_counter_counts_instructions(controller_library: Library) -> None:
+def test_the_counter_counts_instructions(library: Library) -> None:
     """Counts are whole numbers, the same in every run, and repeat from tick to tick."""
     target = TARGETS[0]
-    recording = quiet_recording(controller_library.design, 1.0)
-    first, second = (run(controller_library, target, recording).instructions for _ in range(2))
+    recording = quiet_recording(library.design, 1.0)
+    first, second = (run(library, target, recording).instructions for _ in range(2))
     assert np.array_equal(first, second)
     plain = np.median(first)
     assert (first[3::4] > plain).all()  # a tick ends every fourth sample
@@ -74,37 +72,34 @@ def test_the_counter_counts_instructions(controller_library: Library) -> None:
 
 
 @by_target
-def test_memory_is_within_the_limits(controller_library: Library, target: Target) -> None:
-    found = run(controller_library, target, slip_recording(controller_library.design, 1.0))
+def test_memory_is_within_the_limits(library: Library, target: Target) -> None:
+    found = run(library, target, slip_recording(library.design, 1.0))
     assert 64 <= found.stack_bytes <= costs.MAX_STACK_BYTES
-    _, frames = compile_object(controller_library.folder, target)
+    _, frames = compile_object(library.folder, target)
     assert {"slip_process", "slip_step", "slip_step_codes", "slip_init"} <= set(frames)
     assert sum(frames.values()) <= costs.MAX_STACK_BYTES
     # What the compiler states for the deepest step is what the pattern on the stack shows, apart from its routines.
     assert found.stack_bytes >= max(frames.values())
-    assert controller_library.detector("float").state_bytes <= costs.MAX_STATE_BYTES
+    assert library.detector("float").state_bytes <= costs.MAX_STATE_BYTES
     for level in ("-Os", "-O2"):
-        assert 15_000 < measure_flash(controller_library.folder, target, level) <= costs.MAX_FLASH_BYTES
+        assert 15_000 < measure_flash(library.folder, target, level) <= costs.MAX_FLASH_BYTES
 
 
-def test_instructions_are_within_the_limit(controller_library: Library) -> None:
+def test_instructions_are_within_the_limit(library: Library) -> None:
     """Mean over a few cases of the campaign, which hold more slip than all of them; quiet signals take fewer."""
     target = TARGETS[0]
-    recordings = campaign_recordings(controller_library.design, stride=40)
-    counts = [run(controller_library, target, recording).instructions for recording in recordings]
+    recordings = campaign_recordings(library.design, stride=40)
+    counts = [run(library, target, recording).instructions for recording in recordings]
     assert np.concatenate(counts).mean() <= costs.MAX_INSTRUCTIONS
-    assert (
-        run(controller_library, target, quiet_recording(controller_library.design, 2.0)).instructions.mean()
-        < 0.5 * costs.MAX_INSTRUCTIONS
-    )
+    assert run(library, target, quiet_recording(library.design, 2.0)).instructions.mean() < 0.5 * costs.MAX_INSTRUCTIONS
 
 
-def test_no_step_calls_a_function_on_a_controller_with_floating_point(controller_library: Library) -> None:
+def test_no_step_calls_a_function_on_a_controller_with_floating_point(library: Library) -> None:
     require_arm()
     floating, integer = TARGETS
     (image, _), (other, _) = (
-        compile_object(controller_library.folder, floating),
-        compile_object(controller_library.folder, integer),
+        compile_object(library.folder, floating),
+        compile_object(library.folder, integer),
     )
     assert set(undefined(image)) <= {"memset", "memcpy"}  # of slip_init
     routines = set(undefined(other)) - {"memset", "memcpy"}
@@ -117,12 +112,12 @@ def undefined(image: Path) -> list[str]:
     return [line.split()[-1] for line in done.stdout.splitlines() if line.strip()]
 
 
-def test_products_and_sums_are_not_contracted_as_arduino_compiles(controller_library: Library, tmp_path: Path) -> None:
+def test_products_and_sums_are_not_contracted_as_arduino_compiles(library: Library, tmp_path: Path) -> None:
     """Arduino's options leave out -ffp-contract=off, so the source itself forbids it."""
     require_arm()
-    source = (controller_library.folder / "slip_detector.c").read_text()
-    assert contracted(controller_library, tmp_path, source) == 0
-    assert contracted(controller_library, tmp_path, source.replace("#pragma GCC optimize", "// ")) > 0
+    source = (library.folder / "slip_detector.c").read_text()
+    assert contracted(library, tmp_path, source) == 0
+    assert contracted(library, tmp_path, source.replace("#pragma GCC optimize", "// ")) > 0
 
 
 def contracted(library: Library, folder: Path, source: str) -> int:
@@ -148,10 +143,10 @@ def test_the_committed_measurements_are_within_the_limits() -> None:
 
 
 @pytest.mark.slow
-def test_the_committed_measurements_are_measured_again(controller_library: Library) -> None:
+def test_the_committed_measurements_are_measured_again(library: Library) -> None:
     """With the compiler that made the table, the same bytes and nearly the same counts; else the limits alone."""
     require_arm()
-    written, found = costs.read_costs(), measure(controller_library.design, stride=48, seconds=3.0)
+    written, found = costs.read_costs(), measure(library.design, stride=48, seconds=2.0)
     assert_limits(found)
     if tool_version("arm-none-eabi-gcc") not in written["compiler"]:
         return

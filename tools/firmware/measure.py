@@ -16,7 +16,6 @@ from fingertip.board.components.component_values import select_components
 from fingertip.board.variants import find_configuration
 from fingertip.design import Design
 from fingertip.firmware import costs
-from fingertip.firmware.wiring import load_controller_design
 from tools.firmware.signals import Recording, campaign_recordings, quiet_recording, slip_recording
 from tools.firmware.toolchain import (
     TARGETS,
@@ -30,9 +29,9 @@ from tools.firmware.toolchain import (
     write_sources,
 )
 
-STRIDE = 12
+STRIDE = 24
 """One of so many cases of the campaign is run on the controllers."""
-SECONDS = 10.0
+SECONDS = 4.0
 """Duration of the quiet and of the slip signal [s]."""
 
 
@@ -75,9 +74,9 @@ def _measure_target(folder: Path, target: Target, signals: dict[str, list[Record
 
 
 def main() -> None:
-    """Measure the default design with a board for a controller, and replace the table in the package."""
+    """Measure the default design, and replace the table in the package."""
     path = Path(costs.__file__).with_name(costs.TABLE)
-    path.write_text(json.dumps(measure(load_controller_design()), indent=2) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(measure(Design()), indent=2) + "\n", encoding="utf-8")
     print(path.read_text(encoding="utf-8"))
 
 

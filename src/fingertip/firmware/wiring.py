@@ -11,7 +11,6 @@ from fingertip.board.nets import ADC_FILTERED, ADC_TACTILE, GND, VMID_OUT
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.load import load_tables
 
 READ_NETS = (ADC_TACTILE, ADC_FILTERED)
 """Nets of the connector that the library reads."""
@@ -65,12 +64,6 @@ def controller_changes() -> tuple[str, ...]:
         f"detector.adc_range_v={_CONTROLLER_SUPPLY.nominal_v:g}",
         "detector.adc_bits=12",
     )
-
-
-def load_controller_design() -> Design:
-    """Load the default design with these changes."""
-    loaded = load_tables([], controller_changes())
-    return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
 
 
 def _describe_use(net: str) -> str:

@@ -10,6 +10,9 @@ from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_model import load_model
 
+_SMALL_CLOCK_HZ = 48e6
+"""Clock of many controllers without a floating-point unit [Hz]."""
+
 
 def render_readme(design: Design) -> str:
     """Render the README of a design's library, in Markdown."""
@@ -103,13 +106,15 @@ def _cost(design: Design) -> list[str]:
     return [
         costs.cost_table(),
         paragraph(
-            f"Measured on the library of {measured['design']} at {measured['sample_rate_hz']:g} Hz, by "
+            f"Measured on the library of {measured['design']} with the board {measured['board']} at {measured['sample_rate_hz']:g} Hz, by "
             f"{measured['compiler']} with {measured['options']}, on the {emulated} of {measured['emulator']}. Flash "
             "holds code, trees and the floating-point routines; stack is what the deepest step left behind. "
             f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and "
             "scenes without slip, and while slip lasts. Most steps take few. The longest ones, one each "
             f"{1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything vibrates. A controller without "
-            "a floating-point unit spends its time in the compiler's routines."
+            "a floating-point unit spends its time in the compiler's routines: one of "
+            f"{_SMALL_CLOCK_HZ / 1e6:g} MHz has {_SMALL_CLOCK_HZ / design.detector.sample_rate_hz:.0f} clock cycles per "
+            "sample at this design's rate."
         ),
     ]
 

@@ -2,7 +2,8 @@
 //
 //   fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0
 //
-// A timer interrupt takes the samples and stores them; loop() writes them. The pin is ON while slip is detected here.
+// A timer interrupt takes the samples and stores them; loop() writes them, and runs the detector, whose longest step a
+// slow controller does not finish between two samples. The pin is ON while slip is detected here.
 #include <slip_detector.h>
 #include <slip_timer.h>
 
@@ -23,7 +24,6 @@ static void take_sample() {
   stored_tactile[taken % STORED] = tactile;
   stored_filtered[taken % STORED] = filtered;
   taken = taken + 1;
-  digitalWrite(SLIP_PIN, slip_step_codes(&slip, tactile, filtered) ? HIGH : LOW);
 }
 
 void setup() {
@@ -47,8 +47,10 @@ void loop() {
     written = taken;
   }
   if (written != taken) {
-    const uint32_t at = written % STORED;
-    const size_t length = slip_format_line(line, written, slip_volts(stored_tactile[at]), slip_volts(stored_filtered[at]));
+    const uint16_t tactile = stored_tactile[written % STORED];
+    const uint16_t filtered = stored_filtered[written % STORED];
+    const size_t length = slip_format_line(line, written, slip_volts(tactile), slip_volts(filtered));
+    digitalWrite(SLIP_PIN, slip_step_codes(&slip, tactile, filtered) ? HIGH : LOW);
     Serial.write(line, length);
     written++;
   }

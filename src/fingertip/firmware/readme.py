@@ -108,14 +108,14 @@ def _cost(design: Design) -> list[str]:
         paragraph(
             f"Measured on the library of {measured['design']} with the board {measured['board']} at "
             f"{measured['sample_rate_hz']:g} Hz, by {measured['compiler']} with {measured['options']}, on the "
-            f"{emulated} of {measured['emulator']}. Flash holds code, trees and the floating-point routines; stack is what the deepest step left behind. "
-            f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and "
-            "scenes without slip, and while slip lasts. Most steps take few. The longest ones, one each "
-            f"{1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything vibrates. A controller without "
-            "a floating-point unit spends its time in the compiler's routines. At "
+            f"{emulated} of {measured['emulator']}. Flash holds code, trees and the floating-point routines; stack is "
+            "what the deepest step left behind. Instructions are means per sample: at a constant force, over "
+            f"{samples} samples of simulated trials and scenes without slip, and while slip lasts. Most take few. "
+            f"The longest ones, one each {1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything "
+            "vibrates. A controller without a floating-point unit spends its time in the compiler's routines. At "
             f"{_SMALL_CLOCK_HZ / 1e6:g} MHz it has {_SMALL_CLOCK_HZ / design.detector.sample_rate_hz:.0f} clock cycles "
-            "for each sample of this design. Where the longest step takes more, let the interrupt store samples, and run the detector "
-            "in loop(), as `slip_stream` does."
+            "for each sample of this design. Where the longest step takes more, let the interrupt store samples, and "
+            "run the detector in loop(), as `slip_stream` does."
         ),
     ]
 

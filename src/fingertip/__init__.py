@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.display import Picture
     from fingertip.errors import FingertipError
+    from fingertip.firmware import write_firmware
     from fingertip.make_files import Made, make
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
@@ -61,6 +62,7 @@ _MODULES = {
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.board",
+    "write_firmware": "fingertip.firmware",
 }
 """Public name -> module that defines it."""
 
@@ -96,6 +98,7 @@ __all__ = [
     "run_scene",
     "simulate",
     "write_board",
+    "write_firmware",
 ]
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.load import load_tables
-from fingertip.firmware.wiring import controller_changes
+from tests.conftest import design_file
 from tests.tools import require_tool
 from tools.firmware.toolchain import HostDetector, compile_host, write_sources
 
@@ -23,12 +22,6 @@ def require_gcc() -> None:
 def require_arm() -> None:
     for tool in ("gcc", "arm-none-eabi-gcc", "qemu-system-arm"):
         require_tool(tool, INSTALL)
-
-
-def controller_design() -> Design:
-    """A board and a converter that a controller can read."""
-    loaded = load_tables([], controller_changes())
-    return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
 
 
 @dataclass(frozen=True)
@@ -55,11 +48,11 @@ def make_library(design: Design, folder: Path) -> Library:
 
 @pytest.fixture(scope="session")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    """Library of the default design."""
+    """Library of the default design, whose board is made for a controller."""
     return make_library(Design(), tmp_path_factory.mktemp("library"))
 
 
 @pytest.fixture(scope="session")
-def controller_library(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    """Library of a design for a controller with a converter of 12 bits."""
-    return make_library(controller_design(), tmp_path_factory.mktemp("controller"))
+def article_library(tmp_path_factory: pytest.TempPathFactory) -> Library:
+    """Library of the article's design, whose board gives no filtered signal."""
+    return make_library(Design.load(design_file("article")), tmp_path_factory.mktemp("article"))

@@ -17,11 +17,12 @@ from fingertip.slip.detectors.fast import FastDetector, FastOutput, FastSettings
 from fingertip.slip.detectors.fast_model import load_model
 from tests.firmware.conftest import Library, make_library, require_gcc
 from tools.firmware.signals import (
-    campaign_voltages,
+    Recording,
+    campaign_recordings,
     count_differences,
     find_intervals,
-    quiet_voltage,
-    slip_voltage,
+    quiet_recording,
+    slip_recording,
 )
 from tools.firmware.toolchain import compile_host, write_sources
 
@@ -33,12 +34,12 @@ def python_detector(design: Design) -> FastDetector:
     return FastDetector(FastSettings.from_design(design))
 
 
-def assert_same_bits(library: Library, volts: np.ndarray) -> FastOutput:
+def assert_same_bits(library: Library, *inputs: np.ndarray) -> FastOutput:
     """The double build gives the bits of Python's numbers, the floor of every sample included."""
     detector = python_detector(library.design)
     with jit.compiled():
-        output = detector.process(volts)
-    wide, confidence, floor, on = library.detector("double").process(volts)
+        output = detector.process(*inputs)
+    wide, confidence, floor, on = library.detector("double").process(*inputs)
     assert np.array_equal(output.filtered_v, wide, equal_nan=True)
     assert np.array_equal(output.confidence, confidence, equal_nan=True)
     assert np.array_equal(output.on, on)
@@ -47,41 +48,63 @@ def assert_same_bits(library: Library, volts: np.ndarray) -> FastOutput:
     return output
 
 
-def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, np.ndarray]:
-    """Signals of every kind: noise, bursts, steps, codes, numbers of any size, and constants."""
+def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recording]:
+    """Signals of every kind: noise, bursts, steps, codes, limits, numbers of any size, and constants."""
     random = np.random.default_rng(seed)
-    noise_v = 4e-4
-    base = random.normal(2.0, noise_v, count)
+    tactile, filtered = 2.0 + random.normal(0.0, 4e-4, count), 1.5 + random.normal(0.0, 4e-4, count)
     blocks = -(-count // 1000)
     loudness = np.repeat(random.choice([1.0, 5.0, 30.0], blocks), 1000)[:count]
     forces = np.repeat(random.uniform(0.0, 3.0, blocks), 1000)[:count]
     step = design.detector.adc_step_v
-    with np.errstate(over="ignore"):
-        any_size = random.normal(size=count) * 10.0 ** random.uniform(-320, 308, count)
+
+    def any_size() -> np.ndarray:
+        with np.errstate(over="ignore"):
+            return random.normal(size=count) * 10.0 ** random.uniform(-320, 308, count)
+
+    constant = np.full(count, 3.3)
     return {
-        "noise": base,
-        "bursts": 2.0 + (base - 2.0) * loudness,
-        "steps": base + forces,
-        "slip": slip_voltage(design, count / design.detector.sample_rate_hz),
-        "codes": np.round(random.normal(2.0, 2.0 * step, count) / step) * step,
-        "any size": any_size,
-        "constant": np.full(count, 3.3),
-        "zero": np.zeros(count),
+        "noise": Recording(tactile, filtered),
+        "bursts": Recording(2.0 + (tactile - 2.0) * loudness, 1.5 + (filtered - 1.5) * 100.0 * loudness),
+        "steps": Recording(tactile + forces, filtered + 0.1 * (forces - forces[0])),
+        "slip": slip_recording(design, count / design.detector.sample_rate_hz),
+        "codes": Recording(*(np.round(volts / step) * step for volts in (tactile, filtered))),
+        "limits": Recording(tactile, np.clip(1.5 + random.normal(0.0, loudness / 10), 0.0, 3.0)),
+        "any size": Recording(any_size(), any_size()),
+        "constant": Recording(constant, constant),
+        "zero": Recording(0.0 * constant, 0.0 * constant),
     }
 
 
+@pytest.fixture(params=["library", "article_library"])
+def either(request: pytest.FixtureRequest) -> Library:
+    """Library with and without the board's filtered signal."""
+    found: Library = request.getfixturevalue(request.param)
+    return found
+
+
 @pytest.mark.parametrize("name", random_signals(Design(), 10))
-def test_double_build_has_the_bits_of_python(library: Library, name: str) -> None:
-    output = assert_same_bits(library, random_signals(library.design, 40_000)[name])
+def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None:
+    recording = random_signals(either.design, 40_000)[name]
+    output = assert_same_bits(either, recording.tactile_v)
     assert output.on.any() == (name in ("bursts", "slip", "steps"))
+    if recording.filtered_v is not None:
+        assert_same_bits(either, recording.tactile_v, recording.filtered_v)
+
+
+def test_filtered_signal_counts_where_the_board_gives_it(article_library: Library, library: Library) -> None:
+    """Also as the C library takes it: one board's decisions depend on it, the other's do not."""
+    signals = random_signals(library.design, 40_000)["bursts"]
+    for each, differs in ((article_library, False), (library, True)):
+        both, alone = (each.detector("float").process(*inputs)[0] for inputs in (signals.inputs, signals.inputs[:1]))
+        assert np.array_equal(both, alone) != differs
 
 
 def test_double_build_has_the_bits_of_the_plain_loop(library: Library) -> None:
     """Also of the loop that numba has not compiled, one sample at a time."""
-    volts = slip_voltage(library.design, 1.0)
+    recording = slip_recording(library.design, 1.0)
     detector = python_detector(library.design)
-    on = [detector.step(value) for value in volts.tolist()]
-    *_, found = library.detector("double").process(volts)
+    on = [detector.step(*values) for values in zip(*(each.tolist() for each in recording.inputs), strict=True)]
+    *_, found = library.detector("double").process(*recording.inputs)
     assert found.tolist() == on
     assert any(on)
 
@@ -90,23 +113,24 @@ def test_infinite_and_missing_samples_do_the_same_in_both(library: Library) -> N
     random = np.random.default_rng(3)
     for wrong in (np.inf, -np.inf, np.nan):
         volts = np.concatenate((random.normal(size=1000), [wrong], random.normal(size=3000)))
-        assert_same_bits(library, volts)
-        assert not library.detector("float").process(volts)[3][1100:].any()
+        for inputs in ((volts,), (volts, volts), (random.normal(size=4001), volts)):
+            assert_same_bits(library, *inputs)
+        assert not library.detector("float").process(volts, volts)[3][1100:].any()
 
 
 @pytest.mark.parametrize("rate_hz", [1000.0, 1234.5, 5000.0, 20000.0])
 def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path) -> None:
     design = Design(detector={"sample_rate_hz": rate_hz})
     library = make_library(design, tmp_path)
-    output = assert_same_bits(library, slip_voltage(design, 3.0))
+    output = assert_same_bits(library, *slip_recording(design, 3.0).inputs)
     assert output.on.any()
 
 
-def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(library: Library) -> None:
+def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(either: Library) -> None:
     intervals = 0
-    for volts in campaign_voltages(library.design, stride=60):
-        output = assert_same_bits(library, volts)
-        *_, on = library.detector("float").process(volts)
+    for recording in campaign_recordings(either.design, stride=60):
+        output = assert_same_bits(either, *recording.inputs)
+        *_, on = either.detector("float").process(*recording.inputs)
         different, found = count_differences(output.on, on)
         intervals += found
         assert not different
@@ -115,25 +139,26 @@ def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(librar
 
 @pytest.mark.slow
 def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: Library) -> None:
-    signals = random_signals(library.design, 1_500_000, seed=5)
-    total = sum(len(assert_same_bits(library, volts).on) for volts in signals.values())
+    signals = random_signals(library.design, 1_200_000, seed=5)
+    total = sum(len(assert_same_bits(library, *signal.inputs).on) for signal in signals.values())
     assert total >= 10_000_000
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["library", "controller_library"])
-def test_float_finds_the_intervals_of_the_whole_campaign(kind: str, request: pytest.FixtureRequest) -> None:
-    """The campaign's traces, and a hundred slips in noise, so that one difference is less than the limit."""
-    library: Library = request.getfixturevalue(kind)
-    design, different, total = library.design, 0, 0
-    seconds = [slip_voltage(design, 4.0, seed) for seed in range(0, 2000, 2)]
+def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> None:
+    """The campaign's traces, and a thousand slips in noise, so that one difference is less than the limit.
+
+    The library takes the codes of the converter, as on a controller.
+    """
+    design, different, total = either.design, 0, 0
+    slips = (slip_recording(design, 4.0, seed) for seed in range(0, 2000, 2))
     with jit.compiled():
-        for volts in itertools.chain(campaign_voltages(design), seconds):
-            output = python_detector(design).process(volts)
-            *_, on = library.detector("float").process(volts)
+        for recording in itertools.chain(campaign_recordings(design), slips):
+            output = python_detector(design).process(*recording.quantised(design).inputs)
+            on = either.detector("float").process_codes(*recording.codes(design))
             wrong, found = count_differences(output.on, on)
             different, total = different + wrong, total + found
-    print(f"{kind}: {different} of {total} intervals differ")
+    print(f"{design.board.supply}: {different} of {total} intervals differ")
     assert total > 2 / (1 - MIN_EQUAL_SHARE)
     assert different <= (1 - MIN_EQUAL_SHARE) * total
 
@@ -151,10 +176,11 @@ def test_the_comparison_of_intervals_can_fail() -> None:
 
 
 def test_chunks_do_not_matter(library: Library) -> None:
-    volts = slip_voltage(library.design, 2.0)
-    whole = library.detector("float").process(volts)
+    inputs = slip_recording(library.design, 2.0).inputs
+    whole = library.detector("float").process(*inputs)
     detector = library.detector("float")
-    pieces = [detector.process(piece) for piece in np.split(volts, [1, 7, 8, 1000, 2500])]
+    cuts = [1, 7, 8, 1000, 2500]
+    pieces = [detector.process(*piece) for piece in zip(*(np.split(each, cuts) for each in inputs), strict=True)]
     for values, parts in zip(whole, zip(*pieces, strict=True), strict=True):
         assert np.array_equal(values, np.concatenate(parts))
 
@@ -162,8 +188,8 @@ def test_chunks_do_not_matter(library: Library) -> None:
 def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library) -> None:
     """A constant voltage costs no digits, as filters take differences: 16 V away, decisions stay the same."""
     step = 2.0**-14  # voltages that single precision holds exactly, here and there
-    volts = np.round(slip_voltage(library.design, 4.0) / step) * step
-    near, far = (library.detector("float").process(volts + offset) for offset in (0.0, 16.0))
+    tactile, filtered = (np.round(each / step) * step for each in slip_recording(library.design, 4.0).inputs)
+    near, far = (library.detector("float").process(tactile + offset, filtered + offset) for offset in (0.0, 16.0))
     assert near[3].any()
     for values, others in zip(near, far, strict=True):
         assert np.array_equal(values, others)
@@ -185,41 +211,56 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     write_sources(library.design, tmp_path)
     program = tmp_path / "main.c"
     program.write_text(
-        '#include "slip_detector.h"\n#include <stdio.h>\nint main(void) { static slip_state s; float v; '
-        "slip_init(&s); while (fread(&v, sizeof v, 1, stdin) == 1) putchar(slip_step(&s, v)); return 0; }\n"
+        '#include "slip_detector.h"\n#include <stdio.h>\nint main(void) { static slip_state s; float v[2]; '
+        "slip_init(&s); while (fread(v, sizeof v, 1, stdin) == 1) putchar(slip_step(&s, v[0], v[1])); return 0; }\n"
     )
     flags = ["-std=c99", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all", f"-I{tmp_path}"]
     binary = tmp_path / "main"
     subprocess.run(["gcc", *flags, str(program), str(tmp_path / SOURCE), "-o", str(binary)], check=True)
-    volts = slip_voltage(library.design, 3.0).astype("<f4")
-    done = subprocess.run([str(binary)], input=volts.tobytes(), capture_output=True, check=True)
+    inputs = [each.astype("<f4") for each in slip_recording(library.design, 3.0).inputs]
+    done = subprocess.run([str(binary)], input=np.column_stack(inputs).tobytes(), capture_output=True, check=True)
     assert not done.stderr
-    assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(volts)[3])
+    assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[3])
 
 
 def test_another_order_of_operations_is_noticed(library: Library, tmp_path: Path) -> None:
     """The comparison of bits can fail: the same sum in another order."""
     write_sources(library.design, tmp_path)
     source = (tmp_path / SOURCE).read_text()
-    first, second = "SLIP_EDGE_B1 * change - SLIP_EDGE_A1 * edge + state->edge_2", "SLIP_EDGE_B1 * change"
+    first, second = "SLIP_EDGE_B1 * restored - SLIP_EDGE_A1 * edge + state->edge_2", "SLIP_EDGE_B1 * restored"
     changed = source.replace(first, f"state->edge_2 - SLIP_EDGE_A1 * edge + {second}")
     assert changed != source
     (tmp_path / SOURCE).write_text(changed)
     compile_host(tmp_path, "double")
-    volts = slip_voltage(library.design, 2.0)
-    assert_same_bits(library, volts)
+    inputs = slip_recording(library.design, 2.0).inputs
+    assert_same_bits(library, *inputs)
     with pytest.raises(AssertionError):
-        assert_same_bits(Library(library.design, tmp_path), volts)
+        assert_same_bits(Library(library.design, tmp_path), *inputs)
 
 
 def test_state_is_small(library: Library) -> None:
     assert library.detector("float").state_bytes <= 4 * fast_loop.STATES
 
 
+def test_codes_are_volts_without_rounding(either: Library) -> None:
+    """The same decisions, and the same ones whatever the code at which the signal begins."""
+    recording, design = slip_recording(either.design, 4.0), either.design
+    codes = recording.codes(design)
+    on = either.detector("float").process_codes(*codes)
+    assert on.any()
+    assert np.array_equal(on, python_detector(design).process(*recording.quantised(design).inputs).on)
+    assert np.array_equal(on, either.detector("double").process_codes(*codes))
+    moved = [None if each is None else each + 12_345_678 for each in codes]
+    assert np.array_equal(on, either.detector("float").process_codes(*moved))
+
+
 def test_incipient_slip_is_that_of_python(library: Library) -> None:
     """The threshold of the header, on the confidences of both."""
-    output = python_detector(library.design).process(slip_voltage(library.design, 3.0))
-    confidence = library.detector("double").process(slip_voltage(library.design, 3.0))[1]
+    inputs = slip_recording(library.design, 3.0).inputs
+    output, confidence = (
+        python_detector(library.design).process(*inputs),
+        library.detector("double").process(*inputs)[1],
+    )
     header = library_sources(library.design)["slip_detector.h"].decode()
     text = header.partition("#define SLIP_INCIPIENT_CONFIDENCE ((slip_real)")[2].partition(")")[0]
     assert np.array_equal(confidence > float(text), output.incipient)
@@ -236,9 +277,10 @@ def test_keys_are_in_the_order_of_the_floats() -> None:
     assert min(float_key(t) for t in load_model().thresholds.tolist()) > 0  # the key of NaN
 
 
-def test_a_quiet_signal_is_off_and_learned(library: Library) -> None:
-    _, _, floor, on = library.detector("float").process(quiet_voltage(library.design, 10.0))
+def test_a_quiet_signal_is_off_and_learned(either: Library) -> None:
+    inputs = quiet_recording(either.design, 10.0).inputs
+    _, _, floor, on = either.detector("float").process(*inputs)
     assert not on.any()
-    detector = python_detector(library.design)
-    detector.process(quiet_voltage(library.design, 10.0))
-    assert floor[-1] == pytest.approx(detector.state[fast_loop.FLOOR], rel=1e-5)
+    detector = python_detector(either.design)
+    detector.process(*inputs)
+    assert floor[-1] == pytest.approx(detector.state[fast_loop.FLOOR], rel=1e-4)

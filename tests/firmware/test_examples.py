@@ -16,26 +16,22 @@ import pytest
 from fingertip.design import Design
 from fingertip.firmware import write_firmware
 from tests.conftest import ROOT
-from tests.firmware.conftest import INSTALL, Library, controller_design, make_library
+from tests.firmware.conftest import INSTALL, Library
 from tests.tools import require_tool
-from tools.firmware.signals import slip_voltage
+from tools.firmware.signals import slip_recording
 
 ARDUINO = Path(__file__).parent / "arduino"
 BOARDS = ("TEENSYDUINO", "ARDUINO_ARCH_STM32", "ARDUINO_ARCH_RENESAS", "ARDUINO_ARCH_RP2040")
 EXAMPLES = ("slip_pin", "slip_stream")
-CONTROLLER_FILE = "controller.toml"
 
 
 @pytest.fixture(scope="session")
 def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Library of a design for a controller, as Arduino takes it, with both examples as programs of this machine."""
+    """Library of the default design, as Arduino takes it, with both examples as programs of this machine."""
     require_tool("g++", INSTALL)
     folder = tmp_path_factory.mktemp("arduino")
-    design = controller_design()
+    design = Design()
     write_firmware(design, folder)
-    changes = design.detector.model_dump(exclude_unset=True)
-    lines = [f"{key} = {value!r}".replace("'", '"') for key, value in changes.items()]
-    (folder / CONTROLLER_FILE).write_text("\n".join(["[detector]", *lines, ""]))
     subprocess.run(
         ["gcc", "-c", "-O2", "-std=gnu11", str(folder / "src/slip_detector.c"), "-o", str(folder / "detector.o")],
         check=True,
@@ -54,21 +50,6 @@ def compile_sketch(folder: Path, example: str, board: str, *arguments: str) -> N
     assert done.returncode == 0, done.stderr
 
 
-def codes_of(design: Design, volts: np.ndarray) -> np.ndarray:
-    d = design.detector
-    return np.clip(np.round((volts - d.adc_low_v) / d.adc_step_v), 0, 2**d.adc_bits - 1).astype(int)
-
-
-def volts_of(design: Design, codes: np.ndarray) -> np.ndarray:
-    d = design.detector
-    return np.float32(d.adc_low_v) + np.float32(d.adc_step_v) * codes.astype(np.float32)
-
-
-@pytest.fixture(scope="session")
-def controller(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    return make_library(controller_design(), tmp_path_factory.mktemp("controller"))
-
-
 @pytest.mark.parametrize("example", EXAMPLES)
 @pytest.mark.parametrize("board", BOARDS)
 def test_examples_compile_for_each_family_of_boards(arduino: Path, example: str, board: str) -> None:
@@ -80,37 +61,42 @@ def test_another_board_is_answered_with_what_to_do(arduino: Path) -> None:
         compile_sketch(arduino, "slip_pin", "ARDUINO_ARCH_NONE", "-fsyntax-only")
 
 
-def run_example(arduino: Path, example: str, codes: np.ndarray) -> tuple[str, list[tuple[int, int]], float]:
+def as_lines(codes: tuple[np.ndarray, ...]) -> str:
+    return "".join(f"{tactile} {filtered}\n" for tactile, filtered in zip(*codes, strict=True))
+
+
+def run_example(arduino: Path, example: str, codes: tuple[np.ndarray, ...]) -> tuple[str, list[tuple[int, int]], float]:
     """Standard output of an example, the pin's changes with the sample of each, and the timer's period [us]."""
-    given = "".join(f"{code}\n" for code in codes)
+    given = as_lines(codes)
     done = subprocess.run([str(arduino / f"{example}.run")], input=given, capture_output=True, text=True, check=True)
     period = float(re.findall(r"period (\S+)", done.stderr)[0])
     return done.stdout, [(int(a), int(b)) for a, b in re.findall(r"^(\d+) (\d)$", done.stderr, re.MULTILINE)], period
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, controller: Library, example: str) -> None:
-    design = controller.design
-    codes = codes_of(design, slip_voltage(design, 2.0))
+def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, library: Library, example: str) -> None:
+    design = library.design
+    codes = slip_recording(design, 2.0).codes(design)
     _, changes, period = run_example(arduino, example, codes)
-    *_, on = controller.detector("float").process(volts_of(design, codes))
+    on = library.detector("float").process_codes(*codes)
     expected = [(0, 0), *((int(i) + 1, int(on[i + 1])) for i in np.flatnonzero(np.diff(on.astype(int))))]
     assert changes == expected
     assert len(changes) > 1
     assert period == pytest.approx(1e6 / design.detector.sample_rate_hz)
 
 
-def test_lines_hold_time_and_voltage(arduino: Path, controller: Library) -> None:
-    design = controller.design
+def test_lines_hold_time_and_voltage(arduino: Path, library: Library) -> None:
+    design = library.design
     codes = np.array([0, 1, 2048, 4095, *[1000] * 3000])
-    text, _, _ = run_example(arduino, "slip_stream", codes)
+    text, _, _ = run_example(arduino, "slip_stream", (codes, codes[::-1]))
     header, *lines = text.splitlines()
-    assert header == "time_s,voltage_v"
+    assert header == "time_s,voltage_v,filtered_v"
     rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
     assert rows[:, 0] == pytest.approx(np.arange(len(codes)) / design.detector.sample_rate_hz, abs=5e-7)
     assert rows[:, 1] == pytest.approx(codes * design.detector.adc_step_v, abs=1e-6)
-    assert lines[0] == "0.000000,0.000000"
-    assert all(re.fullmatch(r"\d+\.\d{6},\d+\.\d{6}", line) for line in lines)
+    assert rows[:, 2] == pytest.approx(codes[::-1] * design.detector.adc_step_v, abs=1e-6)
+    assert lines[0] == "0.000000,0.000000,0.805664"
+    assert all(re.fullmatch(r"\d+(\.\d{6},\d+){2}\.\d{6}", line) for line in lines)
 
 
 LINE_PROGRAM = """
@@ -119,9 +105,9 @@ LINE_PROGRAM = """
 int main(void) {
     char line[SLIP_LINE_BYTES];
     unsigned long sample;
-    double volts;
-    while (scanf("%lu %lf", &sample, &volts) == 2) {
-        fwrite(line, 1, slip_format_line(line, (uint32_t)sample, (slip_real)volts), stdout);
+    float tactile, filtered;
+    while (scanf("%lu %f %f", &sample, &tactile, &filtered) == 3) {
+        fwrite(line, 1, slip_format_line(line, (uint32_t)sample, tactile, filtered), stdout);
     }
     return 0;
 }
@@ -134,22 +120,25 @@ def test_the_longest_line_fits_and_negative_voltages_are_written(arduino: Path, 
     folders = [f"-I{arduino / 'src'}", f"-I{arduino / 'examples/slip_stream'}"]
     binary = tmp_path / "line"
     subprocess.run(["gcc", *flags, *folders, str(tmp_path / "line.c"), "-o", str(binary)], check=True)
-    given = "4294967295 -100\n3 -0.0000014\n7 0.0000004\n"
+    given = "4294967295 -100 -100\n3 -0.0000014 1\n7 0.0000004 -2\n"
     done = subprocess.run([str(binary)], input=given, capture_output=True, text=True, check=True)
     # After 24 days at 2 kHz the counter of samples is full.
-    assert done.stdout.splitlines() == ["2147483.647500,-100.000000", "0.001500,-0.000001", "0.003500,0.000000"]
+    assert done.stdout.splitlines() == [
+        "2147483.647500,-100.000000,-100.000000",
+        "0.001500,-0.000001,1.000000",
+        "0.003500,0.000000,-2.000000",
+    ]
 
 
-def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, controller: Library) -> None:
+def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, library: Library) -> None:
     """A pseudo-terminal stands for the port: the sketch writes to it, and `fingertip detect -` reads it as it comes."""
-    design = controller.design
-    codes = codes_of(design, slip_voltage(design, 3.0))
+    design = library.design
+    codes = slip_recording(design, 3.0).codes(design)
     first, second = pty.openpty()
     tty.setraw(first)
     tty.setraw(second)
-    command = [sys.executable, "-m", "fingertip", "detect", "-", "--detector", "fast"]
     detect = subprocess.Popen(
-        [*command, "--design", str(arduino / CONTROLLER_FILE)],
+        [sys.executable, "-m", "fingertip", "detect", "-", "--detector", "fast"],
         stdin=second, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
     )  # fmt: skip
@@ -157,10 +146,10 @@ def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, controller: L
     with subprocess.Popen([str(arduino / "slip_stream.run")], stdin=subprocess.PIPE, stdout=first) as sketch:
         os.close(first)  # the port closes when the sketch ends
         assert sketch.stdin
-        sketch.stdin.write("".join(f"{code}\n" for code in codes).encode())
+        sketch.stdin.write(as_lines(codes).encode())
         sketch.stdin.close()
     out, err = detect.communicate(timeout=60)
-    *_, on = controller.detector("float").process(volts_of(design, codes))
+    on = library.detector("float").process_codes(*codes)
     changes = np.flatnonzero(np.diff(np.concatenate(([0], on.astype(int)))))
     expected = [(("OFF", "ON")[int(on[i])], round(i / design.detector.sample_rate_hz, 4)) for i in changes]
     found = [(line.split()[0], float(line.split()[1])) for line in out.splitlines()]

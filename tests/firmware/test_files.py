@@ -15,12 +15,16 @@ from fingertip.design import Design
 from fingertip.design.load import load_tables
 from fingertip.firmware import costs, firmware_differences, firmware_files, write_firmware
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.firmware.wiring import controller_changes, find_warnings, wiring_notes, wiring_table
+from fingertip.firmware.wiring import (
+    controller_changes,
+    find_warnings,
+    wiring_notes,
+    wiring_table,
+)
 from fingertip.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_model import NODES, load_model
-from tests.conftest import run_fingertip
-from tests.firmware.conftest import controller_design
+from tests.conftest import design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
 
@@ -35,11 +39,18 @@ def defined(header: str) -> dict[str, float]:
 def test_constants_are_those_of_the_detector() -> None:
     design = Design(detector={"sample_rate_hz": 3000.0})
     values = defined(library_sources(design)[HEADER].decode())
-    coefficients = FastDetector(FastSettings.from_design(design)).coefficients._asdict()
+    alone, both = (FastDetector(FastSettings.from_design(design)) for _ in range(2))
+    alone.step(1.0)
+    both.step(1.0, 1.0)
+    coefficients, with_filtered = alone.coefficients._asdict(), both.coefficients._asdict()
     names = {"sample_rate_hz", "short_smoothing", "long_smoothing", "threshold", "stay_threshold", "statistic_gain"}
     for name, value in coefficients.items():
-        if name not in names:
+        if name in ("filtered_gain", "filtered_limit"):
+            assert values[f"SLIP_{name.upper()}"] == with_filtered[name] != value
+        elif name not in names:
             assert values[f"SLIP_{name.upper()}"] == value, name
+        if name in ("min_floor", "min_upper_floor"):
+            assert values[f"SLIP_FILTERED_{name.upper()}"] == with_filtered[name] != value
     assert values["SLIP_SHORT"] == coefficients["short_smoothing"]
     assert values["SLIP_LONG"] == coefficients["long_smoothing"]
     assert values["SLIP_ON_SCORE"] == coefficients["threshold"]
@@ -83,7 +94,7 @@ def test_library_is_one_header_and_one_source() -> None:
 
 
 def test_arduino_and_platformio_know_the_library() -> None:
-    design = controller_design()
+    design = Design()
     top = firmware_files(design)["."]
     fields = dict(line.split("=", 1) for line in top["library.properties"].decode().splitlines())
     required = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures"}
@@ -106,24 +117,25 @@ def test_wiring_is_that_of_the_board(name: str) -> None:
     pins = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3" and pin.isdigit()}
     assert {row[0] for row in rows} == set(pins)
     for number, print_, _, use in rows:
-        assert (print_ == "T") == (pins[number] == "ADC_TACTILE") == ("reads" in use)
+        assert (print_ in ("T", "S")) >= ("reads" in use) == (pins[number] in ("ADC_TACTILE", "ADC_FILTERED"))
         assert (use == "ground") == (pins[number] == "GND")
-    assert len([row for row in rows if row[1] == "T"]) == 1
+    read = {row[1] for row in rows if "reads" in row[3]}
+    assert read == ({"T", "S"} if design.board.supply == "single_3v3" else {"T"})
     assert wiring_notes(design)
 
 
 def test_warnings_name_changes_that_end_them() -> None:
-    (warning,) = find_warnings(Design(board={"supply": "split"}, detector={"adc_polarity": "bipolar"}))
+    (warning,) = find_warnings(Design.load(design_file("article")))
     assert "board.supply=split" in warning
     assert "detector.adc_polarity=bipolar" in warning
     typed = re.findall(r"--set (\S+)", warning)
     assert typed == list(controller_changes())
-    loaded = load_tables([], typed)
+    loaded = load_tables([design_file("article")], typed)
     assert not list(find_warnings(Design.from_tables(loaded.tables, loaded.before, loaded.changed)))
 
 
 def test_readme_holds_wiring_costs_and_warnings() -> None:
-    design = controller_design()
+    design = Design()
     readme = firmware_files(design)["."]["README.md"].decode()
     assert wiring_table(design) in readme
     assert costs.cost_table() in readme
@@ -131,7 +143,7 @@ def test_readme_holds_wiring_costs_and_warnings() -> None:
     assert max(len(line) for line in readme.splitlines() if not line.startswith("|")) <= 120
     for target in costs.read_costs()["targets"].values():
         assert f"{target['flash_bytes']} B" in readme
-    assert "**Note:**" in firmware_files(Design(board={"supply": "split"}))["."]["README.md"].decode()
+    assert "**Note:**" in firmware_files(Design.load(design_file("article")))["."]["README.md"].decode()
 
 
 def test_the_same_design_gives_the_same_bytes_without_paths_or_dates(tmp_path: Path) -> None:

@@ -12,7 +12,13 @@ from fingertip.firmware import costs
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from tests.firmware.conftest import Library, require_arm
 from tools.firmware.measure import measure
-from tools.firmware.signals import campaign_voltages, count_differences, quiet_voltage, slip_voltage
+from tools.firmware.signals import (
+    Recording,
+    campaign_recordings,
+    count_differences,
+    quiet_recording,
+    slip_recording,
+)
 from tools.firmware.toolchain import (
     TARGETS,
     Target,
@@ -29,19 +35,19 @@ TOLERANCE = 0.02
 """Largest relative difference between two measurements with the same compiler: other samples of the same kind."""
 
 
-def run(library: Library, target: Target, volts: np.ndarray, level: str = "-O2") -> TargetRun:
+def run(library: Library, target: Target, recording: Recording, level: str = "-O2") -> TargetRun:
     require_arm()
-    return run_target(compile_target(library.folder, target, level), target, volts)
+    return run_target(compile_target(library.folder, target, level), target, recording)
 
 
 @by_target
 @pytest.mark.parametrize("level", ["-O2", "-Os"])
 def test_decisions_and_confidences_are_those_of_this_machine(library: Library, target: Target, level: str) -> None:
     """Both compute single precision by IEEE 754, so the numbers have the same bits."""
-    volts = slip_voltage(library.design, 1.5)
-    found = run(library, target, volts, level)
-    _, confidence, _, on = library.detector("float").process(volts)
-    assert len(found.on) == len(volts)
+    recording = slip_recording(library.design, 1.5)
+    found = run(library, target, recording, level)
+    _, confidence, _, on = library.detector("float").process(*recording.inputs)
+    assert len(found.on) == len(on)
     assert np.array_equal(found.on, on)
     assert np.array_equal(found.confidence, confidence)
     assert 0.1 < on.mean() < 0.9
@@ -49,32 +55,31 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
 
 @by_target
 def test_decisions_in_simulated_trials_are_those_of_python(library: Library, target: Target) -> None:
-    for volts in campaign_voltages(library.design, stride=200):
-        output = FastDetector(FastSettings.from_design(library.design)).process(volts)
-        assert count_differences(output.on, run(library, target, volts).on)[0] == 0
+    for recording in campaign_recordings(library.design, stride=200):
+        output = FastDetector(FastSettings.from_design(library.design)).process(*recording.inputs)
+        assert count_differences(output.on, run(library, target, recording).on)[0] == 0
 
 
 def test_the_counter_counts_instructions(library: Library) -> None:
     """Counts are whole numbers, the same in every run, and repeat from tick to tick."""
     target = TARGETS[0]
-    volts = quiet_voltage(library.design, 1.0)
-    first, second = (run(library, target, volts).instructions for _ in range(2))
+    recording = quiet_recording(library.design, 1.0)
+    first, second = (run(library, target, recording).instructions for _ in range(2))
     assert np.array_equal(first, second)
     plain = np.median(first)
     assert (first[3::4] > plain).all()  # a tick ends every fourth sample
-    assert 150 < plain < 250
+    assert 150 < plain < 400
 
 
 @by_target
 def test_memory_is_within_the_limits(library: Library, target: Target) -> None:
-    found = run(library, target, slip_voltage(library.design, 1.0))
+    found = run(library, target, slip_recording(library.design, 1.0))
     assert 64 <= found.stack_bytes <= costs.MAX_STACK_BYTES
     _, frames = compile_object(library.folder, target)
-    steps = ("slip_process", "slip_step", "slip_step_voltage")
-    assert {*steps, "slip_init"} <= set(frames)
+    assert {"slip_process", "slip_step", "slip_step_codes", "slip_init"} <= set(frames)
     assert sum(frames.values()) <= costs.MAX_STACK_BYTES
     # What the compiler states for the deepest step is what the pattern on the stack shows, apart from its routines.
-    assert found.stack_bytes >= frames["slip_step_voltage"]
+    assert found.stack_bytes >= max(frames.values())
     assert library.detector("float").state_bytes <= costs.MAX_STATE_BYTES
     for level in ("-Os", "-O2"):
         assert 15_000 < measure_flash(library.folder, target, level) <= costs.MAX_FLASH_BYTES
@@ -83,19 +88,23 @@ def test_memory_is_within_the_limits(library: Library, target: Target) -> None:
 def test_instructions_are_within_the_limit(library: Library) -> None:
     """Mean over a few cases of the campaign, which hold more slip than all of them; quiet signals take fewer."""
     target = TARGETS[0]
-    volts = np.concatenate(list(campaign_voltages(library.design, stride=40)))
-    assert run(library, target, volts).instructions.mean() <= costs.MAX_INSTRUCTIONS
-    assert run(library, target, quiet_voltage(library.design, 2.0)).instructions.mean() < 0.5 * costs.MAX_INSTRUCTIONS
+    recordings = campaign_recordings(library.design, stride=40)
+    counts = [run(library, target, recording).instructions for recording in recordings]
+    assert np.concatenate(counts).mean() <= costs.MAX_INSTRUCTIONS
+    assert run(library, target, quiet_recording(library.design, 2.0)).instructions.mean() < 0.5 * costs.MAX_INSTRUCTIONS
 
 
 def test_no_step_calls_a_function_on_a_controller_with_floating_point(library: Library) -> None:
     require_arm()
     floating, integer = TARGETS
-    (image, _), (other, _) = compile_object(library.folder, floating), compile_object(library.folder, integer)
+    (image, _), (other, _) = (
+        compile_object(library.folder, floating),
+        compile_object(library.folder, integer),
+    )
     assert set(undefined(image)) <= {"memset", "memcpy"}  # of slip_init
     routines = set(undefined(other)) - {"memset", "memcpy"}
     assert routines
-    assert all(name.startswith("__aeabi_f") for name in routines)
+    assert all(name.startswith(("__aeabi_f", "__aeabi_i2f")) for name in routines)
 
 
 def undefined(image: Path) -> list[str]:
@@ -137,7 +146,7 @@ def test_the_committed_measurements_are_within_the_limits() -> None:
 def test_the_committed_measurements_are_measured_again(library: Library) -> None:
     """With the compiler that made the table, the same bytes and nearly the same counts; else the limits alone."""
     require_arm()
-    written, found = costs.read_costs(), measure(library.design, stride=48, seconds=3.0)
+    written, found = costs.read_costs(), measure(library.design, stride=48, seconds=2.0)
     assert_limits(found)
     if tool_version("arm-none-eabi-gcc") not in written["compiler"]:
         return

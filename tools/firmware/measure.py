@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from fingertip.board.components.component_values import select_components
+from fingertip.board.variants import find_configuration
 from fingertip.design import Design
 from fingertip.firmware import costs
-from tools.firmware.signals import campaign_voltages, quiet_voltage, slip_voltage
+from tools.firmware.signals import Recording, campaign_recordings, quiet_recording, slip_recording
 from tools.firmware.toolchain import (
     TARGETS,
     HostDetector,
@@ -27,18 +29,18 @@ from tools.firmware.toolchain import (
     write_sources,
 )
 
-STRIDE = 12
+STRIDE = 24
 """One of so many cases of the campaign is run on the controllers."""
-SECONDS = 10.0
+SECONDS = 4.0
 """Duration of the quiet and of the slip signal [s]."""
 
 
 def measure(design: Design, stride: int = STRIDE, seconds: float = SECONDS) -> dict[str, Any]:
     """Measure the costs on every target, as plain data."""
     signals = {
-        "campaign": np.concatenate(list(campaign_voltages(design, stride))),
-        "quiet": quiet_voltage(design, seconds),
-        "slip": slip_voltage(design, seconds),
+        "campaign": list(campaign_recordings(design, stride)),
+        "quiet": [quiet_recording(design, seconds)],
+        "slip": [slip_recording(design, seconds)],
     }
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -46,29 +48,28 @@ def measure(design: Design, stride: int = STRIDE, seconds: float = SECONDS) -> d
         state = HostDetector(compile_host(folder, "float"), "float").state_bytes
         return {
             "design": design.name,
+            "board": find_configuration(select_components(design)).name,
             "sample_rate_hz": design.detector.sample_rate_hz,
             "compiler": f"arm-none-eabi-gcc {tool_version('arm-none-eabi-gcc')}",
             "emulator": f"QEMU {tool_version('qemu-system-arm')}",
             "options": "-O2",
             "state_bytes": state,
-            "samples": {name: len(volts) for name, volts in signals.items()},
+            "samples": {name: sum(len(one.tactile_v) for one in several) for name, several in signals.items()},
             "targets": {target.name: _measure_target(folder, target, signals) for target in TARGETS},
         }
 
 
-def _measure_target(folder: Path, target: Target, signals: dict[str, Any]) -> dict[str, Any]:
+def _measure_target(folder: Path, target: Target, signals: dict[str, list[Recording]]) -> dict[str, Any]:
     image = compile_target(folder, target)
-    runs = {name: run_target(image, target, volts) for name, volts in signals.items()}
-    settled = {
-        name: run.instructions[-len(run.instructions) // 2 :] for name, run in runs.items() if name != "campaign"
-    }
-    means = {"campaign": runs["campaign"].instructions} | settled
+    runs = {name: [run_target(image, target, one) for one in several] for name, several in signals.items()}
+    counts = {name: np.concatenate([run.instructions for run in several]) for name, several in runs.items()}
+    settled = {name: each if name == "campaign" else each[len(each) // 2 :] for name, each in counts.items()}
     return {
         "emulated": target.emulated,
         "flash_bytes": measure_flash(folder, target),
-        "stack_bytes": max(run.stack_bytes for run in runs.values()),
-        "instructions": {name: round(float(np.mean(counts))) for name, counts in means.items()},
-        "max_instructions": round(max(float(run.instructions.max()) for run in runs.values())),
+        "stack_bytes": max(run.stack_bytes for several in runs.values() for run in several),
+        "instructions": {name: round(float(np.mean(each))) for name, each in settled.items()},
+        "max_instructions": round(max(float(each.max()) for each in counts.values())),
     }
 
 

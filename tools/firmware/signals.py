@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from fingertip.arrays import Array
 from fingertip.campaign.evaluate import simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.design import Design
+from fingertip.design.signal_ground import filtered_range_v, signal_ground_ratio
+from fingertip.slip.detectors.fast_filters import design_board_filter
 from fingertip.slip.detectors.noise import input_noise_v
 
 QUIET_V = 2.0
@@ -20,25 +23,73 @@ SLIP_DEVIATIONS = 8.0
 """Deviation of a lasting slip's vibration over that of the noise."""
 
 
-def campaign_voltages(design: Design, stride: int = 1) -> Iterator[Array]:
-    """Simulate the campaign's cases, or one of each few, and yield their voltages [V]."""
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Signals of the board's connector, as the converter samples them."""
+
+    tactile_v: Array
+    filtered_v: Array | None
+    """None if the board does not give it."""
+
+    @property
+    def inputs(self) -> tuple[Array, ...]:
+        """Arguments of the detector."""
+        return (self.tactile_v,) if self.filtered_v is None else (self.tactile_v, self.filtered_v)
+
+    def codes(self, design: Design) -> tuple[NDArray[np.int32], NDArray[np.int32] | None]:
+        """Convert both signals to the converter's codes."""
+        low, step = design.detector.adc_low_v, design.detector.adc_step_v
+        tactile, filtered = (
+            None if volts is None else np.round((volts - low) / step).astype(np.int32)
+            for volts in (self.tactile_v, self.filtered_v)
+        )
+        assert tactile is not None
+        return tactile, filtered
+
+    def quantised(self, design: Design) -> Recording:
+        """Return the voltages of the codes."""
+        low, step = design.detector.adc_low_v, design.detector.adc_step_v
+        tactile, filtered = (
+            None if codes is None else np.asarray(low + step * codes, np.float64) for codes in self.codes(design)
+        )
+        assert tactile is not None
+        return Recording(tactile, filtered)
+
+
+def campaign_recordings(design: Design, stride: int = 1) -> Iterator[Recording]:
+    """Simulate the campaign's cases, or one of each few, and yield what the detector reads."""
     for number, case in enumerate(generate_cases(CampaignPlan(), HELD_OUT_FROM)):
         if number % stride == 0:
-            yield simulate_trace(design, case, board=False)[0].voltage_v
+            trace, _ = simulate_trace(design, case, ("fast",))
+            yield Recording(trace.voltage_v, trace.filtered_v)
 
 
-def quiet_voltage(design: Design, seconds: float, seed: int = 1) -> Array:
-    """Noise of the design at a constant force [V]."""
-    count = round(seconds * design.detector.sample_rate_hz)
-    return QUIET_V + np.random.default_rng(seed).normal(0.0, input_noise_v(design), count)
+def quiet_recording(design: Design, seconds: float, seed: int = 1) -> Recording:
+    """Noise of the design at a constant force."""
+    return _record(design, np.zeros(round(seconds * design.detector.sample_rate_hz)), seed)
 
 
-def slip_voltage(design: Design, seconds: float, seed: int = 2) -> Array:
-    """Noise, and half a second later a vibration in the band of slip that lasts [V]."""
-    volts = quiet_voltage(design, seconds, seed)
-    time_s = np.arange(len(volts)) / design.detector.sample_rate_hz
-    vibration = np.random.default_rng(seed + 1).normal(0.0, SLIP_DEVIATIONS * input_noise_v(design), len(volts))
-    return volts + np.where(time_s > 0.5, vibration * np.sin(2 * math.pi * 70.0 * time_s), 0.0)
+def slip_recording(design: Design, seconds: float, seed: int = 2) -> Recording:
+    """Noise, and half a second later a vibration in the band of slip that lasts."""
+    time_s = np.arange(round(seconds * design.detector.sample_rate_hz)) / design.detector.sample_rate_hz
+    vibration = np.random.default_rng(seed + 1).normal(0.0, SLIP_DEVIATIONS * input_noise_v(design), len(time_s))
+    return _record(design, np.where(time_s > 0.5, vibration * np.sin(2 * math.pi * 70.0 * time_s), 0.0), seed)
+
+
+def _record(design: Design, vibration_v: Array, seed: int) -> Recording:
+    """Sample a vibration at a constant force, and its filtered signal where the board gives one."""
+    random, noise_v = np.random.default_rng(seed), input_noise_v(design)
+    tactile = QUIET_V + vibration_v + random.normal(0.0, noise_v, len(vibration_v))
+    range_v = filtered_range_v(design.board, design.detector.adc_range_v)
+    if range_v is None:
+        return Recording(tactile, None)
+    from scipy.signal import lfilter
+
+    (first, second), _ = design_board_filter(design.detector.sample_rate_hz, design.board.cutoff_hz)
+    filtered = lfilter([first.b0, first.b1], [1.0, first.a1], design.board.passband_gain * vibration_v)
+    filtered = lfilter([second.b0, second.b1, second.b2], [1.0, second.a1, second.a2], filtered)
+    filtered = np.clip(filtered, -range_v, range_v) + random.normal(0.0, noise_v, len(vibration_v))
+    return Recording(tactile, signal_ground_ratio(design.board.supply) * design.board.supply_v + filtered)
 
 
 def find_intervals(on: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -11,6 +11,7 @@ import re
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.firmware.sources import SOURCE, library_sources
+from tools.firmware.signals import Recording
 
 PROGRAMS = Path(__file__).parent / "programs"
 """Sources of the programs that run the library, and the linker script."""
@@ -108,10 +110,11 @@ def measure_flash(folder: Path, target: Target, level: str = "-O2") -> int:
     return int(sizes[0]) + int(sizes[1])
 
 
-def run_target(image: Path, target: Target, samples: Array) -> TargetRun:
-    """Run the program of `compile_target` on samples [V]."""
+def run_target(image: Path, target: Target, recording: Recording) -> TargetRun:
+    """Run the program of `compile_target` on a recording. A board without a filtered signal does not read it."""
     folder = image.parent
-    samples.astype("<f4").tofile(folder / "samples.bin")
+    filtered = np.zeros(len(recording.tactile_v)) if recording.filtered_v is None else recording.filtered_v
+    np.column_stack((recording.tactile_v, filtered)).astype("<f4").tofile(folder / "samples.bin")
     for name in ("results.bin", "stack.bin"):
         (folder / name).unlink(missing_ok=True)
     _run(
@@ -157,17 +160,33 @@ class HostDetector:
         """Size of the state [byte]."""
         return int(self._library.probe_state_bytes())
 
-    def process(self, samples: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    def process(
+        self, tactile_v: Array, filtered_v: Array | None = None
+    ) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """Process samples [V]; wide band [V], confidence, wide floor [V^2] and ON of each."""
-        given = np.ascontiguousarray(samples, self._type)
-        numbers = [np.zeros(len(given), self._type) for _ in range(3)]
-        on = np.zeros(len(given), np.uint8)
-        pointers = [ctypes.c_void_p(array.ctypes.data) for array in (*numbers, on)]
-        self._library.probe_process(
-            self._state, ctypes.c_void_p(given.ctypes.data), ctypes.c_size_t(len(given)), *pointers
-        )
+        given = [None if volts is None else volts.astype(self._type) for volts in (tactile_v, filtered_v)]
+        numbers = [np.zeros(len(tactile_v), self._type) for _ in range(3)]
+        on = np.zeros(len(tactile_v), np.uint8)
+        count = ctypes.c_size_t(len(on))
+        self._library.probe_process(self._state, *map(_point, given), count, *map(_point, numbers), _point(on))
         wide, confidence, floor = numbers
         return wide, confidence, floor, on > 0
+
+    def process_codes(self, tactile: NDArray[np.int32], filtered: NDArray[np.int32] | None = None) -> NDArray[np.bool_]:
+        """Process codes of the converter; ON of each."""
+        on = np.zeros(len(tactile), np.uint8)
+        self._library.probe_process_codes(
+            self._state, _point(tactile), _point(filtered), ctypes.c_size_t(len(on)), _point(on)
+        )
+        return on > 0
+
+
+def _point(array: NDArray[Any] | None) -> ctypes.c_void_p:
+    """Pointer to the numbers of an array, which must live on; NULL for None."""
+    if array is None:
+        return ctypes.c_void_p(None)
+    assert array.flags.c_contiguous
+    return ctypes.c_void_p(array.ctypes.data)
 
 
 def _run(*command: str, folder: Path | None = None) -> str:

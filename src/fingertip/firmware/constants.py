@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from fingertip.design import Design
@@ -24,22 +25,34 @@ def render_constants(design: Design) -> str:
 
 def real(value: float) -> str:
     """Write a number with all its digits as a constant of the library's type."""
-    return f"((slip_real){value!r})"
+    return f"((slip_real){'INFINITY' if math.isinf(value) else repr(value)})"
 
 
 def _detector_groups(design: Design) -> Iterator[Group]:
-    detector = FastDetector(FastSettings.from_design(design))
+    detector, both = _start(design, None), _start(design, 0.0)
     model, c, state = load_model(), detector.coefficients, detector.state
     rate = c.sample_rate_hz
-    low_pass, high_pass = ("b0", "b1", "b2", "a1", "a2"), ("b", "a1", "a2")
+    second = ("b0", "b1", "b2", "a1", "a2")
     for name, keys, text in (
-        ("edge", low_pass, "Low-pass filter at the upper edge of both bands."),
-        ("upper", high_pass, "High-pass filter at the lower edge of the upper band, behind it."),
-        ("wide", high_pass, "High-pass filter at the lower edge of the wide band, behind it."),
-        ("slow", low_pass, "Low-pass filter of the slow voltage, from the input."),
+        ("board_1", ("b", "a1"), "Board's high-pass filter for a gain of 1: its section of first order,"),
+        ("board", second, "and that of second order."),
+        ("restore_1", ("b0", "b1", "a1"), "Filter that moves its cutoff down: section of first order,"),
+        ("restore", second, "and of second order."),
+        ("edge", second, "Low-pass filter at the upper edge of both bands, behind it."),
+        ("upper", second, "High-pass filter at the lower edge of the upper band, behind that."),
+        ("wide", second, "High-pass filter at the lower edge of the wide band, behind that."),
+        ("slow", second, "Low-pass filter of the slow voltage, from the tactile voltage."),
     ):
         terms = {key: getattr(c, f"{name}_{key}") for key in keys}
         yield text, {f"{name}_{key}".upper(): real(value) for key, value in terms.items()}
+    yield (
+        "Filtered signal: factor to a voltage at the filter's input, its limit [V], and samples of recovery.",
+        {
+            "FILTERED_GAIN": real(both.coefficients.filtered_gain),
+            "FILTERED_LIMIT": real(both.coefficients.filtered_limit),
+            "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",
+        },
+    )
     yield (
         "Smoothing factors of 6 and 20 ms, per sample.",
         {
@@ -66,14 +79,33 @@ def _detector_groups(design: Design) -> Iterator[Group]:
         },
     )
     yield (
+        "Ticks: change of force that casts doubt on an ON; time after it; ON of which doubt lets the floors adapt.",
+        {
+            "MOVED_TICKS": f"{fast_loop.MOVED_TICKS:.0f}",
+            "MOVED_WITHIN_TICKS": real(fast_loop.MOVED_WITHIN_TICKS),
+            "DOUBTED_TICKS": real(fast_loop.DOUBTED_TICKS),
+        },
+    )
+    yield (
         "Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2].",
         {
             "STATED_WIDE": real(state[fast_loop.FLOOR]),
             "STATED_UPPER": real(state[fast_loop.UPPER_FLOOR]),
+            "STATED_INPUT": real(state[fast_loop.INPUT_FLOOR]),
             "WIDE_SHARE": real(c.wide_share),
             "UPPER_SHARE": real(c.upper_share),
             "MIN_FLOOR": real(c.min_floor),
             "MIN_UPPER_FLOOR": real(c.min_upper_floor),
+            "MIN_INPUT_FLOOR": real(c.min_input_floor),
+        },
+    )
+    yield (
+        "The same where the filtered signal is read.",
+        {
+            "FILTERED_STATED_WIDE": real(both.state[fast_loop.FLOOR]),
+            "FILTERED_STATED_UPPER": real(both.state[fast_loop.UPPER_FLOOR]),
+            "FILTERED_MIN_FLOOR": real(both.coefficients.min_floor),
+            "FILTERED_MIN_UPPER_FLOOR": real(both.coefficients.min_upper_floor),
         },
     )
     yield (
@@ -109,6 +141,13 @@ def _detector_groups(design: Design) -> Iterator[Group]:
         },
     )
     yield "Features, trees, and comparisons of a tree from its root to a leaf.", _tree_sizes(model)
+
+
+def _start(design: Design, filtered_v: float | None) -> FastDetector:
+    """Make the detector, and give it one sample, with the filtered signal [V] or without: floors stand still in it."""
+    detector = FastDetector(FastSettings.from_design(design))
+    detector.step(0.0, filtered_v)
+    return detector
 
 
 def _tree_sizes(model: FastModel) -> dict[str, str]:

@@ -7,8 +7,11 @@ from fingertip.design import Design
 from fingertip.firmware import costs
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
-from fingertip.slip.detectors.fast import TICK_S
+from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_model import load_model
+
+_SMALL_CLOCK_HZ = 48e6
+"""Clock of many controllers without a floating-point unit [Hz]."""
 
 
 def render_readme(design: Design) -> str:
@@ -51,13 +54,17 @@ def _use(design: Design) -> list[str]:
                 "```c",
                 "slip_state slip;",
                 "slip_init(&slip);",
-                f"bool on = slip_step(&slip, tactile_v); /* {rate} times a second, with the voltage of T */",
+                f"bool on = slip_step_codes(&slip, t, s); /* {rate} times a second: codes of T and S */",
                 "```",
             ]
         ),
         bullet_list(
             [
-                "`slip_process` takes many samples at once. `slip_is_incipient` tells where slip may begin.",
+                "`slip_step` takes volts instead, and `slip_process` many of them at once; codes are exact, volts in "
+                "single precision are rounded.",
+                "T is the tactile voltage, from which the slow force follows; S is the filtered signal, in which slip "
+                f"is sought. Read S right after T. {_describe_second(design)}",
+                "`slip_is_incipient` tells where slip may begin.",
                 "After a step, `slip.confidence` tells how sure the detector is: from 1 on, slip turns ON.",
                 "The detector is OFF for its first 0.2 s, in which it learns the noise: begin with a steady force.",
                 "One detector per finger: a `slip_state` each, all of them in the same interrupt.",
@@ -65,8 +72,8 @@ def _use(design: Design) -> list[str]:
         ),
         paragraph(
             f"Arduino: copy this folder to `libraries/{NAME}` of the sketchbook. The examples take samples in a timer "
-            "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and voltage "
-            "over USB, for"
+            "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and both "
+            "voltages over USB, for"
         ),
         "```sh\nfingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
         paragraph(
@@ -82,6 +89,12 @@ def _use(design: Design) -> list[str]:
     ]
 
 
+def _describe_second(design: Design) -> str:
+    if FilteredSignal.from_design(design) is None:
+        return "The board of this design gives no S at its connector: give 0, or use `slip_step_tactile_code`."
+    return "Where S is at its limit, T alone is judged until S has recovered."
+
+
 def _wiring(design: Design) -> list[str]:
     return [wiring_table(design), bullet_list(wiring_notes(design))]
 
@@ -93,13 +106,16 @@ def _cost(design: Design) -> list[str]:
     return [
         costs.cost_table(),
         paragraph(
-            f"Measured on the library of {measured['design']} at {measured['sample_rate_hz']:g} Hz, by "
-            f"{measured['compiler']} with {measured['options']}, on the {emulated} of {measured['emulator']}. Flash "
-            "holds code, trees and the floating-point routines; stack is what the deepest step left behind. "
-            f"Instructions are means per sample: at a constant force, over {samples} samples of simulated trials and "
-            "scenes without slip, and while slip lasts. Most steps take few. The longest ones, one each "
-            f"{1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything vibrates. A controller without "
-            "a floating-point unit spends its time in the compiler's routines."
+            f"Measured on the library of {measured['design']} with the board {measured['board']} at "
+            f"{measured['sample_rate_hz']:g} Hz, by {measured['compiler']} with {measured['options']}, on the "
+            f"{emulated} of {measured['emulator']}. Flash holds code, trees and the floating-point routines; stack is "
+            "what the deepest step left behind. Instructions are means per sample: at a constant force, over "
+            f"{samples} samples of simulated trials and scenes without slip, and while slip lasts. Most take few. "
+            f"The longest ones, one each {1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything "
+            "vibrates. A controller without a floating-point unit spends its time in the compiler's routines. At "
+            f"{_SMALL_CLOCK_HZ / 1e6:g} MHz it has {_SMALL_CLOCK_HZ / design.detector.sample_rate_hz:.0f} clock cycles "
+            "for each sample of this design. Where the longest step takes more, let the interrupt store samples, and "
+            "run the detector in loop(), as `slip_stream` does."
         ),
     ]
 
@@ -109,8 +125,8 @@ def _accuracy() -> list[str]:
         paragraph(
             "The operations and their order are those of the Python detector. With `-DSLIP_REAL=double` every number "
             "has the same bits. With float, the default, the filters take differences between samples, so that a "
-            "constant force costs no digits, and the intervals of slip are those of the Python detector within one "
-            "sample. For the same bits on every compiler, forbid it to contract a product and a sum "
+            "constant force costs no digits, and the intervals of slip found in codes are those of the Python detector "
+            "within one sample. For the same bits on every compiler, forbid it to contract a product and a sum "
             "(`-ffp-contract=off`); the source asks GCC and Clang for it."
         ),
     ]

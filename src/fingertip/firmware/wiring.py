@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, list_notes, list_pins, name_signals
 from fingertip.board.components.component_values import select_components
-from fingertip.board.nets import ADC_TACTILE, GND
+from fingertip.board.nets import ADC_FILTERED, ADC_TACTILE, GND, VMID_OUT
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 
-READ_NETS = (ADC_TACTILE,)
+READ_NETS = (ADC_TACTILE, ADC_FILTERED)
 """Nets of the connector that the library reads."""
 _CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 _CONTROLLER_BOARD = BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"]
@@ -31,7 +31,11 @@ def wiring_table(design: Design) -> str:
 
 def wiring_notes(design: Design) -> list[str]:
     """List what to observe when the cables are made."""
-    return list(list_notes(board_circuit(select_components(design)), design.board.supply_v))
+    circuit = board_circuit(select_components(design))
+    notes = list(list_notes(circuit, design.board.supply_v))
+    if VMID_OUT in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
+        notes.append("The detector needs no M: only changes of T and S count.")
+    return notes
 
 
 def find_warnings(design: Design) -> Iterator[str]:

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, A0 = 14, LED_BUILTIN = 13 };
+enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, A0 = 14, A1 = 15, LED_BUILTIN = 13 };
 
 void pinMode(int pin, int mode);
 void digitalWrite(int pin, int level);

@@ -1,5 +1,5 @@
-// Board without hardware: standard input holds the converter's codes, one per line; every sample calls the timer's
-// callback and then loop(). What the sketch writes goes to standard output, and each change of the pin to standard
+// Board without hardware: standard input holds the converter's codes of both pins, a pair per line; every sample
+// calls the timer's callback and then loop(). What the sketch writes goes to standard output, and each change of the pin to standard
 // error, with the number of the sample.
 #include "Arduino.h"
 
@@ -10,7 +10,7 @@ void setup();
 void loop();
 
 static void (*timer_callback)();
-static int code, pin_level = -1;
+static int tactile_code, filtered_code, pin_level = -1;
 static unsigned long sample;
 static float timer_period_us;
 SerialPort Serial;
@@ -27,7 +27,7 @@ void digitalWrite(int, int level) {
   }
 }
 
-int analogRead(int) { return code; }
+int analogRead(int pin) { return pin == A0 ? tactile_code : filtered_code; }
 
 void SerialPort::begin(unsigned long) {}
 
@@ -46,7 +46,7 @@ bool IntervalTimer::begin(void (*callback)(), float period_us) {
 int main() {
   setup();
   fprintf(stderr, "period %g\n", static_cast<double>(timer_period_us));
-  while (scanf("%d", &code) == 1) {
+  while (scanf("%d %d", &tactile_code, &filtered_code) == 2) {
     timer_callback();
     loop();
     sample++;

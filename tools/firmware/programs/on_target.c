@@ -1,4 +1,4 @@
-/* Program for a bare controller: it runs the detector on samples.bin, and writes the result of every sample.
+/* Program for a bare controller: it runs the detector on the pairs of samples.bin, and writes the result of each.
  *
  * Each record of results.bin holds the decision, the confidence, and the time that the step took by the controller's
  * timer SysTick, without that of an empty step. stack.bin holds the bytes of stack that the deepest step used. Under
@@ -14,7 +14,11 @@
 enum { CHUNK = 64, STACK_WORDS = 512 };
 static const uint32_t PATTERN = 0x51A9C0DEu, COUNTER = 0xFFFFFFu;
 
-typedef bool (*step_function)(slip_state *, slip_real);
+typedef bool (*step_function)(slip_state *, slip_real, slip_real);
+
+struct sample {
+    slip_real tactile_v, filtered_v;
+};
 
 struct record {
     slip_real confidence;
@@ -25,26 +29,28 @@ struct record {
 extern uint32_t stack_top[], data_load[], data_start[], data_end[], bss_start[], bss_end[];
 int main(void);
 
-static bool do_nothing(slip_state *state, slip_real voltage_v) {
-    (void)voltage_v;
+static bool do_nothing(slip_state *state, slip_real tactile_v, slip_real filtered_v) {
+    (void)tactile_v;
+    (void)filtered_v;
     return state->on;
 }
 
 /* Measure one call [ticks]. Not inlined, so that every step is called from the same place. */
-static __attribute__((noinline)) uint32_t time_step(step_function step, slip_state *state, slip_real v, bool *on) {
+static __attribute__((noinline)) uint32_t time_step(step_function step, slip_state *state, struct sample v,
+                                                       bool *on) {
     uint32_t before = SYSTICK_VALUE;
-    *on = step(state, v);
+    *on = step(state, v.tactile_v, v.filtered_v);
     return (before - SYSTICK_VALUE) & COUNTER;
 }
 
 /* Run a step on a stack that was painted, and return how many bytes of it were changed below this call. */
-static __attribute__((noinline)) uint32_t measure_stack(slip_state *state, slip_real v) {
+static __attribute__((noinline)) uint32_t measure_stack(slip_state *state, struct sample v) {
     volatile uint32_t *low = (volatile uint32_t *)__builtin_frame_address(0) - STACK_WORDS;
     uint32_t i;
     for (i = 0; i < STACK_WORDS - 32; i++) {
         low[i] = PATTERN;
     }
-    slip_step(state, v);
+    slip_step(state, v.tactile_v, v.filtered_v);
     for (i = 0; i < STACK_WORDS - 32 && low[i] == PATTERN; i++) {
     }
     return (STACK_WORDS - i) * (uint32_t)sizeof(uint32_t);
@@ -52,7 +58,8 @@ static __attribute__((noinline)) uint32_t measure_stack(slip_state *state, slip_
 
 int main(void) {
     static slip_state state, copy;
-    static slip_real samples[CHUNK];
+    static struct sample samples[CHUNK];
+    static const struct sample none;
     static struct record records[CHUNK];
     volatile step_function empty = do_nothing, step = slip_step;
     intptr_t input = open_file("samples.bin", 11, MODE_READ_BINARY);
@@ -66,7 +73,7 @@ int main(void) {
     SYSTICK_VALUE = 0;
     SYSTICK_CONTROL = 5; /* enabled, from the processor's clock, without interrupts */
     slip_init(&state);
-    overhead = time_step(empty, &state, 0, &on);
+    overhead = time_step(empty, &state, none, &on);
     while ((count = read_file(input, samples, sizeof samples) / sizeof samples[0]) > 0) {
         for (i = 0; i < count; i++) {
             copy = state;

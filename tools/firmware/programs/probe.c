@@ -2,20 +2,29 @@
 #include "slip_detector.h"
 
 size_t probe_state_bytes(void);
-void probe_process(slip_state *state, const slip_real *volts, size_t count, slip_real *wide, slip_real *confidence,
-                   slip_real *level, uint8_t *on);
+void probe_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
+                   slip_real *wide, slip_real *confidence, slip_real *level, uint8_t *on);
+void probe_process_codes(slip_state *state, const int32_t *tactile, const int32_t *filtered, size_t count, uint8_t *on);
 
 size_t probe_state_bytes(void) {
     return sizeof(slip_state);
 }
 
-void probe_process(slip_state *state, const slip_real *volts, size_t count, slip_real *wide, slip_real *confidence,
-                   slip_real *level, uint8_t *on) {
+void probe_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
+                   slip_real *wide, slip_real *confidence, slip_real *level, uint8_t *on) {
     size_t i;
     for (i = 0; i < count; i++) {
-        on[i] = slip_step(state, volts[i]) ? 1u : 0u;
+        slip_process(state, tactile_v + i, filtered_v ? filtered_v + i : NULL, 1, on + i);
         wide[i] = state->wide;
         confidence[i] = state->confidence;
         level[i] = state->floor;
+    }
+}
+
+void probe_process_codes(slip_state *state, const int32_t *tactile, const int32_t *filtered, size_t count,
+                         uint8_t *on) {
+    size_t i;
+    for (i = 0; i < count; i++) {
+        on[i] = filtered ? slip_step_codes(state, tactile[i], filtered[i]) : slip_step_tactile_code(state, tactile[i]);
     }
 }

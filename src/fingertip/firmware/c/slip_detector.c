@@ -78,12 +78,19 @@ static slip_real evaluate_trees(const slip_real *row) {
     return score;
 }
 
+/* Move a floor by a share towards an energy, which counts as no more than some times the floor. */
+static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share) {
+    slip_real clipped = SLIP_CLIP_RATIO * level;
+    return level + share * ((energy < clipped ? energy : clipped) - level);
+}
+
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
-    slip_real wide_floor, upper_floor, greatest, peak, change, half_change, step_noise, lowest, score, share, clipped;
+    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, change, half_change, score, share;
+    slip_real input_noise, step_noise, lowest;
     unsigned middle, i;
-    bool is_strong;
+    bool is_strong, is_moving, is_held;
 
     greatest = state->slopes[0] > state->slopes[1] ? state->slopes[0] : state->slopes[1];
     if (state->slopes[2] > greatest) {
@@ -122,11 +129,13 @@ static void tick(slip_state *state, slip_real slope) {
     half_change = state->slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING];
 
     /* Floors are at least the noise of a converter halfway between two codes. */
-    step_noise = R(0.25) * state->step * state->step;
+    input_noise = R(0.25) * state->step * state->step;
+    step_noise = state->has_filtered ? R(0.25) * state->filtered_step * state->filtered_step : input_noise;
     lowest = step_noise * SLIP_WIDE_SHARE;
     wide_floor = state->floor > lowest ? state->floor : lowest;
     lowest = step_noise * SLIP_UPPER_SHARE;
     upper_floor = state->upper_floor > lowest ? state->upper_floor : lowest;
+    slow_floor = SLIP_WIDE_SHARE * (state->input_floor > input_noise ? state->input_floor : input_noise);
     greatest *= SLIP_SLOPE_GAIN;
     slope *= SLIP_SLOPE_GAIN;
     row[0] = state->upper_short / upper_floor;
@@ -136,9 +145,9 @@ static void tick(slip_state *state, slip_real slope) {
     is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO)
         && state->wide_short > SLIP_DECAY_RATIO * state->wide_long;
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
-        row[4] = greatest / wide_floor;
-        row[5] = change * change / wide_floor;
-        row[6] = half_change * (half_change > R(0.0) ? half_change : -half_change) / wide_floor;
+        row[4] = greatest / slow_floor;
+        row[5] = change * change / slow_floor;
+        row[6] = half_change * (half_change > R(0.0) ? half_change : -half_change) / slow_floor;
         row[7] = state->net_short * state->net_short / (state->total_short * state->total_short + SLIP_TINY);
         row[8] = state->upper_short / (peak + SLIP_TINY);
         row[9] = state->wide_long / (greatest + SLIP_TINY);
@@ -166,7 +175,11 @@ static void tick(slip_state *state, slip_real slope) {
     } else {
         state->on = score > SLIP_ON_SCORE;
         state->smooth_score = SLIP_ON_SCORE;
+        state->is_doubted = state->moved >= SLIP_MOVED_TICKS;
     }
+
+    is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
+    is_held = state->on && (!state->is_doubted || state->on_ticks < SLIP_DOUBTED_TICKS);
 
     if (state->on) {
         /* A tone's energy is constant and that of slip is not: floors follow a tone. */
@@ -179,72 +192,100 @@ static void tick(slip_state *state, slip_real slope) {
             state->floor += SLIP_UNLEARNING * (state->wide_long - state->floor);
             state->upper_floor += SLIP_UNLEARNING * (state->upper_long - state->upper_floor);
         }
+    } else {
+        state->on_ticks = R(0.0);
+        state->mean = R(0.0);
+        state->mean_square = R(0.0);
+        if (is_moving) {
+            /* Only whether the count reaches its threshold matters. */
+            state->moved = state->moved < SLIP_MOVED_TICKS ? (uint8_t)(state->moved + 1) : state->moved;
+        } else if (state->floor_ticks > SLIP_HELD_TICKS + SLIP_MOVED_WITHIN_TICKS) {
+            state->moved = 0;
+        }
+    }
+
+    if (is_held) {
         return;
     }
-    state->on_ticks = R(0.0);
-    state->mean = R(0.0);
-    state->mean_square = R(0.0);
-    if (greatest > SLIP_MOVING_RATIO * wide_floor && state->settling == 0) {
+    if (is_moving) {
         state->floor_ticks = SLIP_HELD_TICKS;
     } else if (state->floor_ticks < R(0.0)) {
         /* Until the filters have settled, floors are what they show. */
         state->floor_ticks += R(1.0);
         state->floor = state->wide_long;
         state->upper_floor = state->upper_long;
+        state->input_floor = state->input_long;
     } else {
         state->floor_ticks += R(1.0);
         share = R(1.0) / (state->floor_ticks < SLIP_MAX_FLOOR_TICKS ? state->floor_ticks : SLIP_MAX_FLOOR_TICKS);
-        clipped = SLIP_CLIP_RATIO * state->floor;
-        state->floor += share * ((state->wide_long < clipped ? state->wide_long : clipped) - state->floor);
-        clipped = SLIP_CLIP_RATIO * state->upper_floor;
-        state->upper_floor += share * ((state->upper_long < clipped ? state->upper_long : clipped) - state->upper_floor);
+        state->floor = adapt_floor(state->floor, state->wide_long, share);
+        state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share);
+        state->input_floor = adapt_floor(state->input_floor, state->input_long, share);
     }
-    if (state->floor < SLIP_MIN_FLOOR) {
-        state->floor = SLIP_MIN_FLOOR;
+    if (state->floor < state->min_floor) {
+        state->floor = state->min_floor;
     }
-    if (state->upper_floor < SLIP_MIN_UPPER_FLOOR) {
-        state->upper_floor = SLIP_MIN_UPPER_FLOOR;
+    if (state->upper_floor < state->min_upper_floor) {
+        state->upper_floor = state->min_upper_floor;
+    }
+    if (state->input_floor < SLIP_MIN_INPUT_FLOOR) {
+        state->input_floor = SLIP_MIN_INPUT_FLOOR;
     }
 }
 
-void slip_init(slip_state *state) {
-    *state = (slip_state){0};
-    /* Energies and floors start at those of the stated noise. */
-    state->wide_short = state->wide_long = state->floor = SLIP_STATED_WIDE;
-    state->upper_short = state->upper_long = state->upper_floor = SLIP_STATED_UPPER;
-    state->step = R(INFINITY);
-    state->settling = SLIP_SETTLING_TICKS;
-    state->floor_ticks = -SLIP_SETTLE_TICKS;
-}
-
-bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
-    slip_real change, move, edge, driven, upper, wide, slope;
-    if (!state->started) {
-        /* The input was constant until now: there is no difference, and nothing in the bands. */
-        state->started = true;
-        state->last_input = voltage_v;
-    }
+/* Process one sample: the change of the tactile voltage [V], and the filtered signal's deviation from its rest [V]. */
+static bool step(slip_state *state, slip_real change, slip_real deviation) {
+    slip_real move, board, filtered, restored, edge, upper, wide, slope;
 
     /* Smallest step of the converter: the smallest difference between two samples. */
-    change = voltage_v - state->last_input;
-    state->last_input = voltage_v;
     move = change < R(0.0) ? -change : change;
     if (R(0.0) < move && move < state->step) {
         state->step = move;
     }
 
-    /* Filters of the difference: difference below the upper edge, upper band, wide band, slope of the slow voltage. */
-    edge = SLIP_EDGE_B0 * change + state->edge_1;
-    state->edge_1 = SLIP_EDGE_B1 * change - SLIP_EDGE_A1 * edge + state->edge_2;
-    state->edge_2 = SLIP_EDGE_B2 * change - SLIP_EDGE_A2 * edge;
-    driven = SLIP_UPPER_B * edge;
-    upper = driven + state->upper_1;
-    state->upper_1 = state->upper_2 - driven - SLIP_UPPER_A1 * upper;
-    state->upper_2 = -SLIP_UPPER_A2 * upper;
-    driven = SLIP_WIDE_B * edge;
-    wide = driven + state->wide_1;
-    state->wide_1 = state->wide_2 - driven - SLIP_WIDE_A1 * wide;
-    state->wide_2 = -SLIP_WIDE_A2 * wide;
+    /* The stages of the board's filter, driven by the voltage. */
+    state->board_stage = SLIP_BOARD_1_B * change - SLIP_BOARD_1_A1 * state->board_stage;
+    board = SLIP_BOARD_B0 * state->board_stage + state->board_1;
+    state->board_1 = SLIP_BOARD_B1 * state->board_stage - SLIP_BOARD_A1 * board + state->board_2;
+    state->board_2 = SLIP_BOARD_B2 * state->board_stage - SLIP_BOARD_A2 * board;
+
+    /* The board's own filtered signal has finer steps and less noise, unless one of its stages is at its limit. */
+    if (state->has_filtered) {
+        filtered = SLIP_FILTERED_GAIN * deviation;
+        if (state->board_stage > SLIP_FILTERED_LIMIT || -state->board_stage > SLIP_FILTERED_LIMIT
+            || filtered > SLIP_FILTERED_LIMIT || -filtered > SLIP_FILTERED_LIMIT) {
+            state->limited = SLIP_LIMITED_SAMPLES;
+        }
+        if (state->limited > 0) {
+            state->limited--;
+        } else {
+            board = filtered;
+        }
+        move = filtered - state->last_filtered;
+        state->last_filtered = filtered;
+        if (move < R(0.0)) {
+            move = -move;
+        }
+        if (R(0.0) < move && move < state->filtered_step) {
+            state->filtered_step = move;
+        }
+    }
+
+    /* Filters: the board's with a lower cutoff, below the upper edge, upper band, wide band, slope of the slow voltage. */
+    move = SLIP_RESTORE_1_B0 * board + state->restore_1_1;
+    state->restore_1_1 = SLIP_RESTORE_1_B1 * board - SLIP_RESTORE_1_A1 * move;
+    restored = SLIP_RESTORE_B0 * move + state->restore_1;
+    state->restore_1 = SLIP_RESTORE_B1 * move - SLIP_RESTORE_A1 * restored + state->restore_2;
+    state->restore_2 = SLIP_RESTORE_B2 * move - SLIP_RESTORE_A2 * restored;
+    edge = SLIP_EDGE_B0 * restored + state->edge_1;
+    state->edge_1 = SLIP_EDGE_B1 * restored - SLIP_EDGE_A1 * edge + state->edge_2;
+    state->edge_2 = SLIP_EDGE_B2 * restored - SLIP_EDGE_A2 * edge;
+    upper = SLIP_UPPER_B0 * edge + state->upper_1;
+    state->upper_1 = SLIP_UPPER_B1 * edge - SLIP_UPPER_A1 * upper + state->upper_2;
+    state->upper_2 = SLIP_UPPER_B2 * edge - SLIP_UPPER_A2 * upper;
+    wide = SLIP_WIDE_B0 * edge + state->wide_1;
+    state->wide_1 = SLIP_WIDE_B1 * edge - SLIP_WIDE_A1 * wide + state->wide_2;
+    state->wide_2 = SLIP_WIDE_B2 * edge - SLIP_WIDE_A2 * wide;
     slope = SLIP_SLOW_B0 * change + state->slow_1;
     state->slow_1 = SLIP_SLOW_B1 * change - SLIP_SLOW_A1 * slope + state->slow_2;
     state->slow_2 = SLIP_SLOW_B2 * change - SLIP_SLOW_A2 * slope;
@@ -256,11 +297,17 @@ bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
     state->upper_long += SLIP_LONG * (upper * upper - state->upper_long);
     state->wide_short += SLIP_SHORT * (wide * wide - state->wide_short);
     state->wide_long += SLIP_LONG * (wide * wide - state->wide_long);
+    state->rough += change - slope;
+    state->input_long += SLIP_LONG * (state->rough * state->rough - state->input_long);
 
     /* Net and total movement, which are equal while the force goes one way. */
-    state->net_short += SLIP_SHORT * (edge - state->net_short);
-    state->net_long += SLIP_LONG * (edge - state->net_long);
-    move = edge < R(0.0) ? -edge : edge;
+    move = edge - state->last_edge;
+    state->last_edge = edge;
+    state->net_short += SLIP_SHORT * (move - state->net_short);
+    state->net_long += SLIP_LONG * (move - state->net_long);
+    if (move < R(0.0)) {
+        move = -move;
+    }
     state->total_short += SLIP_SHORT * (move - state->total_short);
     state->total_long += SLIP_LONG * (move - state->total_long);
 
@@ -281,14 +328,78 @@ bool slip_step_voltage(slip_state *state, slip_real voltage_v) {
     return state->on;
 }
 
-bool slip_step(slip_state *state, slip_real tactile_v) {
-    /* The tactile voltage is what the detector judges. Whatever joins other signals to it belongs here. */
-    return slip_step_voltage(state, tactile_v);
+/* Begin with the first sample: whether it has a filtered signal decides what noise is stated. */
+static void start(slip_state *state, bool has_filtered) {
+    state->is_started = true;
+    state->has_filtered = has_filtered && SLIP_FILTERED_GAIN > R(0.0);
+    if (state->has_filtered) {
+        state->wide_short = state->wide_long = state->floor = SLIP_FILTERED_STATED_WIDE;
+        state->upper_short = state->upper_long = state->upper_floor = SLIP_FILTERED_STATED_UPPER;
+        state->min_floor = SLIP_FILTERED_MIN_FLOOR;
+        state->min_upper_floor = SLIP_FILTERED_MIN_UPPER_FLOOR;
+    }
 }
 
-void slip_process(slip_state *state, const slip_real *tactile_v, size_t count, uint8_t *on) {
+void slip_init(slip_state *state) {
+    *state = (slip_state){0};
+    /* Energies and floors start at those of the stated noise. */
+    state->wide_short = state->wide_long = state->floor = SLIP_STATED_WIDE;
+    state->upper_short = state->upper_long = state->upper_floor = SLIP_STATED_UPPER;
+    state->input_long = state->input_floor = SLIP_STATED_INPUT;
+    state->min_floor = SLIP_MIN_FLOOR;
+    state->min_upper_floor = SLIP_MIN_UPPER_FLOOR;
+    state->step = state->filtered_step = R(INFINITY);
+    state->settling = SLIP_SETTLING_TICKS;
+    state->floor_ticks = -SLIP_SETTLE_TICKS;
+}
+
+/* Process volts. The inputs were constant until the first sample, so nothing is in the bands then. */
+static bool step_volts(slip_state *state, slip_real tactile_v, slip_real filtered_v, bool has_filtered) {
+    slip_real change;
+    if (!state->is_started) {
+        start(state, has_filtered);
+        state->last_tactile_v = tactile_v;
+        state->rest_v = filtered_v;
+    }
+    change = tactile_v - state->last_tactile_v;
+    state->last_tactile_v = tactile_v;
+    return step(state, change, filtered_v - state->rest_v);
+}
+
+bool slip_step(slip_state *state, slip_real tactile_v, slip_real filtered_v) {
+    return step_volts(state, tactile_v, filtered_v, true);
+}
+
+bool slip_step_tactile(slip_state *state, slip_real tactile_v) {
+    return step_volts(state, tactile_v, R(0.0), false);
+}
+
+/* Process codes in the same way. */
+static bool step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code, bool has_filtered) {
+    int32_t change;
+    if (!state->is_started) {
+        start(state, has_filtered);
+        state->last_tactile_code = tactile_code;
+        state->rest_code = filtered_code;
+    }
+    change = tactile_code - state->last_tactile_code;
+    state->last_tactile_code = tactile_code;
+    return step(state, SLIP_ADC_STEP_V * (slip_real)change,
+                SLIP_ADC_STEP_V * (slip_real)(filtered_code - state->rest_code));
+}
+
+bool slip_step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code) {
+    return step_codes(state, tactile_code, filtered_code, true);
+}
+
+bool slip_step_tactile_code(slip_state *state, int32_t tactile_code) {
+    return step_codes(state, tactile_code, 0, false);
+}
+
+void slip_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
+                  uint8_t *on) {
     size_t i;
     for (i = 0; i < count; i++) {
-        on[i] = slip_step(state, tactile_v[i]) ? 1u : 0u;
+        on[i] = step_volts(state, tactile_v[i], filtered_v ? filtered_v[i] : R(0.0), filtered_v != NULL) ? 1u : 0u;
     }
 }

@@ -7,7 +7,7 @@
  *
  *     slip_state slip;
  *     slip_init(&slip);
- *     for (;;) { bool on = slip_step(&slip, next_voltage()); ... }
+ *     for (;;) { bool on = slip_step_codes(&slip, read_code(T), read_code(S)); ... }
  */
 #ifndef SLIP_DETECTOR_H
 #define SLIP_DETECTOR_H
@@ -30,36 +30,56 @@ typedef SLIP_REAL slip_real;
 
 /* State of a detector. It is read after a step: `on`, `confidence`, `wide`, `floor`. */
 typedef struct slip_state {
-    /* Filters of the differences between samples, each a second-order section in transposed direct form II. */
+    /* Filters, in transposed direct form II. */
+    slip_real board_stage, board_1, board_2, restore_1_1, restore_1, restore_2;
     slip_real edge_1, edge_2, upper_1, upper_2, wide_1, wide_2, slow_1, slow_2;
     slip_real wide;                                          /* present output of the wide band [V] */
     slip_real upper_short, upper_long, wide_short, wide_long; /* energies of 6 and 20 ms [V^2] */
-    slip_real slow, last_input;                              /* sum of slopes since the ring's revolution, input [V] */
+    slip_real input_long;                                    /* energy of the tactile voltage without slow force [V^2] */
+    slip_real slow, rough;                                   /* sums of slopes since the ring's revolution, of the rest */
+    slip_real last_edge, last_filtered;                      /* below the upper edge, and filtered signal [V] */
+    slip_real last_tactile_v, rest_v;                        /* last sample, and filtered signal at rest [V] */
     slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
-    slip_real step;                                          /* smallest step of the converter [V] */
-    slip_real floor, upper_floor;                            /* learned noise of both bands [V^2] */
+    slip_real step, filtered_step;                           /* smallest step of the converter in both inputs [V] */
+    slip_real floor, upper_floor, input_floor;               /* learned noise of bands and tactile voltage [V^2] */
+    slip_real min_floor, min_upper_floor;                    /* lower bounds of the first two [V^2] */
     slip_real floor_ticks, on_ticks;                         /* time of learning, and of ON [ticks] */
     slip_real mean, mean_square;                             /* of the wide energy while ON */
     slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
     slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
+    int32_t last_tactile_code, rest_code;                    /* last sample and rest as codes of the converter */
+    uint16_t limited;                                        /* samples for which the filtered signal is not used */
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
-    uint8_t ring_phase, ring_at;
-    bool on, started;
+    uint8_t ring_phase, ring_at, moved;                      /* moved: ticks for which the force has changed */
+    bool on, is_doubted, has_filtered, is_started;
 } slip_state;
 
 /* Prepare a detector for its first sample. */
 void slip_init(slip_state *state);
 
-/* Process one sample of the tactile voltage T [V] and return whether slip is ON. */
-bool slip_step(slip_state *state, slip_real tactile_v);
+/* Process one sample of the tactile voltage T and of the filtered signal S of the board's connector, taken at the same
+ * time [V], and return whether slip is ON. A board that gives no filtered signal is judged by T alone. */
+bool slip_step(slip_state *state, slip_real tactile_v, slip_real filtered_v);
 
-/* Process samples, any number of them, and write 1 for each at which slip is ON, else 0. */
-void slip_process(slip_state *state, const slip_real *tactile_v, size_t count, uint8_t *on);
+/* Process one sample of T alone [V]. Use the same function for all samples of a detector. */
+bool slip_step_tactile(slip_state *state, slip_real tactile_v);
 
-/* Process one sample of the voltage that the detector judges [V]. `slip_step` makes it of what the connector offers. */
-bool slip_step_voltage(slip_state *state, slip_real voltage_v);
+/* Process samples as codes of the converter for which the library was made. Differences of codes are exact, those of
+ * volts in single precision are not. */
+bool slip_step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code);
+bool slip_step_tactile_code(slip_state *state, int32_t tactile_code);
+
+/* Process samples of T and S [V], any number of them, and write 1 for each at which slip is ON, else 0. Without
+ * `filtered_v` (NULL) T alone is judged. */
+void slip_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
+                  uint8_t *on);
+
+/* Return the voltage that a code of the converter stands for [V]. */
+static inline slip_real slip_volts(int32_t code) {
+    return SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * (slip_real)code;
+}
 
 /* Return whether slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms. */
 static inline bool slip_is_incipient(const slip_state *state) {

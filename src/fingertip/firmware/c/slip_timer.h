@@ -76,9 +76,4 @@ static inline bool slip_start_timer(slip_callback callback) {
 #error "slip_timer.h knows no timer of this board: call your function SLIP_SAMPLE_RATE_HZ times a second yourself"
 #endif
 
-/* Read a pin of the connector [V], by the converter for which the library was made. */
-static inline slip_real slip_read_volts(int pin) {
-    return SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * (slip_real)analogRead(pin);
-}
-
 #endif

@@ -1,11 +1,11 @@
-/* Lines of the stream: time and voltage as CSV, with a point and six decimals, which `fingertip detect -` reads. */
+/* Lines of the stream: time and both voltages as CSV, with a point and six decimals, which `fingertip detect -` reads. */
 #ifndef SLIP_LINE_H
 #define SLIP_LINE_H
 
 #include "slip_detector.h"
 
-#define SLIP_LINE_HEADER "time_s,voltage_v\n"
-enum { SLIP_LINE_BYTES = 40 };
+#define SLIP_LINE_HEADER "time_s,voltage_v,filtered_v\n"
+enum { SLIP_LINE_BYTES = 56 };
 
 /* Write a number of millionths, and return the position behind it. */
 static inline char *slip_format_millionths(char *at, uint64_t millionths) {
@@ -24,17 +24,22 @@ static inline char *slip_format_millionths(char *at, uint64_t millionths) {
     return at;
 }
 
-/* Write the line of a sample [V] without a final zero, and return its length. */
-static inline size_t slip_format_line(char *line, uint32_t sample, slip_real voltage_v) {
-    char *at = line;
-    slip_real microvolts = voltage_v * (slip_real)1e6;
-    at = slip_format_millionths(at, (uint64_t)sample * 1000000000u / SLIP_SAMPLE_RATE_MILLIHZ);
+/* Write a comma and a voltage [V], and return the position behind it. */
+static inline char *slip_format_volts(char *at, slip_real volts) {
+    slip_real microvolts = volts * (slip_real)1e6;
     *at++ = ',';
     if (microvolts < (slip_real)0.0) {
         *at++ = '-';
         microvolts = -microvolts;
     }
-    at = slip_format_millionths(at, (uint64_t)(microvolts + (slip_real)0.5));
+    return slip_format_millionths(at, (uint64_t)(microvolts + (slip_real)0.5));
+}
+
+/* Write the line of a sample [V] without a final zero, and return its length. */
+static inline size_t slip_format_line(char *line, uint32_t sample, slip_real tactile_v, slip_real filtered_v) {
+    char *at = slip_format_millionths(line, (uint64_t)sample * 1000000000u / SLIP_SAMPLE_RATE_MILLIHZ);
+    at = slip_format_volts(at, tactile_v);
+    at = slip_format_volts(at, filtered_v);
     *at++ = '\n';
     return (size_t)(at - line);
 }

@@ -2,25 +2,28 @@
 //
 //   fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0
 //
-// A timer interrupt takes the samples and stores them; loop() writes them. The pin is ON while slip is detected here.
+// A timer interrupt takes the samples and stores them; loop() writes them, and runs the detector, whose longest step a
+// slow controller does not finish between two samples. The pin is ON while slip is detected here.
 #include <slip_detector.h>
 #include <slip_timer.h>
 
 #include "slip_line.h"
 
 static const int TACTILE_PIN = A0;
+static const int FILTERED_PIN = A1;
 static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned STORED = 1024;  // samples that wait for the computer, a power of two
 
 static slip_state slip;
-static volatile slip_real stored_v[STORED];
+static volatile uint16_t stored_tactile[STORED], stored_filtered[STORED];
 static volatile uint32_t taken;  // samples so far; the interrupt alone writes it
 
 static void take_sample() {
-  const slip_real tactile_v = slip_read_volts(TACTILE_PIN);
-  stored_v[taken % STORED] = tactile_v;
+  const uint16_t tactile = analogRead(TACTILE_PIN);
+  const uint16_t filtered = analogRead(FILTERED_PIN);
+  stored_tactile[taken % STORED] = tactile;
+  stored_filtered[taken % STORED] = filtered;
   taken = taken + 1;
-  digitalWrite(SLIP_PIN, slip_step(&slip, tactile_v) ? HIGH : LOW);
 }
 
 void setup() {
@@ -44,7 +47,10 @@ void loop() {
     written = taken;
   }
   if (written != taken) {
-    const size_t length = slip_format_line(line, written, stored_v[written % STORED]);
+    const uint16_t tactile = stored_tactile[written % STORED];
+    const uint16_t filtered = stored_filtered[written % STORED];
+    const size_t length = slip_format_line(line, written, slip_volts(tactile), slip_volts(filtered));
+    digitalWrite(SLIP_PIN, slip_step_codes(&slip, tactile, filtered) ? HIGH : LOW);
     Serial.write(line, length);
     written++;
   }

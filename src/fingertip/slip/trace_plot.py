@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.plot_style import BLUE, GREEN, ORANGE, RED, new_figure, style_axes, to_png
+from fingertip.plot_style import BLUE, ORANGE, RED, TEAL, new_figure, style_axes, to_png
 from fingertip.slip.intervals import intervals
 from fingertip.slip.traces.trace import Trace
 
@@ -19,7 +19,7 @@ def draw_trace(trace: Trace) -> bytes:
         (label, values, colour)
         for label, values, colour in (
             ("tactile voltage [V]", trace.voltage_v, BLUE),
-            ("normal force [N]", trace.force_n, GREEN),
+            ("normal force [N]", trace.force_n, TEAL),
             ("envelope [V]", trace.envelope_v, ORANGE),
             ("filtered signal [V]", trace.filtered_v, RED),
         )

@@ -58,7 +58,7 @@ def recordings() -> dict[str, str]:
         times = [i / rate_hz for i in range(rate_hz)]
         slip = [0.01 * math.sin(2 * math.pi * 90 * t) if 0.5 < t < 0.7 else 0.0 for t in times]
         return [
-            (f"{t:.6f}", unit.format((4.0 + s + n) * per_volt)) for t, s, n in zip(times, slip, noise, strict=False)
+            (f"{t:.6f}", unit.format((2.0 + s + n) * per_volt)) for t, s, n in zip(times, slip, noise, strict=False)
         ]
 
     def lines(header: str, rows: Iterable[str]) -> str:
@@ -70,7 +70,7 @@ def recordings() -> dict[str, str]:
         "counts.csv": lines("voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))),
         "force.csv": lines("time_s;force_n", map(";".join, samples(2000))),
         "micros.txt": lines(
-            "0 4.0",
+            "0 2.0",
             (f"{round(1e6 * float(t))} {v}" for t, v in samples(2000)[1:]),
         ),
     }

@@ -57,7 +57,12 @@ def test_each_fault_is_seen(tmp_path: Path, outcome: Outcome, fault: str) -> Non
 
 def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(in_process, "TIME_LIMIT_S", 0.05)
-    monkeypatch.setattr("fingertip.design.export.format_parameter_table", lambda rows: next(iter(int, 1)))
+
+    def never_end(rows: object) -> str:
+        while True:
+            pass
+
+    monkeypatch.setattr("fingertip.design.export.format_parameter_table", never_end)
     outcome = in_process.run(Case("test", ("params",)), tmp_path)
     assert outcome.code is None
 

@@ -32,7 +32,7 @@ from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.oracles.filter_formulas import (
     filter_transfer,
     ideal_cutoff_hz,
@@ -183,13 +183,15 @@ def test_sensitivities_satisfy_dimensional_analysis() -> None:
 @pytest.mark.slow
 def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path) -> None:
     table = tmp_path / "bode.csv"
-    run = run_fingertip("board", "--analysis", "--bode", table, "--json", "--quiet", "--out", tmp_path / "pcb")
+    run = run_fingertip(
+        "board", *ARTICLE_OPTIONS, "--analysis", "--bode", table, "--json", "--quiet", "--out", tmp_path / "pcb"
+    )
     assert (run.returncode, run.stderr) == (0, "")
     data = json.loads(run.stdout)
     assert set(data["analysis"]["spread"]) == set(QUANTITIES)
     assert table.read_text().startswith("frequency_hz,")
     assert str(table) in data["files"]
-    text = run_fingertip("board", "--analysis", "--quiet", "--out", tmp_path / "pcb").stdout
+    text = run_fingertip("board", *ARTICLE_OPTIONS, "--analysis", "--quiet", "--out", tmp_path / "pcb").stdout
     for phrase in (
         "RMS noise, 0.1 Hz to 1 MHz",
         "203 mV",

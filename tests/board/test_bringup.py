@@ -248,5 +248,5 @@ def test_command_writes_the_sheet_and_names_the_fault(tmp_path: Path, monkeypatc
     assert (done.returncode, data["passed"]) == (1, False)
     assert data["likely"] == ["C2 has half its value"]
     # The board of another design takes the sheet away, as it no longer holds.
-    assert run_fingertip("board", "--out", "b", "-q").returncode == 0
+    assert run_fingertip("board", "article", "--out", "b", "-q").returncode == 0
     assert not Path("b/bringup.md").exists()

@@ -94,7 +94,7 @@ def test_placement_file_equals_kicads(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None:
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
-    run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path)
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--fab", "--quiet", "--out", tmp_path)
     assert (run.returncode, run.stderr) == (0, "")
     fab = tmp_path / "fab"
     archive = zipfile.ZipFile(fab / "slip_filter_gerbers.zip")

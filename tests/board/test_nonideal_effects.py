@@ -177,7 +177,7 @@ def test_passband_agrees_with_ngspice(tmp_path: Path, changes: list[str], figure
 @pytest.mark.slow
 def test_analysis_and_values_contain_these_effects(tmp_path: Path) -> None:
     text = run_fingertip(
-        "board", "--analysis", "--quiet", "--set", "board.variant=comparator", "--out", tmp_path,
+        "board", *ARTICLE_OPTIONS, "--analysis", "--quiet", "--set", "board.variant=comparator", "--out", tmp_path,
         "--set", "board.capacitor_tolerance_percent=10",
     ).stdout  # fmt: skip
     for phrase in (

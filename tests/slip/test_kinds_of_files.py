@@ -578,7 +578,7 @@ def test_coarse_steps_are_warned_of_with_a_remedy_that_ends_the_false_alarms(tmp
     alarms = len(json.loads(done.stdout)["intervals"])
     assert alarms == 0 if detector == "fast" else alarms > 500  # fast never takes its floor below a step's noise
     (warning,) = done.stderr.splitlines()
-    assert warning.startswith("warning: the voltages come in steps of 4.88 mV, which hide the noise of 0.4 mV that")
+    assert warning.startswith("warning: the voltages come in steps of 4.88 mV, which hide the noise of 0.5 mV that")
     remedy = shlex.split(re.search(r"Or add (.*?): thresholds", warning)[1])
     assert len(json.loads(run(*words, *scale, *remedy).stdout)["intervals"]) == 0
 

@@ -45,7 +45,7 @@ def run(case: Case, folder: Path) -> Outcome:
                 break
             time.sleep(0.02)
         else:
-            process.kill()
+            os.kill(process.pid, signal.SIGKILL)  # Popen.kill would wait for the process itself
             _, _, used = os.wait4(process.pid, 0)
             status = None
         process.returncode = 0  # it was waited for

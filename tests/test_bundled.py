@@ -215,7 +215,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         held = {name: archive.read(name) for name in archive.namelist() if name.startswith("fingertip/params/")}
-    files = sorted(PARAMS.rglob("*.toml"))
+    files = [path for path in sorted(PARAMS.rglob("*")) if path.suffix in (".toml", ".json")]
     assert held == {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in files}
 
 

@@ -145,8 +145,8 @@ def test_provenance_record_reveals_outdated_and_changed_files(tmp_path: Path) ->
 
 @pytest.mark.slow
 def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
-    assert run_fingertip("board", "--out", tmp_path).stderr.count("warning") == 0
-    assert run_fingertip("board", "--out", tmp_path, "--check", "--fab").returncode == 1, (
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr.count("warning") == 0
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--check", "--fab").returncode == 1, (
         "there are no fabrication files"
     )
     (tmp_path / "fab").mkdir()
@@ -154,10 +154,10 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
     (tmp_path / "fab" / PROVENANCE).write_bytes(
         provenance_record(board_files(ARTICLE), {"slip_filter_gerbers.zip": b"zip"})
     )
-    assert run_fingertip("board", "--out", tmp_path, "--check", "--fab").returncode == 0
-    assert "warning" not in run_fingertip("board", "--out", tmp_path).stderr
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--check", "--fab").returncode == 0
+    assert "warning" not in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr
 
-    run = run_fingertip("board", "--out", tmp_path, "--set", "board.cutoff_hz=80", "--json")
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--set", "board.cutoff_hz=80", "--json")
     assert run.returncode == 0
     assert f"warning: {tmp_path / 'fab'}: was made from another slip_filter.kicad_pcb than this design" in run.stderr
     assert any("bom.csv" in text for text in json.loads(run.stdout)["fabrication_differences"])
@@ -166,7 +166,7 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
         assert run.returncode == 1
         assert "write it again with --fab" in run.stdout
     (tmp_path / "fab" / PROVENANCE).unlink()
-    assert "has no valid made_from.sha256" in run_fingertip("board", "--out", tmp_path).stderr
+    assert "has no valid made_from.sha256" in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from fingertip.board.variants import BOARD_CONFIGURATIONS
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 
 SUPPLIES = ["split", "single"]
 

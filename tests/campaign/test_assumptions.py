@@ -26,6 +26,7 @@ from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
 from fingertip.slip import Trace
 from fingertip.slip.detectors.noise import noise_level
+from tests.designs import ARTICLE
 
 SLIDE = next(article_trials())[0]
 BY_LABEL = {variation.label: variation for variation in VARIATIONS}
@@ -97,7 +98,7 @@ def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
 def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     """With a constant threshold, twice the noise would keep digital ON all the time."""
     noisier = Variation("twice the noise", {"detector.noise_v": Factor(2.0)})
-    base, twice = study_assumptions(Design(), "digital", 8, variations=[noisier])
+    base, twice = study_assumptions(ARTICLE, "digital", 8, variations=[noisier])
     assert base.found_share == 1.0
     assert twice.found_share > 0.5
     assert twice.alarms_per_minute < 10
@@ -107,7 +108,7 @@ def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
 def test_realistic_effects_make_detection_harder() -> None:
     labels = (PATCH_AVERAGE, ELASTO_PLASTIC, "vibration of the hand, 0.5 mV", "converter of 10 bits, 0 to 5 V")
     base, patch, bristles, hand, coarse = study_assumptions(
-        Design(), "fast", 8, variations=[BY_LABEL[label] for label in labels]
+        ARTICLE, "fast", 8, variations=[BY_LABEL[label] for label in labels]
     )
     assert 10 < base.vibration_n / patch.vibration_n < 40
     assert patch.median_s > base.median_s

@@ -182,12 +182,13 @@ def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     plan = CampaignPlan(96, 0.5)
     bounds = np.array(compute_bounds_s(ARTICLE, plan))
     assert len(bounds) == 96
-    delays = np.array(run_campaign(ARTICLE, plan, ("fast",), (1.0,)).at_nominal_threshold("fast").delays_s)
-    assert len(delays) == 96
+    result = run_campaign(ARTICLE, plan, ("fast", "fft"), (1.0,))
     # The bound limits the average over the noise, not each delay, so chance may lower it by two standard errors.
-    above = delays - bounds
+    above = np.array(result.at_nominal_threshold("fft").delays_s) - bounds
     assert np.mean(above) >= -2 * np.std(above) / np.sqrt(len(above))
-    assert np.mean(above) < 8e-3  # the price of not taking grip changes and contacts for slip
+    # A detector that sees the slow force too may be a little sooner; or later, as it does not take grips for slip.
+    delays = np.array(result.at_nominal_threshold("fast").delays_s)
+    assert -3e-3 < np.mean(delays - bounds) < 8e-3
     assert np.median(delays) < 2.5 * np.median(bounds)
     quieter = compute_bounds_s(article_design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan)
     assert np.median(quieter) < np.median(bounds)
@@ -232,7 +233,7 @@ def test_skin_attenuates_high_frequencies():
 @pytest.fixture(scope="module")
 def validated(tmp_path_factory):
     out = tmp_path_factory.mktemp("validation")
-    arguments = ["validate", "--trials", "8", "--minutes", "1", "--json", "--out"]
+    arguments = ["validate", "article", "--trials", "8", "--minutes", "1", "--json", "--out"]
     return out, CliRunner().invoke(app, [*arguments, str(out)])
 
 
@@ -275,12 +276,12 @@ def test_validate_writes_results_and_assumptions(validated):
 def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     for module in (plots, trial_plots):  # drawn by the test above
         monkeypatch.setattr(module, "to_png", lambda figure: b"")
-    arguments = ["validate", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
+    arguments = ["validate", "article", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
     done = CliRunner().invoke(app, [*arguments, "--detector", "analog"])
     assert done.exit_code == 1
     assert "validate: trials: 0 % done" in done.stderr
     assert re.search(
-        r"^fsr400, detector analog: \d of \d+ requirements are MISSED$",
+        r"^article, detector analog: \d of \d+ requirements are MISSED$",
         (tmp_path / "validation.txt").read_text(),
         re.MULTILINE,
     )
@@ -355,7 +356,7 @@ def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay
     assert slow.found_share == own.found_share == quick.found_share == 1.0
     assert slow.bound_median_s > own.bound_median_s > quick.bound_median_s
     assert slow.median_s >= own.median_s >= quick.median_s - 0.002
-    assert slow.alarms_per_minute == own.alarms_per_minute == quick.alarms_per_minute == 0.0
+    assert max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6  # at most one alarm
     wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
 

@@ -20,6 +20,7 @@ from fingertip.campaign.studies.step_sensitivity import (
 )
 from fingertip.design import Design
 from fingertip.sim import SceneFile
+from tests.designs import ARTICLE
 
 SHORT = SceneFile(
     scene="sliding_finger",
@@ -75,7 +76,7 @@ def test_table_and_remarks_name_a_missed_goal() -> None:
 
 @pytest.mark.slow
 def test_delays_of_the_articles_trials_do_not_depend_on_the_step() -> None:
-    steps = study_steps(Design(), 16)
+    steps = study_steps(ARTICLE, 16)
     assert steps.trials == 16
     assert all(row.meets_goal for row in steps.shifts)
     worst = {row.signal: row.worst for row in steps.errors}

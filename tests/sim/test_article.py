@@ -111,7 +111,7 @@ def test_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
     code = (
         "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"
         "from fingertip.slip.traces.csv_file import to_csv\n"
-        "print(hashlib.sha256(to_csv(simulate(ARTICLE, Trial(seed=7)))).hexdigest())"
+        "print(hashlib.sha256(to_csv(simulate(Design(), Trial(seed=7)))).hexdigest())"
     )
     runs = {
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in "ab"

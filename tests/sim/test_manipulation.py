@@ -161,7 +161,7 @@ def test_controller_receives_samples_and_encoders_only():
     assert np.array_equal(voltage, result.output("voltage_v")[:, : voltage.shape[1]])
     assert {observation.voltage_v.shape for observation in observations[1:]} == {(2, 20)}
     assert [observation.time_s for observation in observations[:3]] == [0.0, 0.01, 0.02]
-    assert set(vars(observations[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v"}
+    assert set(vars(observations[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v", "filtered_v"}
     envelope_v = np.concatenate([observation.envelope_v for observation in observations], axis=1)
     assert np.array_equal(envelope_v, result.output("sampled_envelope_v")[:, : voltage.shape[1]])
     assert np.abs(envelope_v - result.output("envelope_v")[:, : voltage.shape[1]]).max() > 1e-3
@@ -338,7 +338,7 @@ def test_command_with_grip_holds_what_is_lost_without(tmp_path):
         assert results[grip]["held"]
         (first, *_) = results[grip]["grips_s"]
         assert 2.9 < first < 3.0  # the knock comes at 2.9 s
-    assert "envelope_v" in results["--grip", "analog"]["columns"]
+    assert "sampled_envelope_v" in results["--grip", "analog"]["columns"]
     refused = run_fingertip("simulate", "--grip", "fats", "--out", tmp_path / "b.csv")
     assert refused.returncode == 2
     assert "closes the loop of a hand" in refused.stderr

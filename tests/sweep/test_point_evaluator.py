@@ -221,6 +221,7 @@ ELECTRONIC_AXES: dict[str, Any] = {
     "board.capacitor_uf": [0.1, 0.22, 0.47, 1.0, 2.2],
     "board.envelope_cutoff_hz": {"low": 5.0, "high": 900.0, "spacing": "logarithmic"},
     "board.passband_gain": {"low": 10.0, "high": 200.0, "spacing": "logarithmic"},
+    "board.supply": ["split"],
     "board.supply_v": {"low": 5.0, "high": 6.0},
     "board.variant": ["article", "precision", "comparator"],
     "detector.sample_rate_hz": {"low": 1000.0, "high": 20000.0},

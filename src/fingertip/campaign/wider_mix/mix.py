@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.campaign.evaluate import needs_board
 from fingertip.campaign.plan import NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.campaign.poisson import poisson_interval
 from fingertip.campaign.run import quantile_s
@@ -17,6 +18,7 @@ from fingertip.design import Design
 from fingertip.jit import compiled
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
+from fingertip.sim.signal.board_output import SimulatedBoardDetector
 from fingertip.slip import make_detector
 from fingertip.slip.detectors.registry import select_inputs
 
@@ -105,10 +107,17 @@ def _noisy(design: Design, size: MixSize, trials: Sequence[SceneFile], next_seed
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
-    """Run a detector over signals; it assumes the design's noise, whatever they have."""
+    """Run a detector over signals; it assumes the design's noise, whatever they have.
+
+    A detector of the board's envelope reads the design's board, simulated on the sampled voltage.
+    """
     outcomes = []
     with compiled():
         for signal in signals:
+            if needs_board(name):
+                board = SimulatedBoardDetector(design)
+                outcomes.append(assess(signal, board.process(signal.voltage_v).on, board.memory_s))
+                continue
             detector = make_detector(name, design)
             outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
     return outcomes

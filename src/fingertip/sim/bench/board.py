@@ -163,7 +163,7 @@ def measure_board(
         Called with the share of the runs that are done.
     """
     seconds = max(seconds, MIN_SECONDS)
-    problem = BoardProblem(AnalogBoard.from_design(Design()), seconds)
+    problem = BoardProblem(AnalogBoard.from_design(Design.load("article")), seconds)
     system = _scipy_equations(problem.board)
     begin, end = problem.burst_s
     diagram = WorkPrecision(f"board, {seconds:g} s with a burst of {end - begin:.3g} s", "V", LEVELS_V)

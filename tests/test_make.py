@@ -55,8 +55,14 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert manifest["files"].pop("index.html")
     assert manifest == single_manifest
     assert {name: data for name, data in found.items() if name not in signal} == single
-    assert signal["signal/trace.csv"] == trace.read_bytes()
-    detected = json.loads(run_fingertip("detect", trace, "--design", "fsr400", "--json").stdout)
+    # The trial is that of `simulate`, with the board's filtered signal beside it.
+    rows = [line.rsplit(",", 1)[0] for line in signal["signal/trace.csv"].decode().splitlines()]
+    assert rows == trace.read_text().splitlines()
+    signal_trace = made / "signal" / "trace.csv"
+    assert signal_trace.read_text().startswith("time_s,voltage_v,force_n,slip,sampled_filtered_v\n")
+    detected = json.loads(
+        run_fingertip("detect", signal_trace, "--design", "fsr400", "--detector", "fast", "--json").stdout
+    )
     assert json.loads(signal["signal/detection.json"])["intervals"] == detected["intervals"]
 
 

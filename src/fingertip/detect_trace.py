@@ -226,15 +226,22 @@ def detect_stream(
             "names a force, whose thresholds require --calibrate and the whole recording; save the lines in a file."
         )
         raise TraceError(Issue("--column", message))
-    envelope = ColumnMap({**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}, rate_hz, 1.0, time_scale)
     reads_envelope = find_detector_type(detector).input_column == "envelope_v"
-    stream = open_stream(lines, voltage, *([envelope] if reads_envelope else []))
+    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if reads_envelope else []))
+    voltage = voltage.with_simulated_names(stream.header.names)
+    envelope = _map_envelope(voltage)
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
     second = find_second_column(design, detector)
     reads_second = second is not None and voltage.name_in_file(second) in stream.header.names
     watch = None if reads_second else StepWatch(design, detector)
     transitions = follow(stream, instance, design.detector, column_map, report, watch, second)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
+
+
+def _map_envelope(voltage: ColumnMap) -> ColumnMap:
+    """Map the envelope, in volts, to where a detector finds its voltage."""
+    names = {**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
+    return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
 
 
 def _ignore(message: str) -> None:

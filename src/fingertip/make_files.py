@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from fingertip.output_set import SetWriter
 
 
+DETECTOR = "fast"
+"""Detector of the trial: the best there is."""
 ACCEPTANCE = "acceptance.md"
 """Acceptance sheet, beside the casting sheet."""
 
@@ -125,17 +127,21 @@ def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tupl
     from fingertip.detect_trace import detect_file
     from fingertip.sim import load_simulation
     from fingertip.sim.simulation import Simulation
+    from fingertip.slip.detectors.registry import find_second_column
     from fingertip.slip.format import as_data
 
     progress("simulating a trial")
-    simulation = Simulation(design, load_simulation().scene)
+    scene = load_simulation().scene
+    if second := find_second_column(design, DETECTOR):
+        scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
+    simulation = Simulation(design, scene)
     result = simulation.run()
     contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
     progress("detecting slip in it")
     with tempfile.TemporaryDirectory() as temporary:
         path = Path(temporary) / TRACE
         path.write_bytes(contents[TRACE])
-        found = detect_file(path, design)
+        found = detect_file(path, design, DETECTOR)
     data = as_data(found.detection, found.noise)
     contents[DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     if extras.is_installed("matplotlib"):

@@ -264,7 +264,9 @@ def test_validate_writes_results_and_assumptions(validated):
     )
     assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
     text = (out / "validation.txt").read_text()
-    assert re.match(r"fsr400, detector fast: all \d+ requirements are met\n  met     ", text), "the verdict comes first"
+    assert re.match(r"article, detector fast: all \d+ requirements are met\n  met     ", text), (
+        "the verdict comes first"
+    )
     assert "on the wider mix" in text
     plot_names = {path.name for path in out.iterdir() if path.name.endswith(".png")}
     assert plot_names >= {"delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png", "trial.png"}

@@ -40,6 +40,7 @@ def as_lines(columns: tuple[np.ndarray, ...], names: str, factor: float = 1.0) -
     ("names", "columns", "factor"),
     [
         ("time_s,voltage_v,filtered_v", {}, 1.0),
+        ("time_s,voltage_v,sampled_filtered_v", {}, 1.0),  # as a simulation calls it
         ("time_s,T,S", {"voltage_v": "T", "filtered_v": "S"}, 1.0),
         ("time_s,T,S", {"voltage_v": "T", "filtered_v": "S"}, 1000.0),
     ],
@@ -56,6 +57,10 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
     assert found.detection.intervals == pytest.approx(expected)
     assert not any("steps" in warning for warning in found.warnings)
     stream = detect_stream(lines, CONTROLLER, "fast", scale=1 / factor, columns=columns)
+    archive = dict(zip(names.split(","), (time_s, factor * samples, factor * filtered), strict=True))
+    np.savez(tmp_path / "trace.npz", **archive)
+    found = detect_file(tmp_path / "trace.npz", CONTROLLER, "fast", scale=1 / factor, columns=columns)
+    assert found.detection.intervals == pytest.approx(expected)
     first = next(iter(stream.transitions))
     assert first.on
     assert first.time_s == pytest.approx(expected[0].onset_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 from pathlib import Path
 
@@ -9,7 +10,13 @@ from fingertip.detect_trace import detect_file
 from fingertip.page.html import Markup, element, join
 from fingertip.page.sources import Sources
 from fingertip.page.trial_plot import draw_onset, draw_trial
-from fingertip.sim.trace_export import SIGNAL_FOLDER, TRACE
+from fingertip.sim.trace_export import DETECTION, SIGNAL_FOLDER, TRACE
+
+
+def _find_detector(sources: Sources) -> str:
+    """Find the detector of the detection beside the trace; without one, the best there is."""
+    detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
+    return str(json.loads(detection)["detector"]) if detection else "fast"
 
 
 def render_trial(sources: Sources) -> Markup:
@@ -23,7 +30,7 @@ def render_trial(sources: Sources) -> Markup:
     with tempfile.TemporaryDirectory() as temporary:
         path = Path(temporary) / TRACE
         path.write_bytes(data)
-        found = detect_file(path, sources.design)
+        found = detect_file(path, sources.design, _find_detector(sources))
     onset = draw_onset(found.trace, found.detection)
     parts = [element("h3", "The onset of the slip"), onset] if onset else []
     warnings = [element("p", warning, class_="note") for warning in found.warnings]

@@ -20,7 +20,7 @@ from fingertip.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.input_files import RECORDING_LIMIT, check_archive, check_member
 from fingertip.slip.traces.claims import check_mat_variables, check_tdms_segments
 from fingertip.slip.traces.limits import shape_message
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap
+from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap
 
 RATE = "sample_rate_hz"
 """Name of a number in a file that replaces its times."""
@@ -72,7 +72,7 @@ def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
 
 def _wanted(columns: ColumnMap) -> set[str]:
     """Return the names in the file of everything that a trace takes."""
-    return {*map(columns.name_in_file, COLUMNS), RATE}
+    return {*map(columns.name_in_file, COLUMNS), *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
 def _skip_others(names: Collection[str], load: Callable[[str], Any], columns: ColumnMap) -> dict[str, Any]:

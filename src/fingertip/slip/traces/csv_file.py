@@ -89,7 +89,8 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     except OSError as error:
         raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
     header = replace(header, is_loose=adapted is not columns)
-    source = _Source(path, encoding, header, header.line + (2 if header.is_unit_line(below) else 1), adapted)
+    first_line = header.line + (2 if header.is_unit_line(below) else 1)
+    source = _Source(path, encoding, header, first_line, adapted.with_simulated_names(header.names))
     return _read_valid(source) or _read_by_line(source)
 
 

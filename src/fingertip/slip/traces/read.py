@@ -130,6 +130,7 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             issues.append(Issue(f"{name}, {RATE}", f"{message}, or give --rate-hz."))
         # A placeholder replaces a wrong rate, so that the other arrays are still validated.
         columns = replace(columns, rate_hz=rate_hz or 1.0)
+    columns = columns.with_simulated_names(arrays)
     missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
     for column in COLUMNS:
         name_in_file = columns.name_in_file(column)

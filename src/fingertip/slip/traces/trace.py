@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
 """Names of a trace's columns."""
+BOARD_COLUMNS = ("envelope_v", "filtered_v")
+"""Columns that come from the board. A simulation calls them sampled_envelope_v and sampled_filtered_v."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
 
 
@@ -130,6 +132,15 @@ class ColumnMap:
     def name_in_file(self, column: str) -> str:
         """Return the file's name for a trace's column."""
         return self.names.get(column, column)
+
+    def with_simulated_names(self, names: Collection[str]) -> ColumnMap:
+        """Map the board's columns to the names that a simulation gives them, where a file has those only."""
+        found = {
+            column: f"sampled_{column}"
+            for column in BOARD_COLUMNS
+            if self.name_in_file(column) not in names and f"sampled_{column}" in names
+        }
+        return replace(self, names={**self.names, **found}) if found else self
 
     @property
     def required(self) -> tuple[str, ...]:

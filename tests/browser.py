@@ -55,7 +55,7 @@ def open_browser(folder: Path) -> Iterator[Any]:
         browser.quit()
 
 
-def wait(condition: Any, seconds: float = 10.0) -> Any:
+def wait(condition: Any, seconds: float = 60.0) -> Any:
     """Wait until a condition gives something, and return it."""
     until = time.monotonic() + seconds
     while not (found := condition()):

@@ -50,7 +50,7 @@ def figure(picture: Markup, caption: str, label: str = "", class_: str = "") -> 
     """Build a picture with its caption. It scrolls by itself where it is wider than the page."""
     said = [element("figcaption", caption)] if caption else []
     inner = element("figure", picture, *said, class_=class_ or None)
-    return element("div", inner, class_="scroll", role="group", aria_label=label or caption)
+    return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=label or caption)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", class_: str = "") -> Markup:
@@ -60,7 +60,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "",
     body = element("tbody", *(element("tr", *(element("td", cell) for cell in row)) for row in rows))
     inner = element("table", *title, header, body, class_=class_ or None)
     label = caption or ", ".join(str(cell) for cell in head)
-    return element("div", inner, class_="scroll", role="group", aria_label=_plain(label))
+    return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=_plain(label))
 
 
 def _plain(text: str) -> str:

@@ -21,6 +21,7 @@ from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import min_noise_v
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import find_detector_type, find_second_column, make_detector
+from fingertip.slip.filtered_signal import filtered_warnings
 from fingertip.slip.live import NAME as STREAM_NAME
 from fingertip.slip.live import CsvStream, Transition, follow, open_stream
 from fingertip.slip.noise_calibration import (
@@ -146,7 +147,9 @@ def detect_file(
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
         reads_second = find_second_column(design, detector) is not None and trace.filtered_v is not None
         # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
-        if calibrate_s is None and not reads_second:
+        if reads_second:
+            warnings += filtered_warnings(trace, design)
+        elif calibrate_s is None:
             warnings += step_warnings(trace.voltage_v, design, detector)
 
     quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)

@@ -49,7 +49,7 @@ def assert_same_bits(library: Library, *inputs: np.ndarray) -> FastOutput:
 
 
 def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recording]:
-    """Signals of every kind: noise, bursts, steps, codes, limits, numbers of any size, and constants."""
+    """Signals of every kind: noise, bursts, steps, codes, limits, a broken wire, any size, constants."""
     random = np.random.default_rng(seed)
     tactile, filtered = 2.0 + random.normal(0.0, 4e-4, count), 1.5 + random.normal(0.0, 4e-4, count)
     blocks = -(-count // 1000)
@@ -69,6 +69,7 @@ def random_signals(design: Design, count: int, seed: int = 1) -> dict[str, Recor
         "slip": slip_recording(design, count / design.detector.sample_rate_hz),
         "codes": Recording(*(np.round(volts / step) * step for volts in (tactile, filtered))),
         "limits": Recording(tactile, np.clip(1.5 + random.normal(0.0, loudness / 10), 0.0, 3.0)),
+        "broken": Recording(tactile, np.where(np.arange(count) % 9000 < 4500, 1.5, filtered)),
         "any size": Recording(any_size(), any_size()),
         "constant": Recording(constant, constant),
         "zero": Recording(0.0 * constant, 0.0 * constant),

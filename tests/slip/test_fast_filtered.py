@@ -14,6 +14,7 @@ from fingertip.slip import Trace, detect, make_detector
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
+from fingertip.slip.filtered_signal import filtered_warnings
 
 RATE = 2000.0
 GAIN = 67.0
@@ -105,6 +106,40 @@ def test_a_stage_at_its_limit_is_not_believed():
     limit_v = LIMIT_SHARE * FilteredSignal.from_design(CONTROLLER).range_v / CONTROLLER.board.passband_gain
     assert detector._coefficients.filtered_limit == pytest.approx(limit_v)
     assert 0.015 < limit_v < 0.022
+
+
+@pytest.mark.parametrize("level_v", [0.0, 1.472, 3.299])
+def test_a_broken_wire_leaves_the_tactile_voltage(level_v):
+    """A filtered signal that never changes is not used: decisions come from the voltage, and slip is found."""
+    volts = quantise(slip_from(2.0, 0.01, 1.2, 8), np.random.default_rng(8))
+    dead = np.full(len(volts), level_v)
+    detector = make_detector("fast", CONTROLLER)
+    on = detector.process(volts, dead).on
+    assert not on[:2400].any()
+    assert 2400 <= np.flatnonzero(on)[0] < 2440
+    assert on[2440:].mean() > 0.95
+    (warning,) = (text for text in filtered_warnings(Trace(np.arange(len(volts)), volts, filtered_v=dead), CONTROLLER))
+    assert "is the board's pin S connected?" in warning
+
+
+def test_a_wire_that_breaks_later_is_noticed():
+    rng = np.random.default_rng(9)
+    volts = slip_from(4.0, 0.01, 3.0, 9)
+    filtered = quantise(board(volts), rng)
+    filtered[2000:] = filtered[2000]
+    on = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered).on
+    assert not on[3000:6000].any()
+    assert 6000 <= np.flatnonzero(on[6000:])[0] + 6000 < 6040
+
+
+def test_exchanged_wires_are_named():
+    volts = slip_from(1.0, 0.01, 0.5, 10)
+    good = Trace(np.arange(len(volts)) / RATE, volts, filtered_v=board(volts))
+    assert list(filtered_warnings(good, CONTROLLER)) == []
+    assert list(filtered_warnings(replace(good, filtered_v=board(volts) - 1.47), CONTROLLER)) == []
+    (warning,) = filtered_warnings(replace(good, voltage_v=board(volts), filtered_v=volts), CONTROLLER)
+    assert "are T and S exchanged?" in warning
+    assert list(filtered_warnings(replace(good, filtered_v=None), CONTROLLER)) == []
 
 
 def test_the_rest_of_the_filtered_signal_does_not_matter():

@@ -69,7 +69,8 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
 def test_the_column_is_used_by_fast_alone_and_by_its_board_alone(tmp_path: Path, recording):
     time_s, samples, _ = recording
     paths = []
-    for name, filtered in (("zeros", np.zeros(len(samples))), ("other", recording[2])):
+    noise = np.random.default_rng(1).normal(1.47, 0.3, len(samples))
+    for name, filtered in (("noise", noise), ("own", recording[2])):
         path = tmp_path / f"{name}.csv"
         lines = as_lines((time_s, samples, filtered), "time_s,voltage_v,filtered_v")
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -119,3 +120,23 @@ def test_simulated_traces_carry_the_filtered_signal():
     assert not np.array_equal(signals[0], signals[1])
     with pytest.raises(TraceError, match="sampled_filtered_v"):
         run_manipulation(ARTICLE, hand, None, 1)
+
+
+def test_a_named_column_that_is_missing_is_refused(tmp_path: Path, recording):
+    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
+    path = tmp_path / "trace.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(TraceError, match="there is no column nothing"):
+        detect_file(path, CONTROLLER, "fast", columns={"filtered_v": "nothing"})
+    with pytest.raises(TraceError, match="there is no column nothing"):
+        detect_stream(lines, CONTROLLER, "fast", columns={"filtered_v": "nothing"})
+
+
+def test_a_stream_may_begin_before_its_header(recording):
+    """A controller that runs already sends the rest of a line, samples, and its header with the next second."""
+    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
+    running = ["843,1.471948", *lines[1:500], *lines]
+    first = next(iter(detect_stream(running, CONTROLLER, "fast").transitions))
+    assert first == next(iter(detect_stream(lines, CONTROLLER, "fast").transitions))
+    with pytest.raises(TraceError, match="is not the header of a trace"):
+        detect_stream([lines[1]] * 6000, CONTROLLER, "fast")

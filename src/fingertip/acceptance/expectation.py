@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fingertip.casting.hardware import WEIGHTS_G
 from fingertip.design import Design
+from fingertip.design.signal_ground import signal_ground_ratio
 from fingertip.sim.signal.bridge import Bridge
 
 SPREAD = 4.0
@@ -35,9 +37,13 @@ def expect_open_v(design: Design) -> float:
 def expect_readings(design: Design) -> tuple[WeightReading, ...]:
     """Expect the readings of `WEIGHTS_G`, with limits that cover sensors within `SPREAD` of the data sheet."""
     bridge = Bridge.of_board(design)
+    # A board on a single supply gives no voltage below its ground.
+    lowest_v = 0.0 if signal_ground_ratio(design.board.supply) else -math.inf
     readings = []
     for mass in WEIGHTS_G:
         conductance = bridge.curve.conductance_s(mass / 1000.0 * _GRAVITY)
-        low, high = (bridge.response.tactile_v(conductance * factor) for factor in (SPREAD, 1.0 / SPREAD))
+        low, high = (
+            max(lowest_v, bridge.response.tactile_v(conductance * factor)) for factor in (SPREAD, 1.0 / SPREAD)
+        )
         readings.append(WeightReading(mass, 1.0 / conductance, bridge.response.tactile_v(conductance), (low, high)))
     return tuple(readings)

@@ -110,8 +110,10 @@ def render_acceptance(data: dict[str, Any]) -> str:
             ],
         ),
         f"## Sensor, {after}",
-        f"Repeat the tests with the finger on its board. Untouched, the tactile voltage must lie between {low:.2f} and "
-        f"{high:.2f} V. Press the pad for 10 s and let go: it must return there within 1 s.",
+        "Repeat these tests. Then connect the finger to its powered board, and measure the tactile voltage: red probe "
+        "at T of the board's output connector, black probe at supply ground, not at the signal ground to which the "
+        f"readings of the bring-up sheet refer. Untouched, it must lie between {low:.2f} and {high:.2f} V. Press the "
+        "pad for 10 s and let go: it must return there within 1 s.",
         _table(
             ("reading", "meaning"),
             [

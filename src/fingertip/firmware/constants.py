@@ -46,11 +46,12 @@ def _detector_groups(design: Design) -> Iterator[Group]:
         terms = {key: getattr(c, f"{name}_{key}") for key in keys}
         yield text, {f"{name}_{key}".upper(): real(value) for key, value in terms.items()}
     yield (
-        "Filtered signal: factor to a voltage at the filter's input, its limit [V], and samples of recovery.",
+        "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",
         {
             "FILTERED_GAIN": real(both.coefficients.filtered_gain),
             "FILTERED_LIMIT": real(both.coefficients.filtered_limit),
             "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",
+            "STILL_SAMPLES": f"{c.still_samples:.0f}",
         },
     )
     yield (

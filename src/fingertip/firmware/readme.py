@@ -75,10 +75,13 @@ def _use(design: Design) -> list[str]:
             "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and both "
             "voltages over USB, for"
         ),
-        "```sh\nfingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
+        "```sh\nstty -F /dev/ttyACM0 2000000 raw -echo\n"
+        "fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
         paragraph(
-            "`slip_timer.h` has the timers of Teensy, STM32, UNO R4 and RP2040. The examples were compiled against a "
-            "stand-in for Arduino's headers, not run on these boards. `analogRead` must take a small part of the "
+            "`slip_timer.h` has the timers of Teensy, STM32, UNO R4 and RP2040 (core of Earle Philhower, not Mbed). "
+            "The UNO R4 converts up to 5 V: make its library with `--set detector.adc_range_v=5`. The examples were "
+            "compiled against a stand-in for Arduino's headers, not run on these boards. `analogRead` must take a "
+            "small part of the "
             f"{1e3 / design.detector.sample_rate_hz:g} ms between two samples; where it is slow, read the converter's "
             "registers instead."
         ),
@@ -92,7 +95,10 @@ def _use(design: Design) -> list[str]:
 def _describe_second(design: Design) -> str:
     if FilteredSignal.from_design(design) is None:
         return "The board of this design gives no S at its connector: give 0, or use `slip_step_tactile_code`."
-    return "Where S is at its limit, T alone is judged until S has recovered."
+    return (
+        "Where S is at its limit, T alone is judged until S has recovered, and so it is where S does not change for "
+        "0.2 s: `slip_filtered_is_still` then tells that its wire may be broken."
+    )
 
 
 def _wiring(design: Design) -> list[str]:

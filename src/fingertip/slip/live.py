@@ -24,6 +24,8 @@ from fingertip.slip.traces.sampling import (
 from fingertip.slip.traces.trace import ColumnMap, length_message, range_message
 
 NAME = "standard input"
+_SAMPLES_BEFORE_HEADER = 5000
+"""Samples of a stream that are passed over before its header: a controller that runs already repeats it each second."""
 _RATE_WINDOWS = 100
 """Number of windows over which the mean rate is measured before the measurement restarts."""
 
@@ -63,7 +65,7 @@ def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnM
         If there is no header.
     """
     remaining = bounded_lines(lines, NAME)
-    header = find_header(NAME, remaining, columns, *alternatives)
+    header = find_header(NAME, remaining, columns, *alternatives, max_samples=_SAMPLES_BEFORE_HEADER)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
         return CsvStream(header, rows)

@@ -140,7 +140,7 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
     if VMID_OUT in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
-        yield "Signals refer to M: sample M too, and subtract it."
+        yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
     if locking:
         yield "Twist each signal's wire with the ground beside it."
     else:

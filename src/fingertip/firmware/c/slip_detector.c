@@ -130,7 +130,8 @@ static void tick(slip_state *state, slip_real slope) {
 
     /* Floors are at least the noise of a converter halfway between two codes. */
     input_noise = R(0.25) * state->step * state->step;
-    step_noise = state->has_filtered ? R(0.25) * state->filtered_step * state->filtered_step : input_noise;
+    step_noise = state->has_filtered && state->still < SLIP_STILL_SAMPLES
+        ? R(0.25) * state->filtered_step * state->filtered_step : input_noise;
     lowest = step_noise * SLIP_WIDE_SHARE;
     wide_floor = state->floor > lowest ? state->floor : lowest;
     lowest = step_noise * SLIP_UPPER_SHARE;
@@ -249,18 +250,10 @@ static bool step(slip_state *state, slip_real change, slip_real deviation) {
     state->board_1 = SLIP_BOARD_B1 * state->board_stage - SLIP_BOARD_A1 * board + state->board_2;
     state->board_2 = SLIP_BOARD_B2 * state->board_stage - SLIP_BOARD_A2 * board;
 
-    /* The board's own filtered signal has finer steps and less noise, unless one of its stages is at its limit. */
+    /* The board's own filtered signal has finer steps and less noise, unless it stands still or a stage is at its
+     * limit. */
     if (state->has_filtered) {
         filtered = SLIP_FILTERED_GAIN * deviation;
-        if (state->board_stage > SLIP_FILTERED_LIMIT || -state->board_stage > SLIP_FILTERED_LIMIT
-            || filtered > SLIP_FILTERED_LIMIT || -filtered > SLIP_FILTERED_LIMIT) {
-            state->limited = SLIP_LIMITED_SAMPLES;
-        }
-        if (state->limited > 0) {
-            state->limited--;
-        } else {
-            board = filtered;
-        }
         move = filtered - state->last_filtered;
         state->last_filtered = filtered;
         if (move < R(0.0)) {
@@ -268,6 +261,20 @@ static bool step(slip_state *state, slip_real change, slip_real deviation) {
         }
         if (R(0.0) < move && move < state->filtered_step) {
             state->filtered_step = move;
+        }
+        if (move > R(0.0)) {
+            state->still = 0;
+        } else if (state->still < SLIP_STILL_SAMPLES) {
+            state->still++;
+        }
+        if (state->board_stage > SLIP_FILTERED_LIMIT || -state->board_stage > SLIP_FILTERED_LIMIT
+            || filtered > SLIP_FILTERED_LIMIT || -filtered > SLIP_FILTERED_LIMIT) {
+            state->limited = SLIP_LIMITED_SAMPLES;
+        }
+        if (state->limited > 0) {
+            state->limited--;
+        } else if (state->still < SLIP_STILL_SAMPLES) {
+            board = filtered;
         }
     }
 
@@ -349,6 +356,7 @@ void slip_init(slip_state *state) {
     state->min_floor = SLIP_MIN_FLOOR;
     state->min_upper_floor = SLIP_MIN_UPPER_FLOOR;
     state->step = state->filtered_step = R(INFINITY);
+    state->still = SLIP_STILL_SAMPLES;
     state->settling = SLIP_SETTLING_TICKS;
     state->floor_ticks = -SLIP_SETTLE_TICKS;
 }

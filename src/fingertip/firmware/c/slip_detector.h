@@ -50,6 +50,7 @@ typedef struct slip_state {
     slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */
     int32_t last_tactile_code, rest_code;                    /* last sample and rest as codes of the converter */
     uint16_t limited;                                        /* samples for which the filtered signal is not used */
+    uint16_t still;                                          /* samples since its last change, up to SLIP_STILL_SAMPLES */
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at, moved;                      /* moved: ticks for which the force has changed */
@@ -79,6 +80,11 @@ void slip_process(slip_state *state, const slip_real *tactile_v, const slip_real
 /* Return the voltage that a code of the converter stands for [V]. */
 static inline slip_real slip_volts(int32_t code) {
     return SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * (slip_real)code;
+}
+
+/* Return whether S is not used because it does not change: its wire may be broken. T alone is judged then. */
+static inline bool slip_filtered_is_still(const slip_state *state) {
+    return state->has_filtered && state->still >= SLIP_STILL_SAMPLES;
 }
 
 /* Return whether slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms. */

@@ -53,6 +53,10 @@ static inline bool slip_start_timer(slip_callback callback) {
         && slip_timer.setup_overflow_irq() && slip_timer.open() && slip_timer.start();
 }
 
+#elif defined(ARDUINO_ARCH_RP2040) && defined(ARDUINO_ARCH_MBED)
+
+#error "analogRead of the Mbed core must not run in an interrupt: choose Raspberry Pi Pico/RP2040 of Earle Philhower"
+
 #elif defined(ARDUINO_ARCH_RP2040)
 
 #include <pico/time.h>

@@ -80,6 +80,8 @@ LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 LIMITED_S = 0.03
 """Time in which the board's filter recovers from a limit [s]."""
+STILL_S = 0.2
+"""Time without any change after which the filtered signal is not used [s]: the converter's noise always moves it."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
 
@@ -264,6 +266,7 @@ class FastDetector:
         state[fast_loop.INPUT] = voltage_v
         state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
         state[fast_loop.REST] = 0.0 if filtered_v is None else filtered_v
+        state[fast_loop.STILL] = c.still_samples  # until it changes for the first time
         # Energies and floors start at those of the stated noise.
         band_noise_v = _band_noise_v(settings, with_filtered)
         wide, upper = c.wide_share * band_noise_v**2, c.upper_share * band_noise_v**2
@@ -317,6 +320,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,
         limited_samples=float(round(LIMITED_S * rate)),
+        still_samples=float(round(STILL_S * rate)),
         short_smoothing=1 / (1 + rate * SHORT_S),
         long_smoothing=1 / (1 + rate * LONG_S),
         tick_samples=float(tick),

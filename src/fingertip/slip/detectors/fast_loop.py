@@ -99,6 +99,8 @@ class FastCoefficients(NamedTuple):
     """Voltage at the filter's input from which on a stage of the board may be at its limit [V]."""
     limited_samples: float
     """Samples for which the filtered signal is not used after that."""
+    still_samples: float
+    """Samples without any change after which the filtered signal is not used: its wire may be broken."""
     short_smoothing: float
     """Smoothing factor of 6 ms, per sample."""
     long_smoothing: float
@@ -146,8 +148,8 @@ EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = rang
 SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
-MOVED, IS_DOUBTED, ROUGH = range(52, 55)
-RING_START = 55
+MOVED, IS_DOUBTED, ROUGH, STILL = range(52, 56)
+RING_START = 56
 STATES = RING_START + RING
 
 
@@ -190,7 +192,7 @@ def _fast_loop(
     (
         p_b, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
         e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
-        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, short, long, tick_samples,
+        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, still_samples, short, long, tick_samples,
         slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
         min_upper_floor, min_input_floor, offset, lowest_score, on_score, stay_score, stay_ratio,
         score_smoothing, statistic_gain,
@@ -203,7 +205,7 @@ def _fast_loop(
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
     input_long = state[INPUT_LONG]
     last_edge, last_input, last_filtered = state[EDGE], state[INPUT], state[FILTERED]
-    slow, rough = state[SLOW], state[ROUGH]
+    slow, rough, still = state[SLOW], state[ROUGH], state[STILL]
     net_short, total_short = state[NET_SHORT], state[TOTAL_SHORT]
     net_long, total_long = state[NET_LONG], state[TOTAL_LONG]
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
@@ -234,21 +236,23 @@ def _fast_loop(
         h1 = h_b1 * p - h_a1 * h + h2
         h2 = h_b2 * p - h_a2 * h
 
-        # The board's own filtered signal has finer steps and less noise, unless one of its stages is at its limit.
+        # The board's own filtered signal has finer steps and less noise, unless it stands still or a stage is at its
+        # limit.
         if filtered_gain > 0.0:
             y = filtered_gain * (filtered_samples[i] - rest)
-            if p > filtered_limit or -p > filtered_limit or y > filtered_limit or -y > filtered_limit:
-                limited = limited_samples
-            if limited > 0.0:
-                limited -= 1.0
-            else:
-                h = y
             move = y - last_filtered
             last_filtered = y
             if move < 0.0:
                 move = -move
             if 0.0 < move < filtered_step:
                 filtered_step = move
+            still = 0.0 if move > 0.0 else still + 1.0
+            if p > filtered_limit or -p > filtered_limit or y > filtered_limit or -y > filtered_limit:
+                limited = limited_samples
+            if limited > 0.0:
+                limited -= 1.0
+            elif still < still_samples:
+                h = y
 
         # r has the cutoff of the bands, e lies below their upper edge; u upper band, w wide band; slope is the
         # difference of the slow voltage.
@@ -327,7 +331,8 @@ def _fast_loop(
 
             # Floors are at least the noise of a converter halfway between two codes.
             input_noise = 0.25 * step * step
-            step_noise = 0.25 * filtered_step * filtered_step if filtered_gain > 0.0 else input_noise
+            is_filtered = filtered_gain > 0.0 and still < still_samples
+            step_noise = 0.25 * filtered_step * filtered_step if is_filtered else input_noise
             lowest = step_noise * wide_share
             wide_floor = floor if floor > lowest else lowest
             lowest = step_noise * upper_share
@@ -432,7 +437,7 @@ def _fast_loop(
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
     state[INPUT_LONG] = input_long
     state[EDGE], state[INPUT], state[FILTERED] = last_edge, last_input, last_filtered
-    state[SLOW], state[ROUGH] = slow, rough
+    state[SLOW], state[ROUGH], state[STILL] = slow, rough, still
     state[NET_SHORT], state[TOTAL_SHORT] = net_short, total_short
     state[NET_LONG], state[TOTAL_LONG] = net_long, total_long
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2

@@ -59,7 +59,9 @@ class Header:
         return first if minimum <= first < len(self.names) else len(self.names)
 
 
-def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> Header:
+def find_header(
+    name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap, max_samples: int = 1
+) -> Header:
     """Find the first line that names the columns that a trace requires.
 
     Empty lines, a spreadsheet's `sep=;` and any other lines above are skipped, up to the first line of numbers. The
@@ -74,6 +76,8 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
         Lines of the file from its beginning; none beyond the header is taken.
     columns, alternatives
         Columns to look for; the header must match one of these maps.
+    max_samples
+        Number of lines of numbers after which no header is expected any more.
 
     Raises
     ------
@@ -81,6 +85,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
         If no line names the required columns, or one names them twice.
     """
     skipped: list[tuple[int, str]] = []
+    samples = 0
     for number, line in enumerate(lines, start=1):
         text = line.lstrip("\ufeff") if number == 1 else line
         if "\0" in text:  # UTF-16 without a byte order mark
@@ -97,8 +102,11 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
                     raise TraceError(duplicates)
                 return Header(tuple(cells), delimiter, number, _strip_comment(text))
         if not is_comment and text.strip() and not _SEPARATOR.fullmatch(text.strip()):
-            skipped.append((number, text))
-            if _count_numbers(text) or len(skipped) == MAX_PREAMBLE:
+            is_sample = bool(_count_numbers(text))
+            samples += is_sample
+            if not is_sample or samples == 1:
+                skipped.append((number, text))
+            if samples == max_samples or len(skipped) == MAX_PREAMBLE:
                 break
     if not skipped:
         message = f"is empty; a trace is a CSV file with the columns {_join_required(columns)}."

@@ -144,8 +144,9 @@ class ColumnMap:
 
     @property
     def required(self) -> tuple[str, ...]:
-        """Columns that every trace must have."""
-        return ("voltage_v",) if self.rate_hz is not None else ("time_s", "voltage_v")
+        """Columns that every trace must have, and those of the board that are named."""
+        named = tuple(column for column in BOARD_COLUMNS if column in self.names)
+        return ("voltage_v", *named) if self.rate_hz is not None else ("time_s", "voltage_v", *named)
 
     @property
     def in_volts(self) -> bool:

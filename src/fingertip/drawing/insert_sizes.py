@@ -117,10 +117,10 @@ def _base_sizes(design: Design) -> list[Size]:
     sizes: list[Size] = [
         Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
                (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
-               f"wide: sand the sides until it drops into the recess; narrow: {_SCALE}"),
+               f"wide: scrape the recess until the base drops in; narrow: {_SCALE}"),
         Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
                (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
-               f"wide: sand the collar until the mold closes; narrow: {_SCALE}"),
+               f"wide: scrape the recess of the collar until the mold closes; narrow: {_SCALE}"),
         Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
                (0.0, 0.0, 0.0),
                located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
@@ -129,7 +129,7 @@ def _base_sizes(design: Design) -> list[Size]:
         sizes.append(
             Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
                    (0.0, section.dorsal, base), located(design, dims.base_flat_depth + section.dorsal),
-                   f"high: sand the palmar flat until the mold closes; low: {_SCALE}")
+                   f"high: scrape the floor of the recess until the mold closes; low: {_SCALE}")
         )  # fmt: skip
     return sizes
 

@@ -141,8 +141,8 @@ def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
     z, contact, floor = axis_z(design), contact_y(design), head_y(design)
     hole, head = chaplet.hole_radius, chaplet.head_radius
     sizes: list[Size] = [
-        Length("height of the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
-               located(design, contact), "low: sand the boss; high: lay film between bone and boss"),
+        Length("parting plane to the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
+               located(design, contact), "less: sand the boss; more: lay film between bone and boss"),
         Length("hole of the screw", FINISHED, "section", "below", "z", (0.0, contact, z - hole),
                (0.0, contact, z + hole),
                symmetric(chaplet.play), f"drill it to {2 * hole:g} mm: a print closes it", is_diameter=True),

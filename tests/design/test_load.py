@@ -122,7 +122,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert "No such file" in found[str(tmp_path / "none.toml")]
     assert "is not valid TOML" in found[str(broken)]
     assert "UTF-8" in found[str(binary)]
-    assert "directory" in found[str(tmp_path)]
+    assert "is a folder" in found[str(tmp_path)]
     assert "table.key=value" in found["--set mold.draft_deg"]
 
 

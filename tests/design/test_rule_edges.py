@@ -22,12 +22,14 @@ from fingertip.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
 from tests.design.remedies import as_changes, read_remedy
 from tests.design.test_rules import CASES
+from tests.designs import ARTICLE_CHANGES
 
 ROUNDING = 1e-5
 """Twice the slack of the rules, and rounding errors beside."""
 MORE_CASES = (
     ["board.capacitor_uf=0.11"],
     ["board.envelope_capacitor_uf=0.11"],
+    [*ARTICLE_CHANGES, "board.envelope_capacitor_uf=100"],
     ["mold.filling=gravity", "mold.funnel_diameter_mm=20", "mold.gate_diameter_mm=3", "mold.wall_mm=2.5"],
 )
 """Changes that break rules which no other design here breaks."""

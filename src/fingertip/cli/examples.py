@@ -27,6 +27,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "picture": ("fingertip picture fsr400", "fingertip picture adult_finger --filling --out filling.png"),
     "drawing": ("fingertip drawing adult_finger --out out/adult_drawing",),
     "page": ("fingertip page fsr400",),
+    "studio": ("fingertip studio fsr400", "fingertip studio mine.toml --port 0 --no-browser"),
     "sheet": ("fingertip sheet fsr400", "fingertip sheet fsr400 --material smooth_sil_940 --out casting.md"),
     "acceptance": ("fingertip acceptance fsr400 --out acceptance.md",),
     "coupon": ("fingertip coupon fsr400",),

@@ -103,7 +103,7 @@ def test_a_file_of_the_system_that_states_no_size_is_bounded() -> None:
 
 
 def test_the_documentation_states_every_limit() -> None:
-    page = (ROOT / "docs/usage.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/files.md").read_text(encoding="utf-8")
     for limit in (TOML_LIMIT, RECORDING_LIMIT, SAMPLES_LIMIT, OUTPUT_LIMIT):
         shown = f"{limit.default:,}".replace(",", " ") if limit.unit == 1 else f"{limit.default} MB"
         assert f"| `{limit.variable}` | {shown} |" in page

@@ -81,6 +81,6 @@ def test_without_truth_the_first_detection_is_enlarged(trace: Trace, drawn: list
     blind = Trace(trace.time_s, trace.voltage_v)
     plot.draw(blind, detect(blind, Design()), "title")
     assert "true slip is unknown" in drawn[0].axes[-1].get_title(loc="left")
-    flat = Trace(trace.time_s, np.full_like(trace.voltage_v, 4.0))
+    flat = Trace(trace.time_s, np.full_like(trace.voltage_v, 2.3))
     plot.draw(flat, detect(flat, Design()), "title")
     assert len(drawn[1].axes) == 3

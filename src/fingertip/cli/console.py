@@ -24,6 +24,7 @@ import typer
 from fingertip.cli.last_resort import FAULT, describe_fault, describe_path_error
 from fingertip.cli.progress import ProgressDisplay
 from fingertip.errors import FingertipError, Issue, OutputError, escape_control
+from fingertip.progress import ShareText
 
 P = ParamSpec("P")
 
@@ -79,7 +80,8 @@ class Console:
     def progress(self, message: str) -> None:
         """Print a message or a step of progress to stderr; on a terminal a share of long work is a bar."""
         if not self.quiet:
-            self._display.show(escape_control(message, kept="\n\t"))
+            text = escape_control(message, kept="\n\t")
+            self._display.show(ShareText(text, message.share) if isinstance(message, ShareText) else text)
 
     def end_progress(self) -> None:
         """Remove the bar of a terminal."""

@@ -12,6 +12,8 @@ from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES, PARAMET
 from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
 from fingertip.numerics import bisect
 
+SMALLEST = 1e-300
+"""Absolute value below which a number has no digits that count."""
 _GRID_INTERVALS = 48
 """Intervals of the fine grid between a parameter's bounds."""
 _STRIDE = 4
@@ -139,8 +141,10 @@ def round_inwards(name: str, value: float, up: bool) -> float:
 
 def round_digits(value: float, digits: int, up: bool) -> float:
     """Round a number up or down to a number of significant digits."""
-    if value == 0.0:
-        return 0.0
+    if value == 0.0 or math.isinf(value):
+        return value
+    if abs(value) < SMALLEST:  # has no more digits to round
+        return 0.0 if up == (value < 0.0) else math.copysign(SMALLEST, value)
     step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
     # A value that has so few digits already must not lose one to the division's last bit.
     count = round(value / step, 6)

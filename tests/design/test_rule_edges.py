@@ -130,6 +130,7 @@ def test_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs([("skin.length_mm", "skin.tip_length_mm"), *random.Random(0).sample(same_unit, 60)])
 
 
+@LONG
 @pytest.mark.slow
 def test_all_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs(list_equal_pairs())

@@ -35,8 +35,12 @@ _SMALL_SHARE, _LEAST_RING_PX, _LARGEST_RING_PX = 0.012, 16.0, 60.0
 _RING = (120, 20, 70)
 _COLOURS = 96
 """Number of colours of a picture."""
-_FACTORS = (1.3, 0.75, 1.15, 0.87, 1.07, 0.94, 1.03, 0.97)
-"""Factors by which a number is changed, the first that gives a design being taken."""
+_FACTOR = 1.3
+"""Factor by which a number is changed."""
+_SHARES = (1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.1, -0.1)
+"""Shares of that change, the first that gives a design in which something is seen being taken."""
+_LEAST_SEEN_PX = 40
+"""Number of changed pixels below which nothing is seen: two tessellations of one surface differ by as many."""
 _LEAST_CHANGE = 0.3
 """Least first change of a number, so that small ones are seen; in its unit."""
 _GREY, _NEARER, _FARTHER = (0.90, 0.89, 0.87), (0.90, 0.52, 0.10), (0.22, 0.47, 0.80)
@@ -127,9 +131,9 @@ def list_changes(design: Design, path: str) -> Iterator[Design]:
         wanted: list[Any] = [word for word in choices if word != value]
     elif isinstance(value, int | float):
         bounds = find_bounds(declared)
-        first = max(abs(value) * (_FACTORS[0] - 1.0), _LEAST_CHANGE)
-        steps = [first, -first, *(abs(value) * (factor - 1.0) for factor in _FACTORS[2:])]
-        wanted = [round(value + step, 3) for step in steps if step and bounds.contain(round(value + step, 3))]
+        first = max(abs(value) * (_FACTOR - 1.0), _LEAST_CHANGE)
+        steps = (share * first for share in _SHARES)
+        wanted = [round(value + step, 3) for step in steps if bounds.contain(round(value + step, 3))]
     else:
         return
     tables = design.model_dump(mode="json")
@@ -171,7 +175,7 @@ def _draw_change(before: Design, after: Design, parts: tuple[str, ...]) -> tuple
     seen = {view: _compare(before, after, part, view) for view in _VIEWS}
     view = max(seen, key=lambda name: seen[name][0])
     count, picture = seen[view]
-    return (part, view, picture()) if count else None
+    return (part, view, picture()) if count >= _LEAST_SEEN_PX else None
 
 
 def _measure_change(before: Design, after: Design, part: str) -> float:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from fingertip import Design, board_values, make
+from fingertip import Design, board_values, extras, make, make_files
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import write_board
 from fingertip.build_files import build, parts_writer
+from fingertip.drawing.draw import PDF
 from fingertip.errors import OutputError
 from fingertip.make_files import ACCEPTANCE, simulate_and_detect
 from fingertip.output_set import verify_sets
@@ -30,6 +31,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     result = make(design, folder, formats=["stl"])
     assert result.parts.passed
     assert result.detection.detection.intervals
+    assert result.drawings == ()
     assert {path.name for path in result.signal} >= {"trace.csv", "detection.json"}
     assert board_values(design).variant == "precision"
     return folder
@@ -87,6 +89,21 @@ def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path)
         with pytest.raises(OutputError, match="was not written by fingertip"):
             make(Design.load("fsr400"), folder, formats=["stl"])
         assert files_below(folder) == {name: b"mine"}
+
+
+def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both need the B-rep kernel, whose minutes this test leaves to the README's first block."""
+    design, messages = Design.load("fsr400"), list[str]()
+    monkeypatch.setattr(make_files, "draw_files", lambda *_: {PDF: b"drawn"})
+    monkeypatch.setattr(make_files, "build", lambda *given, **options: build(*given, **options | {"formats": ["stl"]}))
+    made = make(design, tmp_path / "a", formats=["stl", "step"], progress=messages.append)
+    assert made.drawings == (tmp_path / "a" / PDF,)
+    assert made.drawings[0].read_bytes() == b"drawn"
+    assert verify_sets(tmp_path / "a")[1] == []
+    monkeypatch.setattr(extras, "is_installed", lambda module: module != "reportlab")
+    made = make(design, tmp_path / "b", formats=["stl", "step"], progress=messages.append)
+    assert made.drawings == ()
+    assert "drawing.pdf is left out: it needs the package reportlab" in " ".join(messages)
 
 
 def test_command_prints_where_everything_is(tmp_path: Path) -> None:

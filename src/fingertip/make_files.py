@@ -1,7 +1,7 @@
-"""Everything of a design in one go: parts, board, one simulated trial and the slip detected in it.
+"""Everything of a design in one go: parts, drawings, board, one simulated trial and the slip detected in it.
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
-the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of its own. While the
+the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of its own. While the
 B-rep kernel works on the STEP files in a second process, this process makes the others. The page that shows them all is
 made last, from what was written.
 """
@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING
 from fingertip import extras
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import BRING_UP_FILES, BoardPlan, board_writer, plan_board
-from fingertip.build_files import Build, build, parts_writer
+from fingertip.build_files import Build, build, default_formats, parts_writer
 from fingertip.design import Design
+from fingertip.drawing.draw import PDF, draw_files, file_names
 from fingertip.page import PAGE
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
 
@@ -39,6 +40,8 @@ class Made:
     """Result of `make`."""
 
     parts: Build
+    drawings: tuple[Path, ...]
+    """Dimensioned drawings; none if no STEP files were asked for, whose kernel they need."""
     board: tuple[Path, ...]
     """Files of the board."""
     signal: tuple[Path, ...]
@@ -57,7 +60,7 @@ def make(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> Made:
-    """Make parts, board, a simulated trial and its detection, in one folder.
+    """Make parts, drawings, board, a simulated trial and its detection, in one folder.
 
     Parameters
     ----------
@@ -80,12 +83,15 @@ def make(
     folder = Path("out") / design.name if out is None else Path(out)
     board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force)
     sheets = parts_writer(design, folder, force)
-    sheets.check((ACCEPTANCE, PAGE))
+    formats = None if formats is None else tuple(formats)
+    draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
+    sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
     board_writer(design, board_folder, force).check(BRING_UP_FILES)
     plan_board(design, board_folder, force=force)
     signal.check((TRACE, PLOT, DETECTION))
     boards: list[BoardPlan] = []
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
+    drawings: dict[str, bytes] = {}
     found: list[FileDetection] = []
 
     def make_the_others() -> None:
@@ -93,7 +99,8 @@ def make(
         boards.append(plan_board(design, board_folder, force=force, bring_up=True))
         signal_set, detection = simulate_and_detect(design, progress)
         page = render_acceptance(acceptance_data(design, detection.detection))
-        others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode()})))
+        drawings.update(draw_files(design, progress) if draws else {})
+        others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode(), **drawings})))
         found.append(detection)
 
     parts = build(
@@ -107,7 +114,16 @@ def make(
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")
     signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
-    return Made(parts, board_paths, signal_paths, found[0], _make_page(design, parts, force, progress))
+    drawn = tuple(parts.folder / name for name in drawings)
+    return Made(parts, drawn, board_paths, signal_paths, found[0], _make_page(design, parts, force, progress))
+
+
+def _can_draw(progress: Callable[[str], None]) -> bool:
+    """Return whether the packages of the drawings are there, and say so if not."""
+    if extras.is_installed("reportlab"):
+        return True
+    progress(f"{PDF} is left out: it needs {extras.describe_missing('reportlab')}")
+    return False
 
 
 def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:

@@ -23,7 +23,7 @@ def make(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Make parts, board, a simulated trial and the slip detected in it. Exit code 1: a check of the parts failed."""
+    """Make parts, drawings, board, a simulated trial and the slip detected in it. Exit code 1: a check of the parts failed."""
     from fingertip.cli.build import format_build, split_names
     from fingertip.cli.load import load_design
     from fingertip.make_files import make as make_everything
@@ -38,6 +38,7 @@ def make(
     data = {
         "folder": str(made.parts.folder),
         "parts": made.parts.report(),
+        "drawings": [path.as_posix() for path in made.drawings],
         "board": [path.as_posix() for path in made.board],
         "signal": [path.as_posix() for path in made.signal],
         "page": None if made.page is None else str(made.page),

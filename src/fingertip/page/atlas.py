@@ -242,7 +242,7 @@ def _paint(canvas: Canvas, nearer: NDArray[np.bool_], farther: NDArray[np.bool_]
         ImageDraw.Draw(picture).ellipse(ring, outline=_RING, width=2)
     rows = np.flatnonzero((np.asarray(picture) < 255).any(axis=(1, 2)))
     picture = picture.crop((0, max(0, rows[0] - _MARGIN_PX), picture.width, rows[-1] + _MARGIN_PX))
-    picture = picture.quantize(_COLOURS, dither=Image.Dither.NONE)
+    picture = picture.quantize(_COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     file = io.BytesIO()
     picture.save(file, format="PNG", optimize=True)
     return file.getvalue()

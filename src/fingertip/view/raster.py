@@ -16,6 +16,9 @@ Colour = tuple[float, float, float]
 _CREASE_COSINE = math.cos(math.radians(35.0))
 """Cosine of the angle between facets above which they are shaded as separate surfaces."""
 
+_LEAST_TINT = 0.5
+"""Brightness of a tinted pixel in the darkest shade."""
+
 _FROM_BELOW = -0.2
 """Dorsal component of the direction to the viewer below which the view is one from below."""
 
@@ -97,9 +100,10 @@ class Canvas:
         return self._depth / self._scale
 
     def tint(self, mask: NDArray[np.bool_], drawn: Colour, colour: Colour) -> None:
-        """Give fine pixels that were drawn in one colour another one; empty ones become pale."""
+        """Give fine pixels that were drawn in one colour another one, even in the shade; empty ones become pale."""
         is_empty = ~np.isfinite(self._depth) & mask
-        self._colour[mask] *= np.array(colour) / np.array(drawn)
+        shade = self._colour[mask] / np.array(drawn)
+        self._colour[mask] = (_LEAST_TINT + (1.0 - _LEAST_TINT) * shade) * np.array(colour)
         self._colour[is_empty] = 1.0 - 0.35 * (1.0 - np.array(colour))
 
     def image(self) -> NDArray[np.uint8]:

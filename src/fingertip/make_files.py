@@ -1,9 +1,9 @@
 """Everything of a design in one go: parts, drawings, board, one simulated trial and the slip detected in it.
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
-the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of its own. While the
-B-rep kernel works on the STEP files in a second process, this process makes the others. The page that shows them all is
-made last, from what was written.
+the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
+its own. While the B-rep kernel works on the STEP files in a second process, this process makes the others. The page
+that shows them all is made last, from what was written.
 """
 
 from __future__ import annotations

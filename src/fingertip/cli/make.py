@@ -23,7 +23,7 @@ def make(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Make parts, drawings, board, a simulated trial and the slip detected in it. Exit code 1: a check of the parts failed."""
+    """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed."""
     from fingertip.cli.build import format_build, split_names
     from fingertip.cli.load import load_design
     from fingertip.make_files import make as make_everything

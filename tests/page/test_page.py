@@ -235,15 +235,25 @@ def test_what_else_is_missing_or_old_is_said_on_the_page(copy: Path, design: Des
     manifest = json.loads((copy / "steps" / "manifest.json").read_bytes())
     (copy / "steps" / "manifest.json").write_text(json.dumps(manifest | {"parameters": "other"}))
     _, _, remarks = write_page(design, copy)
+    other, changed = "were made from other parameters", "were changed after they were written"
+    remedy = "in the folder of the page, fingertip"
     assert remarks == (
-        "The files in steps/ were made from other parameters; fingertip build DESIGN --pictures makes them.",
-        "The files in board/ are missing; fingertip board DESIGN --bringup makes them.",
-        "The files in signal/ were changed after they were written; fingertip make DESIGN makes them.",
+        f"The files in steps/ {other}; {remedy} build design.toml --out . --pictures makes them.",
+        f"The files in board/ are missing; {remedy} board design.toml --out board --bringup makes them.",
+        f"The files in signal/ {changed}; {remedy} make design.toml --out . --force makes them.",
     )
     page = Page((copy / PAGE).read_text())
     assert not page.faults
     assert all(remark in page.text for remark in remarks)
     assert find_missing_targets(page) == set()
+
+
+def test_the_command_on_the_page_makes_what_is_missing(copy: Path, design: Design) -> None:
+    shutil.rmtree(copy / "board")
+    _, _, (remark,) = write_page(design, copy)
+    words = remark.partition("fingertip ")[2].removesuffix(" makes them.").split()
+    assert run_fingertip(*words, PWD=str(copy)).returncode == 0
+    assert write_page(design, copy)[2] == ()
 
 
 def test_a_page_of_somebody_else_stays(copy: Path, design: Design) -> None:

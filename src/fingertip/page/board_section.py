@@ -14,7 +14,7 @@ from fingertip.page.layout_svg import render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.response_plot import draw_response
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sources import BOARD_FOLDER, Sources
+from fingertip.page.sources import BOARD_FOLDER, COMMANDS, Sources
 
 _NOTES = ("Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""
@@ -57,7 +57,11 @@ def render_board(sources: Sources) -> Markup:
         body = render(sheet.partition("\n")[2])
         parts += [element("h3", "Bring-up"), element("details", element("summary", "Bring-up with a multimeter"), body)]
     else:
-        said = ("There is no bring-up sheet: ", element("code", "fingertip board DESIGN --bringup"), " makes it.")
+        said = (
+            "There is no bring-up sheet: in the folder of this page, ",
+            element("code", COMMANDS[BOARD_FOLDER]),
+            " makes it.",
+        )
         parts.append(element("p", *said, class_="note"))
     return join(parts)
 

@@ -7,7 +7,7 @@ import base64
 from fingertip.build_files import SHEET, STEPS_FOLDER
 from fingertip.page.html import Markup, element, figure, join
 from fingertip.page.markdown import list_steps, render, split_sections
-from fingertip.page.sources import Sources
+from fingertip.page.sources import COMMANDS, Sources
 
 _ACCEPTANCE = "acceptance.md"
 _PROCEDURE = "Procedure"
@@ -52,9 +52,10 @@ def render_drawing(sources: Sources) -> Markup:
     }
     if not sheets:
         return element(
-            "p", "There is no drawing of these parts yet: ", element("code", "fingertip drawing DESIGN"),
+            "p", "There is no drawing of these parts yet: in the folder of this page, ",
+            element("code", COMMANDS["drawing"]),
             " makes a sheet with all dimensions and tolerances for each printed part, and ",
-            element("code", "fingertip page DESIGN"), " then shows them here.", class_="note",
+            element("code", COMMANDS["page"]), " then shows them here.", class_="note",
         )  # fmt: skip
     return join(_render_sheet(name, data) for name, data in sheets.items())
 

@@ -23,12 +23,15 @@ from fingertip.sim.trace_export import SIGNAL_FOLDER
 BOARD_FOLDER = "board"
 """Folder of the board within the output folder of a design."""
 _MAKE = "fingertip make DESIGN"
-_COMMANDS = {
-    STEPS_FOLDER: "fingertip build DESIGN --pictures",
-    BOARD_FOLDER: "fingertip board DESIGN --bringup",
-    SIGNAL_FOLDER: _MAKE,
+COMMANDS = {
+    STEPS_FOLDER: "fingertip build design.toml --out . --pictures",
+    BOARD_FOLDER: "fingertip board design.toml --out board --bringup",
+    SIGNAL_FOLDER: "fingertip make design.toml --out .",
+    "drawing": "fingertip drawing design.toml --out .",
+    "page": "fingertip page design.toml --out .",
 }
-"""Folder of a set below the parts -> command that makes it."""
+"""Folder of a set below the parts, or what else a page shows -> command that makes it in the folder of the page."""
+_CHANGED = "were changed after they were written"
 _SHOWN = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_pcb")
 """Ends of the names of files that a page may show."""
 
@@ -78,10 +81,11 @@ def read_sources(design: Design, folder: Path) -> Sources:
     ]:
         raise OutputError(issues)
     remarks = {}
-    for kind, command in _COMMANDS.items():
+    for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
         found = _read_current_set(folder / kind, wanted)
         if isinstance(found, str):
-            remarks[kind] = f"{found}; {command} makes them."
+            remedy = f"{COMMANDS[kind]} --force" if found.endswith(_CHANGED) else COMMANDS[kind]
+            remarks[kind] = f"{found}; in the folder of the page, {remedy} makes them."
         else:
             files |= {f"{kind}/{name}": data for name, data in found.items()}
     report = json.loads(files[REPORT])
@@ -98,7 +102,7 @@ def _read_current_set(folder: Path, parameters: str) -> dict[str, bytes] | str:
         return f"{name} were made from other parameters"
     files = dict(_read_set(folder, manifest))
     if any(hash_content(data) != manifest.files[name] for name, data in files.items()):
-        return f"{name} were changed after they were written"
+        return f"{name} {_CHANGED}"
     return files
 
 

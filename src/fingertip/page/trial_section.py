@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fingertip.detect_trace import detect_file
 from fingertip.page.html import Markup, element, join
-from fingertip.page.sources import Sources
+from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.trial_plot import draw_onset, draw_trial
 from fingertip.sim.trace_export import DETECTION, SIGNAL_FOLDER, TRACE
 
@@ -25,7 +25,11 @@ def render_trial(sources: Sources) -> Markup:
         return element("p", sources.remarks[SIGNAL_FOLDER], class_="note")
     data = sources.files.get(f"{SIGNAL_FOLDER}/{TRACE}")
     if data is None:
-        remedy = (f"{SIGNAL_FOLDER}/{TRACE} is missing; ", element("code", "fingertip make DESIGN"), " makes it.")
+        remedy = (
+            f"{SIGNAL_FOLDER}/{TRACE} is missing; in the folder of this page, ",
+            element("code", COMMANDS[SIGNAL_FOLDER]),
+            " makes it.",
+        )
         return element("p", *remedy, class_="note")
     with tempfile.TemporaryDirectory() as temporary:
         path = Path(temporary) / TRACE

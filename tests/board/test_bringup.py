@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -32,9 +33,10 @@ from fingertip.board.bringup.probing import list_mistakes
 from fingertip.board.bringup.readings import Readings, read_readings, readings_template
 from fingertip.board.bringup.report import assess_readings
 from fingertip.board.circuit import Circuit, parse_component_value
-from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.components.preferred_values import nearest_value
 from fingertip.board.nets import ENVELOPE, FILTERED, GND, REFERENCE, SENSOR, STAGE2_MID, TACTILE
+from fingertip.board.output import board_files
 from fingertip.board.spice import spice_deck
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
@@ -42,6 +44,7 @@ from fingertip.errors import BoardError
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
 from tests.designs import load_article
+from tests.oracles.sexpressions import children, parse
 
 CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
 ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes
@@ -91,6 +94,35 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     assert plan.levels[name_tone(FILTERED, board.bench.tones_hz[-1])].high_v * math.sqrt(2.0) < 0.6 * (high - low) / 2
     text = bring_up_files(design)["bringup.md"].decode()
     assert all(f"`{reading}`" in text for reading in plan.all)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_ends_of_parts_are_named_by_their_side(name: str) -> None:
+    """The side that the sheet names has the pad of the net in the layout as it is written."""
+    design, plan = plan_of(BOARD_CONFIGURATIONS[name].changes)
+    text = bring_up_files(design)["bringup.md"].decode()
+    layout = parse(board_files(design)["slip_filter.kicad_pcb"].decode())
+    pads: dict[str, list[tuple[float, float, str]]] = {}
+    for footprint in children(layout, "footprint"):
+        reference = next(p[2] for p in children(footprint, "property") if p[1] == "Reference")
+        x, y, *angle = (float(v) for v in next(children(footprint, "at"))[1:])
+        for pad in children(footprint, "pad"):
+            dx, dy = (float(v) for v in next(children(pad, "at"))[1:3])
+            turn = math.radians(angle[0] if angle else 0.0)
+            place = (x + dx * math.cos(turn) + dy * math.sin(turn), y + dy * math.cos(turn) - dx * math.sin(turn))
+            net = next((entry[2] for entry in children(pad, "net")), "")
+            pads.setdefault(reference, []).append((*place, net.removeprefix("/")))
+    nets = {"R13": REFERENCE, "R2": STAGE2_MID, "R21": SLIP, "R20": THRESHOLD}
+    found = set(re.findall(r"(left|right|upper|lower) end of (\w+)", text))
+    assert {reference for _, reference in found} >= set(nets) - (
+        set() if name.startswith("comparator") else {"R20", "R21"}
+    )
+    for side, reference in found:
+        (x, y, _), (ox, oy, _) = sorted(pads[reference], key=lambda pad: pad[2] != nets.get(reference, GND))
+        assert {"left": x < ox, "right": x > ox, "upper": y < oy, "lower": y > oy}[side], reference
+        assert sum(net == nets.get(reference, GND) for *_, net in pads[reference]) == 1
+    ground = next(net for net in plan.board.circuit.nets if net.name == GND)
+    assert ("J2", "2") in ground.nodes, "the sheet names this pin for the black probe"
 
 
 def measure_in_ngspice(folder: Path, design: Design, board: Board, circuit: Circuit) -> dict[str, float]:

@@ -51,7 +51,7 @@ class Diagnosis:
     failed: tuple[str, ...]
     """Readings beyond their limits."""
     likely: tuple[Explanation, ...]
-    """What explains the readings best and cannot be told apart; empty if no reading failed. All have the same mistake."""
+    """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed."""
 
     @property
     def is_explained(self) -> bool:

@@ -25,6 +25,7 @@ _COPPER = (
 _BACK = (
     "Back, seen from the back: the printed list of values. Frames show where the parts stand, all of them on the front."
 )
+_PARTS = "What to buy for the board"
 _BOUNDS = {"at most": "≤", "at least": "≥"}
 
 
@@ -41,10 +42,10 @@ def render_board(sources: Sources) -> Markup:
         placement = render_placement(layout, "Placement of the components")
         copper = render_copper(layout, "Copper of the board")
         back = render_back(layout, "Back of the board")
-        pictures = (
-            figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"), figure(copper, _COPPER, "copper"),
-        )  # fmt: skip
-        parts += [element("h3", "Layout"), element("div", *pictures, class_="pair")]
+        pictures = element("div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"))
+        parts += [element("h3", "Layout"), _set_beside(pictures, files[BOM]), figure(copper, _COPPER, "copper")]
+    elif bom := files[BOM]:
+        parts.append(_render_parts(bom))
     if schematic := files[SCHEMATIC]:
         parts += [
             element("h3", "Schematic"),
@@ -53,8 +54,6 @@ def render_board(sources: Sources) -> Markup:
     if values := files[VALUES]:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
     parts.append(response)
-    if bom := files[BOM]:
-        parts += [element("h3", "What to buy for the board"), render_bom(bom)]
     for heading, text in split_sections(files[README] or "").items():
         if heading in _NOTES:
             parts += [element("h3", heading), render(text)]
@@ -65,6 +64,17 @@ def render_board(sources: Sources) -> Markup:
         said = ("There is no bring-up sheet: ", element("code", "fingertip board DESIGN --bringup"), " makes it.")
         parts.append(element("p", *said, class_="note"))
     return join(parts)
+
+
+def _set_beside(pictures: Markup, bom: str | None) -> Markup:
+    """Set the pictures beside the list of the parts on them, so that both are seen at once."""
+    if not bom:
+        return pictures
+    return element("div", pictures, element("div", _render_parts(bom)), class_="parts")
+
+
+def _render_parts(bom: str) -> Markup:
+    return join((element("h3", _PARTS), render_bom(bom)))
 
 
 def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:

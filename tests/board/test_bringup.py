@@ -235,6 +235,14 @@ def test_twice_the_time_steps_move_the_envelope_by_little(
     assert plan.levels[name].expected_v == pytest.approx(fine, rel=4e-3)
 
 
+def test_envelope_of_the_article_keeps_its_limits_with_the_tolerance_of_its_capacitor() -> None:
+    """Boards 16 and 31 of this series once failed, because only the filter's tolerance was counted."""
+    plan = plan_of(ARTICLE)[1]
+    boards = [draw_board(plan, np.random.default_rng(seed)) for seed in (16, 31)]
+    for readings in predict(plan.board, boards):
+        assert not diagnose(plan.board, plan.levels, readings, TONE_V).failed
+
+
 @TWO
 def test_good_boards_pass(changes: tuple[str, ...]) -> None:
     """Boards of components within their tolerances read within the limits."""

@@ -35,7 +35,14 @@ def board(
     design: Annotated[
         Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME/board by default.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            help="Output folder; out/NAME/board by default, where only --force replaces a board of another circuit.",
+        ),
+    ] = None,
     check: Annotated[
         bool,
         typer.Option(

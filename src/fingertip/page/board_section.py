@@ -42,7 +42,11 @@ def render_board(sources: Sources) -> Markup:
         placement = render_placement(layout, "Placement of the components")
         copper = render_copper(layout, "Copper of the board")
         back = render_back(layout, "Back of the board")
-        pictures = element("div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"))
+        # It scrolls by itself on a low screen, so the keyboard must reach it.
+        pictures = element(
+            "div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"),
+            role="group", tabindex="0", aria_label="front and back of the board",
+        )  # fmt: skip
         parts += [element("h3", "Layout"), _set_beside(pictures, files[BOM]), figure(copper, _COPPER, "copper")]
     elif bom := files[BOM]:
         parts.append(_render_parts(bom))

@@ -199,7 +199,8 @@ def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
         left, top, width, height = (float(frame[key] or 0) for key in ("x", "y", "width", "height"))
         x, y, *angle = numbers(first(footprint, "at"))
         for pad in lists(footprint, "pad"):
-            dx, dy = turn(*numbers(first(pad, "at"))[:2], angle[0] if angle else 0.0)
+            px, py = numbers(first(pad, "at"))[:2]
+            dx, dy = turn(px, py, angle[0] if angle else 0.0)
             assert left < -(x + dx) < left + width
             assert top < y + dy < top + height
     view = next(a for tag, a in back.elements if tag == "svg")["viewbox"]

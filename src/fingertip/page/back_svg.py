@@ -20,8 +20,8 @@ def render_back(text: str, title: str) -> Markup:
     board = parse(text)
     parts = [draw_outline(board, is_back=True)]
     for footprint in lists(board, "footprint"):
-        if content := [*_draw_place(footprint), *_draw_pins(footprint)]:
-            parts.append(mark_part(name_part(footprint), content))
+        if shapes := [*_draw_place(footprint), *_draw_pins(footprint)]:
+            parts.append(mark_part(name_part(footprint), shapes))
     for item in lists(board, "gr_text"):
         if word(item, "layer") == "B.SilkS":
             content = words(item)[0]

@@ -65,14 +65,17 @@ PORTS = (
 
 def board_table() -> str:
     """Table of controllers, in Markdown."""
-    rows = [("controller", "processor", "converter", "timer in `slip_timer.h`", "note"), ("---",) * 5]
+    rows: list[tuple[str, ...]] = [
+        ("controller", "processor", "converter", "timer in `slip_timer.h`", "note"),
+        ("---",) * 5,
+    ]
     rows += [(each.name, each.core, each.converter, each.timer, each.note) for each in BOARDS]
     return _table(rows)
 
 
 def port_table() -> str:
     """Table of serial ports by operating system, in Markdown."""
-    rows = [("system", "serial port", "before reading"), ("---",) * 3]
+    rows: list[tuple[str, ...]] = [("system", "serial port", "before reading"), ("---",) * 3]
     rows += [(system, f"`{port}`", f"`{command}`") for system, port, command in PORTS]
     return _table(rows)
 

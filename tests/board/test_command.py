@@ -125,7 +125,39 @@ def test_noisy_boards_and_short_windows_are_warned_of(
     words = [word for change in changes for word in ("--set", change)]
     run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--json", *words)
     assert run.returncode == 0
-    warnings = [line for line in run.stderr.splitlines() if line.startswith("warning: ")]
-    assert len(warnings) == len(expected)
-    assert all(part in line for part, line in zip(expected, warnings, strict=True))
-    assert [f"warning: {text}" for text in json.loads(run.stdout)["warnings"]] == warnings
+    data = json.loads(run.stdout)
+    assert len(data["warnings"]) == len(expected)
+    assert all(part in text for part, text in zip(expected, data["warnings"], strict=True))
+    assert "warning:" not in run.stderr, "a warning stands once, beside the verdict"
+    first, *rest = data["verdict"].splitlines()
+    assert first.endswith("conditions of a working board are met, with a warning:" if expected else "are met")
+    assert rest == [f"  warning: {text}" for text in data["warnings"]]
+
+
+def test_a_warning_stands_beside_the_verdict(tmp_path: Path) -> None:
+    """The filter of the comparator's board on 3.3 V drives a load that the data sheet does not rate."""
+    words = ("--set", "board.variant=comparator", "--set", "board.supply=single_3v3")
+    run = run_fingertip("board", "--out", tmp_path, *words)
+    lines = run.stdout.splitlines()
+    assert lines[0].endswith("conditions of a working board are met, with a warning:")
+    assert lines[1].startswith("  warning: the amplifiers of the filter (U1) drive ")
+    assert "warning:" not in run.stderr
+
+
+def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other values replace those of the same circuit; another variant is written beside, or with --force."""
+    monkeypatch.chdir(tmp_path)
+    assert run_fingertip("board", "article", "-q").returncode == 0
+    assert run_fingertip("board", "article", "--set", "board.cutoff_hz=80", "-q").returncode == 0
+    layout = Path("out/article/board/slip_filter.kicad_pcb")
+    before = layout.read_bytes()
+    other = ("article", "--set", "board.variant=comparator", "-q")
+    refused = run_fingertip("board", *other)
+    assert refused.returncode == 2
+    assert "holds a board of 'article' with another circuit" in refused.stderr
+    assert "it adds C14" in refused.stderr
+    assert layout.read_bytes() == before
+    remedy = refused.stderr.partition("--out ")[2].partition(",")[0]
+    assert run_fingertip("board", *other, "--out", remedy).returncode == 0
+    assert run_fingertip("board", *other, "--force").returncode == 0
+    assert layout.read_bytes() == (Path(remedy) / layout.name).read_bytes() != before

@@ -52,7 +52,8 @@ def test_every_number_has_a_source_and_every_source_is_used() -> None:
     sources = load_sources()
     codes = {code.source for code in load_ordering_codes()}
     rotations = {row["source"] for row in read_rows("rotations.csv")}
-    assert {part.source for part in listed_parts()} | codes | rotations == set(sources)
+    plugs = {row["source"] for name in ("mating_parts.csv", "plug_wires.csv") for row in read_rows(name)} - {""}
+    assert {part.source for part in listed_parts()} | codes | rotations | plugs == set(sources)
     for source in sources.values():
         assert len(source.title) > 10
         assert source.address == "" or LINKS.fullmatch(source.address)

@@ -14,6 +14,8 @@ from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.load import load_tables
 from fingertip.firmware import costs, firmware_differences, firmware_files, write_firmware
+from fingertip.firmware.boards import BOARDS, board_table, port_table
+from fingertip.firmware.output import TIMER
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
 from fingertip.firmware.wiring import (
     controller_changes,
@@ -24,7 +26,7 @@ from fingertip.firmware.wiring import (
 from fingertip.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_model import NODES, load_model
-from tests.conftest import design_file, run_fingertip
+from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
 
@@ -144,6 +146,22 @@ def test_readme_holds_wiring_costs_and_warnings() -> None:
     for target in costs.read_costs()["targets"].values():
         assert f"{target['flash_bytes']} B" in readme
     assert "**Note:**" in firmware_files(Design.load(design_file("article")))["."]["README.md"].decode()
+
+
+def test_controllers_and_ports_stand_in_the_readme_and_in_the_manual() -> None:
+    """The stand-in compiles the sketches for each core that the table gives a timer."""
+    files = firmware_files(Design.load("fsr400"))
+    readme = files["."]["README.md"].decode()
+    manual = (ROOT / "docs/firmware.md").read_text(encoding="utf-8")
+    timers = files["src"][TIMER].decode()
+    for table in (board_table(), port_table()):
+        assert table in readme
+        assert table in manual
+    for board in BOARDS:
+        core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
+        known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
+        assert known == (board.timer == "yes"), board.name
+    assert "not on a GPIO" in next(board.note for board in BOARDS if board.name.endswith("Pico W"))
 
 
 def test_the_same_design_gives_the_same_bytes_without_paths_or_dates(tmp_path: Path) -> None:

@@ -144,6 +144,48 @@ def test_a_parameter_highlights_its_parts(opened: Any) -> None:
     assert np.array_equal(picture(opened), before)
 
 
+def test_a_line_of_the_parts_list_highlights_its_parts_and_the_reverse(opened: Any) -> None:
+    """Every picture of the board shows them: front, back and copper. Keys do what the pointer does."""
+    from selenium.webdriver.common.keys import Keys
+
+    def picked() -> list[str]:
+        script = "return [...document.querySelectorAll('[data-part].picked')].map((part) => part.dataset.part)"
+        return sorted(opened.execute_script(script))
+
+    line = opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3']")
+    names = line.get_attribute("data-parts").split()
+    button = line.find_element("css selector", "button")
+    opened.execute_script("arguments[0].focus()", button)
+    button.send_keys(Keys.ENTER)
+    # The back has a frame and a printed value for each.
+    assert picked() == sorted(4 * names)
+    assert button.get_attribute("aria-pressed") == "true"
+    assert "picked" in line.get_attribute("class")
+    stroke = "return getComputedStyle(document.querySelector('[data-part=C1].picked rect')).stroke"
+    assert opened.execute_script(stroke) != "none"
+    assert opened.find_element("id", "bom-status").text == "C1, C2, C3: 1u"
+    button.send_keys(Keys.ENTER)
+    assert picked() == []
+    part = opened.find_element("css selector", "[data-part=U2]")
+    opened.execute_script("arguments[0].dispatchEvent(new MouseEvent('click', {bubbles: true}))", part)
+    assert set(picked()) == {"U2"}
+    lines = opened.find_elements("css selector", "#bom tr.picked")
+    assert [each.get_attribute("data-parts") for each in lines] == ["U2"]
+    opened.find_element("id", "bom-part").send_keys("C2")
+    assert set(picked()) == {"C2"}
+
+
+def test_placed_parts_are_counted(opened: Any) -> None:
+    box = opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3'] input")
+    assert opened.find_element("id", "bom-placed").text.startswith("0 of ")
+    opened.execute_script("arguments[0].click()", box)
+    assert opened.find_element("id", "bom-placed").text.startswith("3 of ")
+    opened.refresh()
+    wait(lambda: drawn_ms(opened))
+    assert opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3'] input").is_selected()
+    opened.execute_script("localStorage.clear()")
+
+
 def test_is_used_with_keys_alone(opened: Any) -> None:
     from selenium.webdriver.common.keys import Keys
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 from pathlib import Path
@@ -15,9 +16,10 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.parameters.design_tables import PARAMETERS
 from fingertip.page import markdown
+from fingertip.page.back_svg import render_back
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.kicad_text import first, lists, numbers, parse, points, turn, word, words
-from fingertip.page.layout_svg import render_copper, render_placement
+from fingertip.page.layout_svg import name_part, render_copper, render_placement
 from fingertip.page.model_section import scene_json
 from fingertip.page.moves import shapes_of_parameters
 from fingertip.page.response_plot import draw_response
@@ -168,6 +170,42 @@ def test_pictures_of_the_board_name_every_component(folder: Path) -> None:
     pads = [p for f in lists(layout, "footprint") for p in lists(f, "pad") if words(p)[2] != "circle"]
     for page in (placement, copper):
         assert len([a for tag, a in page.elements if tag == "rect"]) == len(pads)
+
+
+def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page: Page) -> None:
+    """The script of the board highlights by these names. The list of values on the back names its parts too."""
+    text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
+    rows = list(csv.DictReader((folder / "board" / "bom.csv").open(encoding="utf-8")))
+    bought = {name for row in rows for name in row["References"].split()}
+    for drawing in (render_placement(text, "p"), render_copper(text, "c"), render_back(text, "b")):
+        picture = Page(drawing)
+        assert picture.faults == []
+        assert set(picture.attributes("data-part")) >= bought
+    back = Page(render_back(text, "b"))
+    listed = [words(item)[0] for item in lists(parse(text), "gr_text") if word(item, "layer") == "B.SilkS"]
+    assert set(listed) <= set(back.words)
+    assert [attribute for attribute in page.attributes("data-parts")] == [row["References"] for row in rows]
+    assert sum(name in bought for name in page.attributes("data-part")) > 3 * len(bought)
+
+
+def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
+    """A part's frame encloses its pads, mirrored; seen from the back, the connector of the sensor is on the right."""
+    text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
+    back = Page(render_back(text, "b"))
+    frames = [a for tag, a in back.elements if tag == "rect" and a.get("class") == "place"]
+    footprints = [f for f in lists(parse(text), "footprint") if any(lists(f, "pad"))]
+    assert len(frames) == len(footprints)
+    for frame, footprint in zip(frames, footprints, strict=True):
+        left, top, width, height = (float(frame[key] or 0) for key in ("x", "y", "width", "height"))
+        x, y, *angle = numbers(first(footprint, "at"))
+        for pad in lists(footprint, "pad"):
+            px, py = numbers(first(pad, "at"))[:2]
+            dx, dy = turn(px, py, angle[0] if angle else 0.0)
+            assert left < -(x + dx) < left + width
+            assert top < y + dy < top + height
+    view = next(a for tag, a in back.elements if tag == "svg")["viewbox"]
+    middle = float((view or "").split()[0]) + float((view or "").split()[2]) / 2
+    assert float(frames[[name_part(f) for f in footprints].index("J1")]["x"] or 0) > middle
 
 
 def test_tracks_end_in_pads_as_they_are_drawn(folder: Path) -> None:

@@ -41,6 +41,15 @@ def test_an_invalid_line_ends_the_stream_after_the_transitions_before_it():
         assert done.exit_code == 2
         assert message in done.stderr
         assert done.stdout.splitlines()[0].startswith("ON ")
+    # What a controller says among its samples is quoted, shortened.
+    for said, quoted in (
+        ("no timer is free", "'no timer is free'"),
+        ("0.749,x\x07" + 300 * "y", "...(308 characters)..."),
+    ):
+        done = run("detect", "-", lines="\n".join([*lines[:1499], said, *lines[1500:]]))
+        assert f"The line reads '{said[:5]}" in done.stderr
+        assert quoted in done.stderr
+        assert "\x07" not in done.stderr
     assert "is empty" in run("detect", "-", lines="").stderr
     empty = run("detect", "-", lines="time_s,voltage_v\n")
     assert empty.exit_code == 2

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings
-from fingertip.casting.wires import size_wires
+from fingertip.casting.wires import describe_plug_wires, size_wires
 from fingertip.design import Design
 from fingertip.slip.detection import Detection
 
@@ -40,6 +40,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
             "max_diameter_mm": round(wires.max_diameter_mm, 2),
             "conductor_awg": wires.conductor_awg,
             "slack_mm": round(wires.slack_mm),
+            "plug": describe_plug_wires(design, wires),
         },
         "open_ohm": _OPEN_OHM,
         "pressed_ohm": _PRESS_OHM,
@@ -68,6 +69,7 @@ def _find_delay_ms(detection: Detection) -> int | None:
 def render_acceptance(data: dict[str, Any]) -> str:
     """Render the data as a Markdown page."""
     idle, wires, slide = data["idle"], data["wires"], data["slide"]
+    plug = f"{wires['plug']} " if wires["plug"] else ""
     when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']} ms after it begins to slide"
     low, high = idle["tactile_v"] - idle["tolerance_v"], idle["tactile_v"] + idle["tolerance_v"]
     outlet = "window of the base" if data["tail"] == "folded" else "cable channel"
@@ -86,8 +88,8 @@ def render_acceptance(data: dict[str, Any]) -> str:
         f"from the design's bridge and from the data sheet's curve of the {data['sensor']}.",
         "## Wires",
         f"Two insulated wires of at most {wires['max_diameter_mm']:g} mm over the insulation: a conductor of AWG "
-        f"{wires['conductor_awg']} or thinner. Leave a loop of {wires['slack_mm']} mm between the finger and the first "
-        "place at which the wires are fixed.",
+        f"{wires['conductor_awg']} or thinner. {plug}Leave a loop of {wires['slack_mm']} mm between the finger and the "
+        "first place at which the wires are fixed.",
         f"## Sensor, {before}",
         f"Connect an ohmmeter to both wires. {when_to_test}",
         _table(

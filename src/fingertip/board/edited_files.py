@@ -75,6 +75,37 @@ def find_edited(folder: Path, names: EditableNames) -> list[str]:
     ]
 
 
+def refuse_other_circuit(folder: Path, netlist: bytes, names: EditableNames, beside: Path) -> None:
+    """Refuse a folder whose board has other parts, footprints or nets. Files that were edited are no concern here.
+
+    Parameters
+    ----------
+    folder
+        Folder of the board.
+    netlist
+        Netlist of the new board.
+    names
+        Names of the files of a board.
+    beside
+        Folder that the new board may be written to instead.
+
+    Raises
+    ------
+    OutputError
+        If the circuits differ in more than values.
+    """
+    manifest, path = read_manifest(folder), folder / names.netlist
+    if manifest is None or manifest.kind != "board" or not path.is_file() or not _is_as_written(path, manifest):
+        return
+    old = read_netlist(read_input(path, OUTPUT_LIMIT))
+    if not find_edited(folder, names) and (found := list(describe_structure_changes(old, read_netlist(netlist)))):
+        message = (
+            f"holds a board of {manifest.design!r} with another circuit, and this one changes more than values "
+            f"({'; '.join(found)}); write it beside with --out {beside}, or add --force to replace the one there."
+        )
+        raise OutputError(Issue(str(folder), message))
+
+
 def revise_edited(
     folder: Path, contents: Mapping[str, bytes], names: EditableNames, make_layout: Callable[[Mapping[str, str]], bytes]
 ) -> EditedFiles:

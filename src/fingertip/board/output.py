@@ -11,7 +11,13 @@ from pathlib import Path
 from fingertip.board.board_values import board_values
 from fingertip.board.circuit import Circuit
 from fingertip.board.circuits.signal_paths import board_circuit
-from fingertip.board.edited_files import EditableNames, EditedFiles, find_edited, revise_edited
+from fingertip.board.edited_files import (
+    EditableNames,
+    EditedFiles,
+    find_edited,
+    refuse_other_circuit,
+    revise_edited,
+)
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
 from fingertip.board.kicad.models import MODEL_FOLDER, model_files
@@ -99,6 +105,19 @@ def board_folder(design: Design) -> Path:
     return Path("out") / design.name / "board"
 
 
+def refuse_other_board(design: Design) -> None:
+    """Refuse to replace a board of another circuit in the default folder of a design's board.
+
+    Raises
+    ------
+    OutputError
+        If the board there has other parts, footprints or nets.
+    """
+    folder, name = board_folder(design), find_configuration(board_values(design)).name
+    netlist = kicad_netlist_file(board_circuit(board_values(design)))
+    refuse_other_circuit(folder, netlist, _EDITABLE, folder.with_name(f"board_{name}"))
+
+
 @dataclass(frozen=True)
 class BoardPlan:
     """Files that are ready to be written to a folder, which can take them."""
@@ -160,9 +179,9 @@ def write_board(
     """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return their paths.
 
     A schematic or layout that somebody edited in KiCad keeps these edits: only values and part numbers that differ are
-    entered into it, and `progress` is called with a sentence. With `force`, files of the same names that are
-    somebody's own are overwritten. With `bring_up`, the sheet for bringing the board up is written too; otherwise that
-    of another design is removed.
+    entered into it, and `progress` is called with a sentence. The default folder keeps a board of another circuit, such
+    as another variant's. With `force`, both are overwritten, and files of the same names that are somebody's own. With
+    `bring_up`, the sheet for bringing the board up is written too; otherwise that of another design is removed.
 
     Raises
     ------
@@ -170,9 +189,11 @@ def write_board(
         If the values cannot be computed.
     OutputError
         If the folder cannot be written, or holds a file of these names that is somebody's own and cannot be kept: a
-        schematic or layout if parts, footprints or nets change, any other file in any case. Its files are then
-        unchanged.
+        schematic or layout if parts, footprints or nets change, any other file in any case. Also if the default folder
+        holds a board with other parts, footprints or nets. Its files are then unchanged.
     """
+    if out is None and not force:
+        refuse_other_board(design)
     plan = plan_board(design, board_folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
     paths = plan.write()
     for note in plan.edited.notes:

@@ -9,6 +9,7 @@ from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
 from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.kicad.symbols import TEST_POINT
+from fingertip.board.readme_parts.cables import cable_notes, cable_table
 from fingertip.board.readme_parts.connectors import connector_table
 from fingertip.board.readme_parts.offset import offset_section
 from fingertip.board.readme_parts.ordering import ordering_notes
@@ -50,7 +51,8 @@ edits.
 
 - `--set board.capacitor_series=E6` selects the capacitors too, together with the resistors; `preferred` selects only
   values that the parts table has.
-- `--set board.variant=...` and `--set board.supply=...` write the other boards.
+- `--set board.variant=...` and `--set board.supply=...` write the other boards: to a folder that `--out` names, or over
+  the board in the default folder with `--force`.
 - `--bringup` adds `bringup.md`, how to test a soldered board, and `wiring.svg`, how to connect it.
 - `--check` tells whether a folder is up to date.
 - `--fab` adds the fabrication files: gerbers and drill files in one zip, renderings, and parts and placement for the
@@ -80,6 +82,14 @@ nothing. To switch a check on, set its severity in Schematic Setup or Board Setu
 ## Connectors
 
 {connectors}
+
+## What else to buy
+
+Plugs and wires for the connectors. Nothing of this is on the board, so `bom.csv` does not list it.
+
+{cables}
+
+{cable_notes}
 
 ## Test points
 
@@ -140,6 +150,8 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         ),
         summary=_summary(configuration, values, len(components)),
         connectors=connector_table(values, design),
+        cables=cable_table(circuit),
+        cable_notes=bullet_list(cable_notes(circuit)),
         test_points="\n".join(
             f"| {c.reference} | {c.value} | {_TEST_POINT_SIGNALS[c.value]} |"
             for c in circuit.components

@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fingertip.board import board_circuit
+from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
+from fingertip.board.components.component_values import select_components
+from fingertip.board.parts.mating import find_plug_wire
 from fingertip.design import Design
 
 _SLACK_MM = 10.0
@@ -23,6 +27,18 @@ class Wires:
     """Thickest usual conductor that leaves half of the diameter to the insulation."""
     slack_mm: float
     """Length of the loop between the finger and the first place at which the wires are fixed."""
+
+
+def describe_plug_wires(design: Design, wires: Wires) -> str:
+    """Describe which wires fit both the finger and the plug of the board's sensor connector; empty without a plug.
+
+    A board without locking connectors takes the wires of any socket, or none.
+    """
+    plug = find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
+    if plug is None:
+        return ""
+    common = plug.describe_common(wires.max_diameter_mm, wires.conductor_awg)
+    return f"The plug of the board ({plug.series} at {SENSOR_CONNECTOR}) takes {plug.description}; {common}."
 
 
 def size_wires(design: Design) -> Wires:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -35,7 +35,14 @@ def board(
     design: Annotated[
         Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME/board by default.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            help="Output folder; out/NAME/board by default, where only --force replaces a board of another circuit.",
+        ),
+    ] = None,
     check: Annotated[
         bool,
         typer.Option(
@@ -90,7 +97,7 @@ def board(
         write_board,
         write_fabrication,
     )
-    from fingertip.board.output import board_folder, refuse_edited
+    from fingertip.board.output import board_folder, refuse_edited, refuse_other_board
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
 
@@ -100,7 +107,8 @@ def board(
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded, _ = load_design(design, changes, console.progress)
-    out = out or board_folder(loaded)
+    # A folder that nobody named keeps a board of another circuit.
+    is_named, out = out is not None, out or board_folder(loaded)
     if readings:
         from fingertip.board.bringup.files import assess_board
         from fingertip.board.bringup.report import format_assessment
@@ -118,8 +126,11 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    if fab and not force:
-        refuse_edited(out)
+    if not force:
+        if not is_named:
+            refuse_other_board(loaded)
+        if fab:
+            refuse_edited(out)
     edits: list[str] = []
     paths = write_board(loaded, out, force=force, bring_up=bring_up, progress=edits.append)
     for path in paths:
@@ -136,9 +147,9 @@ def board(
     for difference in fab_differences:
         console.progress(f"warning: {difference} Do not send these files to a board house.")
     warnings = list(_find_warnings(loaded, values))
-    for warning in warnings:
-        console.progress(f"warning: {warning}")
-    data, text = values.as_data(), _format_verdict(loaded, values, out) + "\n\n" + _format_tables(loaded, values)
+    verdict = _format_verdict(values, warnings)
+    data = values.as_data()
+    text = "\n".join([f"{loaded.name}, {verdict}", *_summary_lines(values, out), "", _format_tables(loaded, values)])
     if verbose:
         text += "\n\n" + "\n".join([*_load_lines(loaded, values), "", *_gate_lines(values)])
     if article:
@@ -171,6 +182,7 @@ def board(
         "files": [path.as_posix() for path in paths],
         "edited": edits,
         "fabrication_differences": fab_differences,
+        "verdict": verdict,
         "warnings": warnings,
     }
     console.result(data, text)
@@ -220,20 +232,27 @@ def _format_tables(design: Design, values: BoardValues) -> str:
     return "\n".join(lines)
 
 
-def _format_verdict(design: Design, values: BoardValues, folder: Path) -> str:
-    """Verdict on the board, its response and the folder of its files."""
+def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
+    """Verdict on the board: its conditions, and in the same breath what is doubtful all the same."""
     failed = sum(not condition.passed for condition in values.gate)
     verdict = (
-        f"{failed} of its {len(values.gate)} conditions FAIL, see the warnings"
+        f"{failed} of its {len(values.gate)} conditions FAIL"
         if failed
         else f"all {len(values.gate)} conditions of a working board are met"
     )
+    said = [f"variant {values.variant}, {values.supply} supply: {verdict}"]
+    if warnings:
+        said[0] += ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:"
+    return "\n".join([*said, *(f"  warning: {warning}" for warning in warnings)])
+
+
+def _summary_lines(values: BoardValues, folder: Path) -> list[str]:
+    """Response of the board and the folder of its files."""
     achieved, target = values.achieved_response, values.target_response
-    return (
-        f"{design.name}, variant {values.variant}, {design.board.supply} supply: {verdict}\n"
+    return [
         f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), "
         f"gain {achieved.passband_gain:.4g}; files in {folder}, --verbose for the conditions"
-    )
+    ]
 
 
 def _errata_lines(values: BoardValues) -> list[str]:

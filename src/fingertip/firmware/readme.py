@@ -5,6 +5,7 @@ from __future__ import annotations
 from fingertip.board.readme_parts.text import bullet_list, paragraph
 from fingertip.design import Design
 from fingertip.firmware import costs
+from fingertip.firmware.boards import board_table, port_table
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
@@ -22,6 +23,8 @@ def render_readme(design: Design) -> str:
             *_introduction(design),
             "## Use",
             *_use(design),
+            "## Controllers",
+            *_controllers(),
             "## Wiring",
             *_wiring(design),
             "## Cost",
@@ -78,9 +81,8 @@ def _use(design: Design) -> list[str]:
         "```sh\nstty -F /dev/ttyACM0 2000000 raw -echo\n"
         "fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
         paragraph(
-            "`slip_timer.h` has the timers of Teensy, STM32, UNO R4 and RP2040 (core of Earle Philhower, not Mbed). "
-            "The UNO R4 converts up to 5 V: make its library with `--set detector.adc_range_v=5`. The examples were "
-            "compiled against a stand-in for Arduino's headers, not run on these boards. `analogRead` must take a "
+            "The port has another name on other systems, see below. `fingertip detect -` ends at a line that is none "
+            "of samples, and quotes it. `analogRead` must take a "
             "small part of the "
             f"{1e3 / design.detector.sample_rate_hz:g} ms between two samples; where it is slow, read the converter's "
             "registers instead."
@@ -88,6 +90,23 @@ def _use(design: Design) -> list[str]:
         paragraph(
             "PlatformIO: copy it to `lib/` of the project. Elsewhere: compile the source with `-std=c99 -O2 "
             "-ffp-contract=off`."
+        ),
+    ]
+
+
+def _controllers() -> list[str]:
+    return [
+        board_table(),
+        paragraph(
+            "What a controller's inputs bear must be at least the supply of the board, so feed both from the same "
+            "3.3 V. The table follows the makers' pages; the examples were compiled against a stand-in for Arduino's "
+            "headers, not run on these boards. On another board, call a function as often from a timer of your own."
+        ),
+        port_table(),
+        paragraph(
+            "The number or the end of the port's name differs: list the ports before and after plugging the controller "
+            "in. On Windows, read from the port with a terminal program that writes its lines to the standard output, "
+            "such as `plink -serial COM3 -sercfg 2000000`, and pipe them into `fingertip detect -`."
         ),
     ]
 

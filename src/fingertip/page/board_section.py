@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Mapping
 from typing import Any
 
 from fingertip.board.output import BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
+from fingertip.page.back_svg import render_back
+from fingertip.page.bom_table import render_bom
 from fingertip.page.html import Markup, element, figure, join, table
 from fingertip.page.layout_svg import render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
@@ -18,11 +18,14 @@ from fingertip.page.sources import BOARD_FOLDER, COMMANDS, Sources
 
 _NOTES = ("Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""
-_BOM_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Note")
 _PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
 _COPPER = (
     "Copper, seen through the board from the front: front layer in orange, back layer in blue, pale where it is poured."
 )
+_BACK = (
+    "Back, seen from the back: the printed list of values. Frames show where the parts stand, all of them on the front."
+)
+_PARTS = "What to buy for the board"
 _BOUNDS = {"at most": "≤", "at least": "≥"}
 
 
@@ -38,8 +41,15 @@ def render_board(sources: Sources) -> Markup:
     if layout := files[LAYOUT]:
         placement = render_placement(layout, "Placement of the components")
         copper = render_copper(layout, "Copper of the board")
-        pair = (figure(placement, _PLACEMENT, "placement"), figure(copper, _COPPER, "copper"))
-        parts += [element("h3", "Layout"), element("div", *pair, class_="pair")]
+        back = render_back(layout, "Back of the board")
+        # It scrolls by itself on a low screen, so the keyboard must reach it.
+        pictures = element(
+            "div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"),
+            role="group", tabindex="0", aria_label="front and back of the board",
+        )  # fmt: skip
+        parts += [element("h3", "Layout"), _set_beside(pictures, files[BOM]), figure(copper, _COPPER, "copper")]
+    elif bom := files[BOM]:
+        parts.append(_render_parts(bom))
     if schematic := files[SCHEMATIC]:
         parts += [
             element("h3", "Schematic"),
@@ -48,8 +58,6 @@ def render_board(sources: Sources) -> Markup:
     if values := files[VALUES]:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
     parts.append(response)
-    if bom := files[BOM]:
-        parts += [element("h3", "What to buy for the board"), _render_bom(bom)]
     for heading, text in split_sections(files[README] or "").items():
         if heading in _NOTES:
             parts += [element("h3", heading), render(text)]
@@ -64,6 +72,17 @@ def render_board(sources: Sources) -> Markup:
         )
         parts.append(element("p", *said, class_="note"))
     return join(parts)
+
+
+def _set_beside(pictures: Markup, bom: str | None) -> Markup:
+    """Set the pictures beside the list of the parts on them, so that both are seen at once."""
+    if not bom:
+        return pictures
+    return element("div", pictures, element("div", _render_parts(bom)), class_="parts")
+
+
+def _render_parts(bom: str) -> Markup:
+    return join((element("h3", _PARTS), render_bom(bom)))
 
 
 def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
@@ -92,11 +111,3 @@ def _with_unit(value: float, entry: Mapping[str, Any]) -> str:
 
 def _tell(passed: bool) -> str:
     return "passed" if passed else "failed"
-
-
-def _render_bom(text: str) -> Markup:
-    lines = list(csv.DictReader(io.StringIO(text)))
-    columns = [name for name in _BOM_COLUMNS if any(line.get(name) for line in lines)]
-    rows = [tuple(line[name] for name in columns) for line in lines]
-    return table([name.lower() if name.isalpha() and name not in ("MPN", "LCSC") else name for name in columns], rows,
-                 "bill of materials; board/bom.csv names the source of each number", "broad")  # fmt: skip

@@ -1,8 +1,12 @@
-"""Layout of a board as SVG, from the file for KiCad: where each component stands, and its copper."""
+"""Layout of a board as SVG, from the file for KiCad: where each component stands, and its copper.
+
+What belongs to a component stands in a group that names it, so that the list of parts can highlight it.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 
 from fingertip.board.kicad.sexpr import Expression
 from fingertip.page.html import Markup, element, join
@@ -18,17 +22,18 @@ _FRONT, _BACK, _PAD, _SILK = "var(--copper-front)", "var(--copper-back)", "var(-
 def render_placement(text: str, title: str) -> Markup:
     """Render outline, pads, silkscreen and references of a `.kicad_pcb` file, seen from the front."""
     board = parse(text)
-    parts = [_draw_outline(board)]
+    parts = [draw_outline(board)]
     for footprint in lists(board, "footprint"):
-        parts += [*_draw_pads(footprint), *_draw_graphics(footprint, "F.SilkS"), *_draw_names(footprint)]
-    parts += [_draw_text(words(item)[0], item, (0.0, 0.0, 0.0)) for item in lists(board, "gr_text") if _is_front(item)]
-    return _frame(board, title, parts)
+        drawn = [*_draw_pads(footprint), *_draw_graphics(footprint, "F.SilkS"), *_draw_names(footprint)]
+        parts.append(mark_part(name_part(footprint), drawn))
+    parts += [draw_text(words(item)[0], item, (0.0, 0.0, 0.0)) for item in lists(board, "gr_text") if _is_front(item)]
+    return draw_frame(board, title, parts)
 
 
 def render_copper(text: str, title: str) -> Markup:
     """Render copper, pads and vias of a `.kicad_pcb` file, seen through the board from the front."""
     board = parse(text)
-    parts = [_draw_outline(board)]
+    parts = [draw_outline(board)]
     for layer, colour in (("B.Cu", _BACK), ("F.Cu", _FRONT)):
         for zone in lists(board, "zone"):
             for polygon in lists(zone, "filled_polygon"):
@@ -44,16 +49,22 @@ def render_copper(text: str, title: str) -> Markup:
                     element("path", d=data, stroke=colour, stroke_width=width, stroke_linecap="round", fill="none")
                 )
     for footprint in lists(board, "footprint"):
-        parts += _draw_pads(footprint)
+        parts.append(mark_part(name_part(footprint), _draw_pads(footprint)))
     for via in lists(board, "via"):
         x, y = numbers(first(via, "at"))[:2]
         parts += _draw_ring((x, y), float(word(via, "size")), float(word(via, "drill")))
-    return _frame(board, title, parts)
+    return draw_frame(board, title, parts)
 
 
-def _frame(board: Expression, title: str, parts: list[Markup]) -> Markup:
+def mark_part(reference: str, drawn: Sequence[Markup]) -> Markup:
+    """Group what belongs to a component."""
+    return element("g", *drawn, data_part=reference or None)
+
+
+def draw_frame(board: Expression, title: str, parts: list[Markup], *, is_back: bool = False) -> Markup:
+    """Draw the picture that holds the parts; its coordinates are the file's, mirrored if it is seen from the back."""
     spots = _trace_outline(board)
-    xs, ys = [x for x, _ in spots], [y for _, y in spots]
+    xs, ys = [-x if is_back else x for x, _ in spots], [y for _, y in spots]
     left, top = min(xs) - _MARGIN_MM, min(ys) - _MARGIN_MM
     view = (left, top, max(xs) + _MARGIN_MM - left, max(ys) + _MARGIN_MM - top)
     return element(
@@ -97,7 +108,7 @@ def _bend(start: tuple[float, float], mid: tuple[float, float], end: tuple[float
     return [(ux + radius * math.cos(a), uy + radius * math.sin(a)) for a in steps]
 
 
-def _draw_outline(board: Expression) -> Markup:
+def draw_outline(board: Expression, *, is_back: bool = False) -> Markup:
     """Fill the board within its edge, whose pieces may come in any order."""
     pieces = _edge_pieces(board)
     chain = pieces.pop(0)
@@ -106,12 +117,26 @@ def _draw_outline(board: Expression) -> Markup:
         nearest = min(pieces, key=lambda piece: min(math.dist(piece[0], end), math.dist(piece[-1], end)))
         pieces.remove(nearest)
         chain = chain + (nearest if math.dist(nearest[0], end) <= math.dist(nearest[-1], end) else nearest[::-1])
+    if is_back:
+        chain = [(-x, y) for x, y in chain]
     return element("path", d=_path(chain) + "Z", fill="var(--substrate)", stroke="var(--text)", stroke_width="0.15")
 
 
 def _place(footprint: Expression) -> tuple[float, float, float]:
     x, y, angle = (*numbers(first(footprint, "at")), 0.0)[:3]
     return x, y, angle
+
+
+def pad_boxes(footprint: Expression) -> Iterator[tuple[float, float, float, float]]:
+    """Yield left, top, right and bottom of each pad of a component [mm], with its size as it is turned."""
+    x, y, angle = _place(footprint)
+    for pad in lists(footprint, "pad"):
+        px, py, own = (*numbers(first(pad, "at")), 0.0)[:3]
+        dx, dy = turn(px, py, angle)
+        width, height = numbers(first(pad, "size"))
+        if own % 180.0 == 90.0:
+            width, height = height, width
+        yield (x + dx - width / 2, y + dy - height / 2, x + dx + width / 2, y + dy + height / 2)
 
 
 def _draw_pads(footprint: Expression) -> list[Markup]:
@@ -130,7 +155,7 @@ def _draw_pads(footprint: Expression) -> list[Markup]:
         centre = f"{_number(x + dx)} {_number(y + dy)}"
         parts.append(
             element(
-                "rect", element("title", f"{_reference(footprint)} pin {name}"), x=_number(x + dx - width / 2),
+                "rect", element("title", f"{name_part(footprint)} pin {name}"), x=_number(x + dx - width / 2),
                 y=_number(y + dy - height / 2), width=_number(width), height=_number(height),
                 rx=_number(ratio * min(width, height)), fill=_PAD,
                 transform=f"rotate({_number(-own)} {centre})" if own else None,
@@ -163,7 +188,8 @@ def _draw_graphics(footprint: Expression, layer: str) -> list[Markup]:
     return parts
 
 
-def _reference(footprint: Expression) -> str:
+def name_part(footprint: Expression) -> str:
+    """Return the reference of a component."""
     return next((words(text)[1] for text in lists(footprint, "property") if words(text)[0] == "Reference"), "")
 
 
@@ -174,7 +200,7 @@ def _draw_names(footprint: Expression) -> list[Markup]:
         return []
     x, y, angle = _place(footprint)
     if word(text, "layer") == "F.SilkS" and not is_hidden(text):
-        return [_draw_text(words(text)[1], text, (x, y, angle))]
+        return [draw_text(words(text)[1], text, (x, y, angle))]
     upright = _is_taller(footprint, angle)
     at, transform = (_number(x), _number(y)), f"rotate(-90 {_number(x)} {_number(y)})" if upright else None
     return [
@@ -193,10 +219,11 @@ def _is_taller(footprint: Expression, angle: float) -> bool:
     return bool(spots) and max(ys) - min(ys) > max(xs) - min(xs)
 
 
-def _draw_text(content: str, item: Expression, place: tuple[float, float, float]) -> Markup:
+def draw_text(content: str, item: Expression, place: tuple[float, float, float], *, is_back: bool = False) -> Markup:
+    """Draw a printed text of a file, in the place of its component; from the back it reads as from the front."""
     px, py, own = (*numbers(first(item, "at")), 0.0)[:3]
     dx, dy = turn(px, py, place[2])
-    x, y = place[0] + dx, place[1] + dy
+    x, y = (-1.0 if is_back else 1.0) * (place[0] + dx), place[1] + dy
     size = numbers(first(first(first(item, "effects"), "font"), "size"))[0]
     upright = own % 180.0 == 90.0
     justify = words(first(first(item, "effects"), "justify"))

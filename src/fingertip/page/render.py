@@ -40,7 +40,7 @@ def render_page(sources: Sources) -> bytes:
         _render_footer(),
         element("script", scene_json(items), type="application/json", id="scene"),
     )
-    scripts = (read_viewer_library(), read_asset("viewer.js"))
+    scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))
     return render_document(f"{name}: fingertip", body, read_asset("page.css"), scripts, data_design=name)
 
 

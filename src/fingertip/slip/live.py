@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from fingertip.design.parameters import Detector as DetectorParameters
-from fingertip.errors import Issue, TraceError
+from fingertip.errors import Issue, TraceError, shorten
 from fingertip.slip.converter_step import StepWatch
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.traces.cells import split_cells, unquote
@@ -26,6 +26,8 @@ from fingertip.slip.traces.trace import ColumnMap, length_message, range_message
 NAME = "standard input"
 _SAMPLES_BEFORE_HEADER = 5000
 """Samples of a stream that are passed over before its header: a controller that runs already repeats it each second."""
+_MAX_QUOTED = 100
+"""Maximum length of a line in an error message [characters]."""
 _RATE_WINDOWS = 100
 """Number of windows over which the mean rate is measured before the measurement restarts."""
 
@@ -121,8 +123,9 @@ def follow(
         cells = split_cells(line, delimiter)
         width = width or stream.header.count_cells(len(cells), columns)
         if len(cells) != width:
-            raise _line_error(number, f"has {len(cells)} cells, but the header has {len(names)}; give one per column.")
-        volts = _parse_number(cells[voltage_index], delimiter, number) * columns.scale
+            message = f"has {len(cells)} cells, but the header has {len(names)}; give one per column."
+            raise _line_error(number, f"{message} {_quote(line)}")
+        volts = _parse_number(cells[voltage_index], delimiter, number, line) * columns.scale
         all_whole = all_whole and volts % 1 == 0
         if watch is not None and (warning := watch.add(volts)):
             report(f"warning: {warning}")
@@ -130,11 +133,11 @@ def follow(
             raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz
         if time_index is not None:
-            time_s = _parse_number(cells[time_index], delimiter, number) * columns.time_scale
+            time_s = _parse_number(cells[time_index], delimiter, number, line) * columns.time_scale
             clock.check(time_s, number)
         values = [volts]
         if second_index is not None:
-            values.append(_parse_number(cells[second_index], delimiter, number) * columns.scale)
+            values.append(_parse_number(cells[second_index], delimiter, number, line) * columns.scale)
         if detector.step(*values) != on:
             on = not on
             yield Transition(on, time_s)
@@ -191,17 +194,23 @@ class _SampleClock:
             self._start_s, self._steps = time_s, 0
 
 
-def _parse_number(cell: str, delimiter: str, line: int) -> float:
+def _parse_number(cell: str, delimiter: str, number: int, line: str) -> float:
     plain = unquote(cell) if '"' in cell else cell
     try:
         value = float(plain if delimiter == "," else plain.replace(",", "."))
     except ValueError:
+        message = f"{cell.strip()!r} is not a number; write it with a decimal point."
         if not plain.strip():
-            raise _line_error(line, "has an empty cell; give one number per column.") from None
-        raise _line_error(line, f"{cell.strip()!r} is not a number; write it with a decimal point.") from None
+            message = "has an empty cell; give one number per column."
+        raise _line_error(number, f"{message} {_quote(line)}") from None
     if not math.isfinite(value):
-        raise _line_error(line, f"{value} is not a finite number; detection cannot continue across it.")
+        raise _line_error(number, f"{value} is not a finite number; detection cannot continue across it.")
     return value
+
+
+def _quote(line: str) -> str:
+    """Quote a line as it came, so that a message of a controller among the samples is read."""
+    return f"The line reads {shorten(line.strip(), _MAX_QUOTED)!r}."
 
 
 def _line_error(line: int, message: str) -> TraceError:

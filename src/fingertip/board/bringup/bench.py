@@ -57,7 +57,10 @@ def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, s
     swing_v
         Smaller swing of the filter's output from the signal ground [V].
     """
-    light_ohm, firm_ohm = (_find_dummy(1.0 / sensor_conductance_s(force_n)) for force_n, _ in ARTICLE_POINTS[1:])
+    # Values of E24 are in any kit of resistors; the expected readings follow from the values that are used.
+    light_ohm, firm_ohm = (
+        nearest_value(1.0 / sensor_conductance_s(force_n), "E24") for force_n, _ in ARTICLE_POINTS[1:]
+    )
     low, middle, high = (float(round(ratio * cutoff_hz)) or cutoff_hz for ratio in _TONE_RATIOS)
     # The current into the bridge is the tone over this resistor, which is far larger than the bridge.
     trial = Bench((light_ohm, firm_ohm), 1e6, (low, middle, high))
@@ -65,11 +68,6 @@ def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, s
     gain = abs(network.drive(TONE).restrict(FILTERED).response(np.array([high]), {TONE: 1.0}, FILTERED)[0, 0])
     wanted = _SWING_SHARE * swing_v / (math.sqrt(2.0) * TONE_V)
     return replace(trial, coupling_ohm=nearest_value(trial.coupling_ohm * gain / wanted, "E24"))
-
-
-def _find_dummy(ohm: float) -> float:
-    """Nearest value of any series: a test needs only one of each."""
-    return min((nearest_value(ohm, series) for series in ("E24", "E96")), key=lambda value: abs(math.log(value / ohm)))
 
 
 def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:

@@ -1,7 +1,8 @@
-"""Diagnosis of a board: which single fault explains the readings best.
+"""Diagnosis of a board: which single fault explains the readings best, or which mistake of the person with the meter.
 
 Every fault is simulated, and its readings are compared with those that were taken, each difference in units of what
-good boards and meters differ by. Faults that explain the readings alike cannot be told apart and are all named.
+good boards and meters differ by. Faults that explain the readings alike cannot be told apart and are all named. A
+mistake is named ahead of all faults if it explains the readings better than any of them does alone.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from fingertip.board.bringup.faults import Fault, list_faults
 from fingertip.board.bringup.limits import METER_AC, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, predict
+from fingertip.board.bringup.probing import Mistake, list_mistakes
 
 MIN_READINGS = 3
 """Least number of readings for a diagnosis."""
@@ -19,6 +21,8 @@ _MODEL_RATIO = 0.03
 """Error of a predicted reading beyond that of a good board, as a ratio of it."""
 _ALIKE = 4.0
 """Difference of two faults' misfits below which they cannot be told apart."""
+_FAR = 15.0
+"""Difference of misfits beyond which a mistake together with one of some hundred faults is more than a coincidence."""
 _EXPLAINED = 6.0
 """Mean squared difference per reading up to which a fault explains the readings."""
 _MOST = 6
@@ -26,11 +30,18 @@ _MOST = 6
 
 @dataclass(frozen=True)
 class Explanation:
-    """Fault with how well it explains the readings."""
+    """Fault, or mistake of the person with the meter, with how well it explains the readings."""
 
     fault: Fault
+    """Fault of the board; one without a reference where a mistake alone explains the readings."""
     misfit: float
     """Mean squared difference per reading, in units of the expected spread."""
+    mistake: Mistake | None = None
+
+    @property
+    def is_near(self) -> bool:
+        """Return whether it explains all readings."""
+        return self.misfit <= _EXPLAINED
 
 
 @dataclass(frozen=True)
@@ -40,12 +51,17 @@ class Diagnosis:
     failed: tuple[str, ...]
     """Readings beyond their limits."""
     likely: tuple[Explanation, ...]
-    """Faults that explain the readings best and cannot be told apart; empty if no reading failed."""
+    """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed."""
 
     @property
     def is_explained(self) -> bool:
-        """Return whether a single fault explains all readings."""
-        return any(each.misfit <= _EXPLAINED for each in self.likely)
+        """Return whether a single fault or mistake explains all readings."""
+        return any(each.is_near for each in self.likely)
+
+    @property
+    def mistake(self) -> Mistake | None:
+        """Mistake that explains the readings best, if one does."""
+        return next((each.mistake for each in self.likely if each.mistake), None)
 
 
 def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Diagnosis:
@@ -65,20 +81,42 @@ def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, 
     failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
-    faults = list(list_faults(board.circuit, board.ends_v))
+    faults = [Fault("", "", board.circuit), *list_faults(board.circuit, board.ends_v)]
     predicted = zip(faults, predict(board, faults, tone_v), strict=True)
-    return Diagnosis(failed, explain(predicted, limits, readings))
+    return Diagnosis(failed, explain(predicted, limits, readings, list_mistakes(board)))
 
 
 def explain(
     predicted: Iterable[tuple[Fault, Mapping[str, float]]],
     limits: Mapping[str, Limits],
     readings: Mapping[str, float],
+    mistakes: Iterable[Mistake] = (),
 ) -> tuple[Explanation, ...]:
-    """Find the faults whose predicted readings are nearest, with all that are as near."""
-    found = [Explanation(fault, _misfit(values, readings, limits)) for fault, values in predicted]
-    found.sort(key=lambda each: each.misfit)
-    close = [each for each in found if (each.misfit - found[0].misfit) * len(readings) < _ALIKE]
+    """Find the faults whose predicted readings are nearest, with all that are as near, or the mistake that is nearer.
+
+    `predicted` holds the board without a fault too, which has no reference. A mistake together with a fault explains
+    nearly everything, so it is named only if it is nearer by far than the mistake alone, and than any fault alone.
+    """
+    predicted = list(predicted)
+    alone = [Explanation(fault, _misfit(values, readings, limits)) for fault, values in predicted if fault.reference]
+    likely = _select_closest(alone, len(readings))
+    for mistake in mistakes:
+        found = [Explanation(f, _misfit(mistake.apply(values), readings, limits), mistake) for f, values in predicted]
+        closest = [each for each in found if not each.fault.reference]
+        nearest = min(each.misfit for each in found)
+        if (closest[0].misfit - nearest) * len(readings) >= _FAR:
+            closest = [each for each in found if each.fault.reference]
+        margin = _FAR if closest[0].fault.reference else _ALIKE
+        best = min(each.misfit for each in closest)
+        if best <= _EXPLAINED and (min(each.misfit for each in likely) - best) * len(readings) >= margin:
+            likely = _select_closest(closest, len(readings))
+    return likely
+
+
+def _select_closest(found: list[Explanation], count: int) -> tuple[Explanation, ...]:
+    """Select the nearest explanation, with all that so many readings do not tell from it."""
+    nearest = min(each.misfit for each in found)
+    close = [each for each in found if (each.misfit - nearest) * count < _ALIKE]
     # The readings do not tell these apart; the more common ones come first.
     close.sort(key=lambda each: (each.fault.rarity, each.misfit))
     return tuple(close[:_MOST])

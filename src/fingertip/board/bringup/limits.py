@@ -20,7 +20,7 @@ from fingertip.board.bringup.prediction import (
     name_voltage,
     predict,
 )
-from fingertip.board.circuit import parse_component_value
+from fingertip.board.circuit import Circuit, parse_component_value
 from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.amplifiers import AD623_OFFSET_V, AMPLIFIERS, GAIN_RESISTOR
 from fingertip.board.components.bridge import GAIN_CONSTANT_OHM
@@ -36,6 +36,8 @@ METER_DC, METER_AC = (0.005, 0.003), (0.02, 0.005)
 _TEST_PART_RATIO = {COUPLING_OHM: 0.01, COUPLING_F: 0.1}
 """Tolerances of the parts that connect the generator. Measure the resistor to know it better."""
 _DUMMY_RATIO = 0.01
+_HOLDING = "C4"
+"""Capacitor that holds the envelope."""
 SUPPLY_PERCENT = 2.0
 """Tolerance of the supply during the tests: all levels of a bridge scale with it."""
 
@@ -78,11 +80,13 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     parts = path.with_values(_draw(path, board, random))
     levels = {name_tone(net, hz): tone_v * batch_level(parts, hz, net) for net, hz in list_levels(board.bench)}
 
-    # The envelope follows the filtered tone: between the weakest and the strongest of the boards.
+    # The envelope follows the filtered tone: between the weakest and the strongest of the boards. Behind a bare diode
+    # it also follows C4, which holds it between the peaks.
     filtered = levels[name_tone(FILTERED, board.bench.tones_hz[-1])]
     middle = tone_v * float(batch_level(path, board.bench.tones_hz[-1], FILTERED))
     tones_v = [tone_v * float(level) / middle for level in (middle, filtered.min(), filtered.max())]
-    nominal, *ends = predict(board, [Fault("", "", board.circuit)] * 3, *tones_v)
+    circuits = [board.circuit, *(_change(board, _HOLDING, sign) for sign in (-1.0, 1.0))]
+    nominal, *ends = predict(board, [Fault("", "", circuit) for circuit in circuits], *tones_v)
     limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
     limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
     return limits | _limit_envelope(board, values, nominal, ends)
@@ -106,11 +110,14 @@ def _limit_envelope(
     offset, constant_v, noise_v = values.output_offset, METER_DC[1], values.noise.mean_envelope_v or 0.0
     low_v, high_v = (offset.min_v - constant_v, offset.max_v + constant_v) if offset else (-constant_v, constant_v)
     quiet, loud = name_voltage(ENVELOPE), name_tone(ENVELOPE, board.bench.tones_hz[-1])
+    meter_v = METER_DC[0] * abs(nominal[loud])
     part_v = 2.0 * _find_tolerance("R6", board) * abs(nominal[loud])
     found = {
         # Noise is rectified as a tone is: its mean is there at rest, and hardly adds to a tone.
         quiet: Limits(nominal[quiet] + noise_v, nominal[quiet] + low_v, nominal[quiet] + 2.0 * noise_v + high_v),
-        loud: Limits(nominal[loud], ends[0][loud] - part_v + low_v, ends[1][loud] + part_v + high_v),
+        loud: Limits(
+            nominal[loud], ends[0][loud] - part_v + low_v - meter_v, ends[1][loud] + part_v + high_v + meter_v
+        ),
     }
     output = name_tone(RECT_OUT, board.bench.tones_hz[-1])
     if output in nominal:
@@ -129,6 +136,12 @@ def _draw(path: Network, board: Board, random: np.random.Generator) -> dict[str,
             value = path.values[name]
             drawn[name] = value / factor if name.startswith("R") else value * factor  # conductance of a resistor
     return drawn
+
+
+def _change(board: Board, reference: str, sign: float) -> Circuit:
+    """Change a part's value by its tolerance."""
+    value = parse_component_value(board.circuit.component(reference).value)
+    return board.circuit.replace(reference, f"{value * (1.0 + sign * _find_tolerance(reference, board)):.10g}")
 
 
 def _find_tolerance(reference: str, board: Board) -> float:

@@ -42,7 +42,8 @@ def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
         "readings": rows,
         "missing": [name for name in limits if name not in readings.values],
         "hints": hints,
-        "likely": [each.fault.sentence for each in diagnosis.likely],
+        "likely": [each.fault.sentence for each in diagnosis.likely if each.fault.reference],
+        "mistake": diagnosis.mistake.sentence if diagnosis.mistake else None,
         "explained": diagnosis.is_explained,
         "verdict": _verdict(diagnosis, len(levels), all(row["passed"] for row in rows)),
     }
@@ -64,15 +65,24 @@ def format_assessment(data: dict[str, Any]) -> str:
 
 
 def _verdict(diagnosis: Diagnosis, count: int, all_passed: bool) -> str:
-    names = [each.fault.sentence for each in diagnosis.likely]
+    names = [each.fault.sentence for each in diagnosis.likely if each.fault.reference]
     if all_passed:
         return "All readings are within their limits."
     if not diagnosis.failed:
         return "The voltages are within their limits; see the readings that fail."
-    if not names:
+    if not diagnosis.likely:
         needed = f"take at least {MIN_READINGS} voltages for a diagnosis ({count} so far)"
         return f"Readings fail: {', '.join(diagnosis.failed)}; {needed}."
-    if not diagnosis.is_explained:
+    if not (mistake := diagnosis.mistake):
+        return _name_faults(names, diagnosis.is_explained)
+    said = f"Likely a mistake of the measurement{'' if names else ', and no fault'}: {mistake.sentence}."
+    if names:
+        said += f" Together with it: {_name_faults(names, diagnosis.is_explained)}"
+    return f"{said} To be sure, {mistake.remedy}."
+
+
+def _name_faults(names: list[str], is_explained: bool) -> str:
+    if not is_explained:
         return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or measure again."
     if len(names) == 1:
         return f"Likely fault: {names[0]}."

@@ -8,11 +8,13 @@ from collections.abc import Iterable
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
 from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
+from fingertip.board.bringup.places import FRONT, find_end, find_widest
 from fingertip.board.bringup.plan import NEGATIVE_OHM, QUIET, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
 from fingertip.board.bringup.prediction import list_levels, name_tone, name_voltage
 from fingertip.board.circuit import format_component_value
-from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.kicad.symbols import LOCKING_CONNECTORS
+from fingertip.board.layout.placement import Placement
 from fingertip.board.nets import (
     ENVELOPE,
     FILTERED,
@@ -25,6 +27,7 @@ from fingertip.board.nets import (
     VMID,
 )
 from fingertip.board.readme_parts.offset import trimming_procedure
+from fingertip.board.variants import find_configuration
 from fingertip.design import Design
 
 _PROBES = {
@@ -34,11 +37,11 @@ _PROBES = {
     ENVELOPE: "TP4, envelope",
     VMID: "TP5, signal ground; black probe at supply ground",
     SENSOR: "J1 pin 1, sensor",
-    REFERENCE: "end of R13 that is not at TP5, reference",
-    STAGE2_MID: "end of R2 that is not at TP3, second stage",
     RECT_OUT: "U3 pin 1, rectifier",
 }
-"""Place of the red probe for each net."""
+"""Place of the red probe for each net that has a test point or a pin of its own."""
+_ENDS = {REFERENCE: ("R13", "reference"), STAGE2_MID: ("R2", "second stage")}
+"""Part whose end is the place of the red probe for the other nets, and their name."""
 _MEANINGS = {
     TACTILE: "bridge R10 to R13, its amplifier U2 with R14",
     STAGE1_OUT: "U1, R4, R5",
@@ -56,6 +59,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
     bench, board = plan.board.bench, plan.board
     light, firm = bench.dummy_ohm
     low, middle, high = bench.tones_hz
+    placement = find_configuration(values).placement
     ground = "TP5 (signal ground)" if board.signal_ground == VMID else "TP5 (ground)"
     sections = [
         f"# Bring-up of board `{design.name}`",
@@ -72,13 +76,16 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
                 "A multimeter with a range of millivolts that reads alternating voltage up to 400 Hz.",
                 f"A supply of {_describe_supply(plan)} within {SUPPLY_PERCENT:g} %, with a current limit of "
                 f"{_limit_ma(plan):.0f} mA if it has one.",
-                *(["Plugs with wires for J1 and J2."] if _is_protected(plan) else []),
+                *(["Plugs with wires for J1 and J2: README.md, What else to buy."] if _is_protected(plan) else []),
                 f"Resistors of {_ohm(light)} and {_ohm(firm)} (1 %) in place of the sensor.",
                 "A tone generator, or a phone with an app for tones and a headphone cable; "
                 f"{_ohm(bench.coupling_ohm)} (1 %) and {format_component_value(COUPLING_FARAD)}F in series from its "
                 "signal to J1 pin 1. Its ground goes to supply ground.",
             ]
         ),
+        "## Where there is no test point",
+        FRONT,
+        _table(("net", "place"), _list_places(plan, placement)),
         "## Wiring",
         f"![Wiring of sensor, supply and controller]({wiring})",
         "The supply alone is connected for these tests. Connect the controller, and the sensor in place of the "
@@ -105,11 +112,11 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         ),
         "## 4. Voltages",
         f"Black probe at {ground}. First with J1 open, then with each resistor in the sensor's place.",
-        _table(("reading", "red probe", "expected", "accept", "depends on"), _list_voltages(plan)),
+        _table(("reading", "red probe", "expected", "accept", "depends on"), _list_voltages(plan, placement)),
         "## 5. Tone",
         f"{_ohm(light)} at J1. Set the tone to {TONE_V:g} V RMS, measured at the generator while it is connected; the "
         "file takes another value too. Meter at alternating voltage, except where direct voltage is stated.",
-        _table(("reading", "tone", "red probe", "expected", "accept"), _list_tones(plan)),
+        _table(("reading", "tone", "red probe", "expected", "accept"), _list_tones(plan, placement)),
         f"The filter passes {high:g} Hz and stops what is well below {middle:g} Hz, so the readings must rise from "
         f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}",
         "## 6. Quiet",
@@ -173,16 +180,16 @@ def _list_resistances(plan: BringUp) -> list[tuple[str, ...]]:
     return [*rows, _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")]
 
 
-def _list_voltages(plan: BringUp) -> list[tuple[str, ...]]:
+def _list_voltages(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
     rows = []
     for net in plan.board.nets:
-        rows.append(_row(plan, name_voltage(net), _PROBES[net], _MEANINGS[net]))
+        rows.append(_row(plan, name_voltage(net), _find_probe(plan, placement, net), _MEANINGS[net]))
     for ohm in plan.board.bench.dummy_ohm:
         rows.append(_row(plan, name_voltage(TACTILE, ohm), f"TP1, with {_ohm(ohm)} at J1", "the same"))
     return rows
 
 
-def _list_tones(plan: BringUp) -> list[tuple[str, ...]]:
+def _list_tones(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
     high = plan.board.bench.tones_hz[-1]
     found = [*list_levels(plan.board.bench), (ENVELOPE, high)]
     if name_tone(RECT_OUT, high) in plan.levels:
@@ -190,11 +197,35 @@ def _list_tones(plan: BringUp) -> list[tuple[str, ...]]:
     return [
         (
             f"`{name_tone(net, hz)}`", f"{hz:g} Hz",
-            _PROBES[net] + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else ""),
+            _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else ""),
             *_figures(plan.all[name_tone(net, hz)], "V"),
         )
         for net, hz in found
     ]  # fmt: skip
+
+
+def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
+    """Find the place of the red probe for a net."""
+    if net in _PROBES:
+        return _PROBES[net]
+    reference, name = _ENDS[net]
+    return f"{find_end(plan.board.circuit, placement, reference, net)}, {name}"
+
+
+def _list_places(plan: BringUp, placement: Placement) -> list[tuple[str, str]]:
+    """List where a probe reaches what has no test point."""
+    circuit = plan.board.circuit
+    supply = "J2 pin 2, on the back, where it comes through"
+    places = [("supply ground (GND)", f"{supply}; or {find_widest(circuit, placement, GND)}")]
+    if SLIP in circuit.net_by_pin.values():
+        places += [
+            ("SLIP", find_end(circuit, placement, "R21", SLIP)),
+            (
+                "THRESHOLD",
+                f"wiper of RV1, the pin alone on its side; or {find_end(circuit, placement, 'R20', THRESHOLD)}",
+            ),
+        ]
+    return places
 
 
 def _warn_of_range(low_hz: float) -> str:
@@ -214,7 +245,7 @@ def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> s
     row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")
     table = _table(("reading", "where", "expected", "accept", "else"), [row])
     return (
-        "RV1 at its midpoint, the tone off. SLIP, at the end of R21 that is not at the supply, must be above "
+        "RV1 at its midpoint, the tone off. SLIP must be above "
         f"{high_v:.1f} V. If it is not, turn RV1 anticlockwise until it is. Raise the tone from 0 until SLIP falls, "
         f"and note the tone. Lower the tone: SLIP must rise again at about {100 * levels.off_v / levels.on_v:.0f} % of "
         f"it. If SLIP never falls, or never rises, check R18 to R21 and U4.\n\n{table}\n\n## 8. "

@@ -23,6 +23,7 @@ from fingertip.board.nets import (
     VMID,
     VMID_OUT,
 )
+from fingertip.board.parts.mating import group_plug_wires
 
 SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
 MOUNTING_PIN = "MP"
@@ -141,6 +142,8 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
     if VMID_OUT in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
+    for wire, references in group_plug_wires(circuit).items():
+        yield f"Wires of {' and '.join(references)} ({wire.series} plug): {wire.description}."
     if locking:
         yield "Twist each signal's wire with the ground beside it."
     else:

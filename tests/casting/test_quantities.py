@@ -91,7 +91,7 @@ def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
 
 
 def test_step_of_the_scale_errs_by_a_twentieth_of_the_lightest_component() -> None:
-    assert SCALE_G / 2 == pytest.approx(0.05 * MIN_COMPONENT_G)
+    assert pytest.approx(0.05 * MIN_COMPONENT_G) == SCALE_G / 2
 
 
 @pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])

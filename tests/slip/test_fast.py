@@ -214,12 +214,24 @@ def test_both_floors_follow_a_tone_that_lasts():
     detector = FastDetector(SETTINGS)
     volts = 4.0 + noise(12.0)
     volts += 0.01 * np.sin(2 * math.pi * 150 * times(volts)) * (times(volts) > 2.0)
-    output = detector.process(volts)
-    assert output.on[4400:9000].all()
-    assert not output.on[-1000:].any()
-    state = detector.state
-    for floor, energy in ((fast_loop.FLOOR, fast_loop.WIDE_LONG), (fast_loop.UPPER_FLOOR, fast_loop.UPPER_LONG)):
-        assert 0.3 * state[energy] < state[floor] < 1.1 * state[energy]
+    pairs = ((fast_loop.FLOOR, fast_loop.WIDE_LONG), (fast_loop.UPPER_FLOOR, fast_loop.UPPER_LONG))
+    on, steps = [], []
+    for chunk in np.split(volts, len(volts) // 40):  # ten evaluations of the trees each
+        before = [detector.state[floor] for floor, _ in pairs]
+        on.append(detector.process(chunk).on)
+        if on[-1].all():
+            state = detector.state
+            steps += [(old / state[e], state[f] / state[e]) for old, (f, e) in zip(before, pairs, strict=True)]
+    flags = np.concatenate(on)
+    assert flags[4400:9000].all()
+    assert not flags[-1000:].any()
+    assert all(
+        0.3 * detector.state[energy] < detector.state[floor] < 1.1 * detector.state[energy] for floor, energy in pairs
+    )
+    # While ON, what is missing to the energy shrinks with a time constant of 0.5 s.
+    shrinks = [(1 - new) / (1 - old) for old, new in steps if 0.2 < old < 0.45]
+    assert len(shrinks) > 10
+    assert shrinks == pytest.approx([(1 - 0.002 / 0.5) ** 10] * len(shrinks), rel=0.01)
 
 
 def test_floors_stand_still_while_on_and_while_the_force_changes():

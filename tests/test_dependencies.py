@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
 import sys
 from importlib import metadata
+from pathlib import Path
 
 import pytest
 
@@ -110,3 +112,23 @@ def test_every_package_that_mentions_the_lgpl_is_named() -> None:
     mentioned = {name for name in found if licences.mentions_lgpl(name)}
     assert mentioned <= set(licences.COPYLEFT) <= found
     assert all(f"- **{metadata.metadata(name)['Name']}**: " in PAGE for name in licences.COPYLEFT)
+
+
+@pytest.mark.parametrize(
+    ("packages", "status"),
+    [
+        ([{"name": "a", "version": "1", "vulns": []}], 0),
+        ([{"name": "a", "version": "1", "vulns": [{"id": "X-1"}]}, {"name": "b", "skip_reason": "not found"}], 1),
+        ([{"name": "a", "version": "1", "vulns": []}, {"name": "b", "skip_reason": "not found"}], 3),
+        ([], 3),
+        (None, 3),
+    ],
+)
+def test_audit_that_nobody_answered_is_no_pass(
+    tmp_path: Path, packages: list[dict[str, object]] | None, status: int
+) -> None:
+    report = tmp_path / "report.json"
+    if packages is not None:
+        report.write_text(json.dumps({"dependencies": packages}), encoding="utf-8")
+    script = CONSTRAINTS.with_name(".ci") / "audit.py"
+    assert subprocess.run([sys.executable, str(script), str(report)], check=False).returncode == status

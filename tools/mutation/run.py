@@ -133,7 +133,7 @@ def test_module(target: Target, cosmic_ray: str, count: int) -> bool:
             survivors.append(mutant)
     share = 1 - len(survivors) / max(1, len(mutants))
     took_s = time.monotonic() - from_s
-    print(f"{target.name}: {share:.1%} of {len(mutants)} mutants noticed ({total} in all), {took_s:.0f} s")
+    print(f"{target.name}: {share:.1%} of {len(mutants)} mutants noticed ({total} in all), {took_s:.0f} s", flush=True)
     for one in survivors:
         print(f"  {target.path}:{one.line} {one.operator}\n    - {one.before}\n    + {one.after}", flush=True)
     return share >= MIN_KILLED

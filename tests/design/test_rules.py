@@ -241,3 +241,10 @@ def test_the_longest_window_passes_and_one_sample_more_is_refused(changes: list[
     Design.load(design_file("fsr400"), changes=[*changes, f"detector.window_samples={samples}"])
     with pytest.raises(DesignError, match=rf"detector.window_samples: .*; at most {samples} samples"):
         Design.load(design_file("fsr400"), changes=[*changes, f"detector.window_samples={samples + 1}"])
+
+
+def test_the_sampling_rate_needs_four_samples_a_cycle_and_no_more() -> None:
+    changes = ["board.envelope_cutoff_hz=300", "detector.window_samples=20"]
+    Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1200"])
+    with pytest.raises(DesignError, match=r"too slow for .* of 300 Hz; at least 1200 Hz, or "):
+        Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1199"])

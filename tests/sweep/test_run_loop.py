@@ -117,6 +117,11 @@ def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock)
     # 40 s after the start: what was written within the first 2 s no longer counts.
     assert state.points_per_s == pytest.approx((60 - 20) / (40 - 2))
     assert len(state.history) == 3
+    # After a pause of a minute, two commits are left to measure a rate between.
+    clock.now_s += 60.0
+    state.add_written(20)
+    assert state.points_per_s == pytest.approx(20 / 60)
+    assert len(state.history) == 2
 
 
 @pytest.mark.parametrize(
@@ -187,6 +192,42 @@ def test_every_point_of_a_lost_chunk_is_tried_alone_if_nobody_knows_which_one_it
     assert [row[1] == "failed" for row in database.rows] == [point == 40 for point in range(POINTS)]
     assert state.failures == 1
     assert sum(sizes) == POINTS - 1
+
+
+def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) -> None:
+    """An idle worker died: the pool refuses work. The chunk is sent to a new pool, and no point is to blame."""
+
+    class Refusing(Breaking):
+        def executor(self) -> Executor:
+            pool = super().executor()
+            if self.started == 1:
+                pool.submit = self.refuse  # type: ignore[method-assign]
+            return pool
+
+        def refuse(self, *_: Any) -> Future[Any]:
+            raise BrokenExecutor
+
+    engine, database = Refusing(set(), {}), Database()
+    state = compute(engine, database)
+    assert engine.started == 2
+    assert [row[1] for row in database.rows] == ["ok"] * POINTS
+    assert state.failures == 0
+
+
+def test_breakdowns_count_only_in_a_row(clock: Clock) -> None:
+    """A breakdown with a culprit starts the count again: five without one may precede it, and five may follow."""
+
+    class Flaky(Breaking):
+        breakdowns = 0
+
+        def find_crashed_points(self) -> Mapping[int, float] | None:
+            self.breakdowns += 1
+            return {} if self.breakdowns != run.MAX_CONSECUTIVE_FAILURES + 1 else {0: LIMIT_S / 2}
+
+    engine = Flaky(set(range(POINTS)), {})
+    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
+        compute(engine, Database())
+    assert engine.breakdowns == 2 * (run.MAX_CONSECUTIVE_FAILURES + 1)
 
 
 def test_workers_that_die_without_a_point_end_the_run(clock: Clock) -> None:

@@ -9,12 +9,20 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import bill_of_materials
-from fingertip.casting.quantities import SiliconeVolumes, measure_volumes
+from fingertip.casting.quantities import (
+    MIN_COMPONENT_G,
+    SCALE_G,
+    SiliconeVolumes,
+    compute_batch,
+    load_cm3,
+    measure_volumes,
+)
 from fingertip.design import Design
 from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
 from fingertip.design.threads import THREADS, select_thread
 from fingertip.errors import DesignError
-from fingertip.filling.mold_filling import place_vents
+from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
+from fingertip.silicones import SILICONES
 from tests.conftest import design_file
 
 TOLERANCE_MM = 0.005
@@ -61,6 +69,29 @@ def test_gap_volume_is_proportional_to_the_fit_clearance() -> None:
 
 def test_total_volume_is_the_sum_of_the_volumes() -> None:
     assert SiliconeVolumes(1.5, 0.25, 0.125).total_cm3 == 1.875
+
+
+def test_the_default_mold_takes_a_few_grams() -> None:
+    """Absolute figures: a factor of 1000 between units would pass every test of ratios."""
+    volumes = measure(fsr400())
+    assert volumes.skin_cm3 == pytest.approx(2.6, abs=0.2)
+    assert 0.05 < volumes.runners_cm3 < 0.5
+    assert 0.0 < volumes.gap_cm3 < 0.3
+    batch = compute_batch(SILICONES["addition_40a"], volumes.total_cm3, load_cm3(fsr400()))
+    assert 2.5 < batch.in_mold_g < 4.0
+    assert 9.0 < batch.total_g < 12.0
+
+
+def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
+    design, small = fsr400(), fsr400("mold.syringe=3ml")
+    assert load_cm3(design) == pytest.approx(1.5 * injected_cm3(predict_mold_filling(design)), rel=1e-12)
+    assert 1.5 * injected_cm3(predict_mold_filling(small)) > 3.0
+    assert load_cm3(small) == 3.0
+    assert load_cm3(fsr400("mold.filling=gravity")) == 0.0
+
+
+def test_step_of_the_scale_errs_by_a_twentieth_of_the_lightest_component() -> None:
+    assert pytest.approx(0.05 * MIN_COMPONENT_G) == SCALE_G / 2
 
 
 @pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])

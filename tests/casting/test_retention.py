@@ -36,3 +36,8 @@ def test_sleeve_is_held_by_friction_along_its_length() -> None:
     radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
     force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * 1.5 * math.tau * dims.taper_end_z
     assert tight == pytest.approx(force)
+
+
+def test_friction_is_that_of_rubber_at_its_lower_end() -> None:
+    """Rubber on a dry, smooth solid has 0.5 to 1; an estimate of what holds takes no more than the least."""
+    assert 0.0 < FRICTION <= 0.5

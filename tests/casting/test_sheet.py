@@ -332,6 +332,19 @@ def test_every_printed_part_has_an_orientation(method: str) -> None:
     assert set(print_orientations(design)) == printed
 
 
+def test_time_and_filament_of_each_plate_and_of_all_are_stated() -> None:
+    prints = {"first": PrintEstimate(90.4, 20.04), "second": PrintEstimate(31.6, 2.98)}
+    data = casting_sheet_data(fsr400(), VOLUMES, SILICONES["addition_40a"], prints)
+    assert data["printing"]["plates"] == [
+        {"plate": "first", "minutes": 90, "filament_cm3": 20.0},
+        {"plate": "second", "minutes": 32, "filament_cm3": 3.0},
+    ]
+    assert (data["printing"]["minutes"], data["printing"]["filament_cm3"]) == (122, 23.0)
+    page = render_sheet(data)
+    assert "| first | 90 min | 20.0 cm3 |\n| second | 32 min | 3.0 cm3 |\n" in page
+    assert "Total: 122 min and 23.0 cm3 with supports" in page
+
+
 def test_estimates_are_read_from_gcode() -> None:
     code = "G1 X0\n; filament used [cm3] = 2.87\n; estimated printing time (normal mode) = 1h 31m 30s\n"
     assert parse_gcode("bone", code) == PrintEstimate(91.5, 2.87)

@@ -10,7 +10,15 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.geometry import bone_play
-from fingertip.design.geometry.bone_play import Contact, find_losses, list_contacts, list_skin_points, worst
+from fingertip.design.geometry.bone_play import (
+    Contact,
+    Loss,
+    SkinPoint,
+    find_losses,
+    list_contacts,
+    list_skin_points,
+    worst,
+)
 from fingertip.design.new_design import PRESETS
 from fingertip.numerics import maximise_linear
 from tests.conftest import design_file
@@ -102,3 +110,26 @@ def test_chaplet_holds_what_a_base_alone_does_not() -> None:
     (objective,) = moments([(held.point.point_mm, held.point.normal)]).tolist()
     ((loose, _),) = maximise_linear([objective], rows, gaps, 100.0)
     assert loose > 5 * held.loss_mm
+
+
+def test_what_is_left_of_the_silicone() -> None:
+    point = SkinPoint((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 2.0)
+    still = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    some, all_of_it = Loss(point, 0.5, still), Loss(point, 3.0, still)
+    assert (some.retained, some.left_mm) == (0.75, 1.5)
+    assert (all_of_it.retained, all_of_it.left_mm) == (-0.5, 0.0)
+    thin = Loss(SkinPoint((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.8), 0.4, still)
+    assert worst([some, thin], over_sensor=False) is thin
+
+
+def test_gaps_are_clearance_less_growth_of_the_print_and_two_errors() -> None:
+    design = Design.load(
+        changes=["mold.fit_clearance_mm=0.12", "printer.offset_mm=0.02", "printer.surface_error_mm=0.03"]
+    )
+    chaplet = design.dimensions.chaplet
+    assert chaplet is not None
+    gaps = sorted({round(contact.gap_mm, 9) for contact in list_contacts(design)})
+    assert gaps == pytest.approx(sorted({2 * 0.03, 0.12 - 0.02 + 2 * 0.03, chaplet.play + 2 * 0.03}))
+    tight = {round(contact.gap_mm, 9) for contact in list_contacts(design, fit_clearance_mm=0.01)}
+    assert min(tight) == pytest.approx(2 * 0.03), "a print that grows by more than the clearance still has its errors"
+    assert max(contact.gap_mm for contact in list_contacts(design, fit_clearance_mm=0.3)) == pytest.approx(0.3 + 0.04)

@@ -4,6 +4,7 @@ passes. Random numbers never meet these."""
 from __future__ import annotations
 
 import itertools
+import math
 import random
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -35,6 +36,22 @@ MORE_CASES = (
     ["mold.filling=gravity", "mold.funnel_diameter_mm=20", "mold.gate_diameter_mm=3", "mold.wall_mm=2.5"],
 )
 """Changes that break rules which no other design here breaks."""
+TIGHT = 1e-3
+"""Largest relative distance of the bound that a rule states from the edge of the rule."""
+LOOSE = {
+    "skin_is_thick_enough": 0.002,  # leaves the slack of the section's measurement
+    "travel_free": 0.02,  # whole degrees
+    "bent_stop_long_enough": 0.02,  # whole degrees
+    "chaplet_stands_on_bone": 0.025,  # found in steps of the height
+    "bone_is_held": 0.02,  # found by search, on the safe side
+    "filter_resistors_in_range": 0.2,  # preferred values
+    "amplifier_drives_the_filter": 0.1,  # preferred values
+    "amplifier_charges_the_envelope": 0.05,  # preferred values
+    "threshold_within_supply": 0.011,  # recommends 99 % of what the supply allows
+}
+"""Rules that state another bound than their edge, and how far apart the two may be."""
+WITHOUT_BOUND = {"taper_reaches_tip", "flat_edges_within_skin"}
+"""Rules whose edge has no closed form; their remedies are searched for."""
 MAX_EDGES = 3
 """Parameters in which the edge of one rule is sought."""
 
@@ -98,6 +115,16 @@ def test_the_edge_of_a_rule(rule: Rule) -> None:
         if name == rule.field:
             design = tables.with_values({name: broken})
             check_stated_values(rule, design, name, violation)
+            check_tightness(rule, passing, violation)
+
+
+def check_tightness(rule: Rule, edge: float, violation: Violation) -> None:
+    """Check that a rule states its own edge: a bound further in would refuse values that pass."""
+    name = rule.check.__name__
+    ends = [end for interval in violation.passing for end in interval if math.isfinite(end)]
+    assert bool(ends) == (name not in WITHOUT_BOUND), violation
+    distance = min((abs(end - edge) for end in ends), default=0.0)
+    assert distance <= LOOSE.get(name, TIGHT) * max(abs(edge), 1e-3) + 1e-6, (edge, violation)
 
 
 def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: Violation) -> None:

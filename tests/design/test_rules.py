@@ -222,3 +222,29 @@ def test_dimensions_follow_a_copy_with_other_parameters() -> None:
     assert wider.dimensions.outer.section.half_width == 10.0
     assert wider.mold_layout.half_width > design.mold_layout.half_width
     assert design.with_values({"board.cutoff_hz": 70.0}).dimensions is design.dimensions
+
+
+@pytest.mark.parametrize(
+    ("changes", "samples"),
+    [
+        # The window is twice the time constant R C. At 92 ms, C of 1 uF and R of 46 kohm average it, and the bias
+        # current of 250 nA drops 11.5 mV in R: half of the threshold of 23 mV.
+        (["board.variant=comparator"], 184),
+        (["board.variant=comparator", "detector.threshold_v=0.046"], 368),
+        (["board.variant=comparator", "detector.sample_rate_hz=4000"], 368),
+        # A controller averages any window up to one second.
+        ([], 2000),
+        (["detector.sample_rate_hz=4000"], 4000),
+    ],
+)
+def test_the_longest_window_passes_and_one_sample_more_is_refused(changes: list[str], samples: int) -> None:
+    Design.load(design_file("fsr400"), changes=[*changes, f"detector.window_samples={samples}"])
+    with pytest.raises(DesignError, match=rf"detector.window_samples: .*; at most {samples} samples"):
+        Design.load(design_file("fsr400"), changes=[*changes, f"detector.window_samples={samples + 1}"])
+
+
+def test_the_sampling_rate_needs_four_samples_a_cycle_and_no_more() -> None:
+    changes = ["board.envelope_cutoff_hz=300", "detector.window_samples=20"]
+    Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1200"])
+    with pytest.raises(DesignError, match=r"too slow for .* of 300 Hz; at least 1200 Hz, or "):
+        Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1199"])

@@ -174,6 +174,66 @@ def test_noise_is_learned_within_half_a_second_whatever_is_stated(factor):
     assert not output.on.any()
 
 
+def learned_noise_v(detector: FastDetector) -> list[float]:
+    """White noise that each of the three floors stands for: of the wide band, the upper band and the voltage [V]."""
+    wide, upper = noise_energies(detector.settings.sample_rate_hz)
+    shares = {fast_loop.FLOOR: wide, fast_loop.UPPER_FLOOR: upper, fast_loop.INPUT_FLOOR: 1.0}
+    return [math.sqrt(detector.state[index] / share) for index, share in shares.items()]
+
+
+@pytest.mark.parametrize("factor", [0.6, 2.0])
+def test_all_three_floors_learn_white_noise(factor):
+    detector = FastDetector(SETTINGS)
+    detector.process(4.0 + noise(20.0, factor * NOISE_V))
+    assert learned_noise_v(detector) == pytest.approx([factor * NOISE_V] * 3, rel=0.15)
+    _, rows = detector.compute_features(4.0 + noise(10.0, factor * NOISE_V, 2))
+    assert rows[:, [0, 1, 2, 3]].mean(axis=0) == pytest.approx([1.0] * 4, rel=0.3)
+
+
+def test_no_floor_sinks_below_half_of_the_stated_noise():
+    """The noise sinks to a tenth: each floor follows as far as half of what was stated, and no further."""
+    detector = FastDetector(SETTINGS)
+    detector.process(4.0 + noise(5.0))
+    detector.process(4.0 + noise(30.0, 0.1 * NOISE_V, 2))
+    assert learned_noise_v(detector) == pytest.approx([0.5 * NOISE_V] * 3, rel=1e-9)
+
+
+def test_a_loud_moment_counts_as_four_times_the_floor():
+    """A burst begins: until the force counts as moving, each floor takes it for at most four times its own energy."""
+    detector = FastDetector(SETTINGS, NO_TREES)
+    detector.process(4.0 + noise(20.0))
+    before = learned_noise_v(detector)
+    detector.process(4.0 + noise(0.2, NOISE_V, 2) + band_noise(0.2, 0.004, 120, 160))
+    ticks = 2.0 / 0.002  # over which a floor averages
+    ratios = [high / low for low, high in zip(before, learned_noise_v(detector), strict=True)]
+    assert ratios == pytest.approx([math.sqrt(1 + (4 - 1) / ticks)] * 3, rel=1e-9)
+
+
+def test_both_floors_follow_a_tone_that_lasts():
+    """The energies of a tone of 150 Hz, which lies in both bands, become the floors."""
+    detector = FastDetector(SETTINGS)
+    volts = 4.0 + noise(12.0)
+    volts += 0.01 * np.sin(2 * math.pi * 150 * times(volts)) * (times(volts) > 2.0)
+    pairs = ((fast_loop.FLOOR, fast_loop.WIDE_LONG), (fast_loop.UPPER_FLOOR, fast_loop.UPPER_LONG))
+    on, steps = [], []
+    for chunk in np.split(volts, len(volts) // 40):  # ten evaluations of the trees each
+        before = [detector.state[floor] for floor, _ in pairs]
+        on.append(detector.process(chunk).on)
+        if on[-1].all():
+            state = detector.state
+            steps += [(old / state[e], state[f] / state[e]) for old, (f, e) in zip(before, pairs, strict=True)]
+    flags = np.concatenate(on)
+    assert flags[4400:9000].all()
+    assert not flags[-1000:].any()
+    assert all(
+        0.3 * detector.state[energy] < detector.state[floor] < 1.1 * detector.state[energy] for floor, energy in pairs
+    )
+    # While ON, what is missing to the energy shrinks with a time constant of 0.5 s.
+    shrinks = [(1 - new) / (1 - old) for old, new in steps if 0.2 < old < 0.45]
+    assert len(shrinks) > 10
+    assert shrinks == pytest.approx([(1 - 0.002 / 0.5) ** 10] * len(shrinks), rel=0.01)
+
+
 def test_floors_stand_still_while_on_and_while_the_force_changes():
     detector = FastDetector(SETTINGS)
     detector.process(4.0 + noise(5.0))

@@ -241,3 +241,19 @@ def test_failed_check_is_reported_by_name(monkeypatch: pytest.MonkeyPatch) -> No
     table = make_table({"skin.width_mm": [17.0]}, {"checks_failed": outputs}, [status], [field], [reason])
     (rule,) = find_limiting_rules(table, classify_points(table))
     assert (rule.rule, rule.example) == ("check skin_thickness", reason)
+
+
+def test_explained_variance_needs_twenty_points() -> None:
+    x = np.arange(20.0)
+    assert compute_sensitivity("y", x, {"x": x}) is not None
+    assert compute_sensitivity("y", x[:19], {"x": x[:19]}) is None
+
+
+def test_logarithmic_scale_needs_a_ratio_of_five() -> None:
+    assert suits_log_scale(np.array([1.0, 2.2, 5.0]))
+    assert not suits_log_scale(np.array([1.0, 2.2, 4.99]))
+
+
+def test_nearest_to_the_ideal_is_by_the_straight_distance() -> None:
+    """The sum of the parts would be 1.05 for the third row, more than that of the others."""
+    assert find_nearest_to_ideal(np.array([[0.0, 1.0], [1.0, 0.0], [0.45, 0.6]]), np.arange(3)) == 2

@@ -54,6 +54,8 @@ _BESIDE_HEAD_MM = 0.1
 """Wall between a vent and the head of the chaplet's screw, beyond the least one [mm]."""
 _GROOVE_WIDTHS = 2.0
 """Width of a vent in the parting plane over the diameter of the others; it is half as deep as wide."""
+_POINT_DECIMALS = 6
+"""Decimals of a vent's point [mm]. The last digits of the solution depend on the processor, and files must not."""
 _STEEP = 1.5
 """Distance of a last point from the dorsal surface straight above it, in thicknesses of the skin, from which on a hole
 from above would miss it."""
@@ -105,8 +107,9 @@ def place_vents(design: Design) -> tuple[Vent, ...]:
                     point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
                 if kind == "dorsal" and not _is_apart(design, point, vents):
                     continue  # no wall would be left to the hole beside it, which is near enough
+                x, y, z = (round(value, _POINT_DECIMALS) for value in point)
                 # A groove is twice as wide as deep, because pockets at the side are long.
-                vents += (Vent(kind, point, diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
+                vents += (Vent(kind, (x, y, z), diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
         if len(vents) == before:
             break
     return vents

@@ -1,6 +1,6 @@
 """Controllers on which the examples are meant to run: supply of their inputs, converter, and what to watch for.
 
-The facts are those of the makers' pages for these boards. None of them has run the library yet.
+The facts are common knowledge of these boards, not checked against their makers' pages. None has run the library yet.
 """
 
 from __future__ import annotations

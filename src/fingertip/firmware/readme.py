@@ -99,8 +99,8 @@ def _controllers() -> list[str]:
         board_table(),
         paragraph(
             "What a controller's inputs bear must be at least the supply of the board, so feed both from the same "
-            "3.3 V. The table follows the makers' pages; the examples were compiled against a stand-in for Arduino's "
-            "headers, not run on these boards. On another board, call a function as often from a timer of your own."
+            "3.3 V. The table was not checked against the makers' pages; the examples were compiled against a stand-in "
+            "for Arduino's headers, not run on these boards. On another board, call a function as often from a timer of your own."
         ),
         port_table(),
         paragraph(

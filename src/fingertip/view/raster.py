@@ -19,6 +19,10 @@ _CREASE_COSINE = math.cos(math.radians(35.0))
 _LEAST_TINT = 0.5
 """Brightness of a tinted pixel in the darkest shade."""
 
+_DECIMALS = 6
+"""Decimals of projected points [mm or pixels] and shades. The last digits of a product of matrices depend on the
+processor, and pictures must not."""
+
 _FROM_BELOW = -0.2
 """Dorsal component of the direction to the viewer below which the view is one from below."""
 
@@ -60,7 +64,7 @@ class Canvas:
     def draw(self, mesh: Mesh, colour: Colour, centre: Array) -> None:
         """Draw a mesh; `centre` is the point [mm] shown in the middle of the picture."""
         height, width = self._depth.shape
-        projected = (mesh.vertices - centre) @ self._camera.axes.T * self._scale
+        projected = np.round((mesh.vertices - centre) @ self._camera.axes.T * self._scale, _DECIMALS)
         projected[:, 0] += width / 2
         projected[:, 1] = height / 2 - projected[:, 1]
         corners = projected[mesh.triangles]
@@ -144,7 +148,7 @@ def _shades(mesh: Mesh, camera: Camera) -> Array:
     lamp = camera.axes.T @ (np.array([-0.45, up, 0.66]))
     light = 0.42 + 0.58 * np.clip(normal @ lamp, 0.0, 1.0)
     towards = np.repeat((facet @ camera.axes[2])[:, None], 3, axis=1)
-    return np.stack((light, towards), axis=2)
+    return np.round(np.stack((light, towards), axis=2), _DECIMALS)
 
 
 def _smooth_normals(mesh: Mesh, weighted: Array, facet: Array) -> Array:
@@ -167,6 +171,6 @@ def _smooth_normals(mesh: Mesh, weighted: Array, facet: Array) -> Array:
 
 def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[Array, Array]:
     """Compute the centre [mm, in space] and the size [mm, right and up] of the meshes as the camera sees them."""
-    projected = np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T
+    projected = np.round(np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T, _DECIMALS)
     low, high = projected.min(axis=0), projected.max(axis=0)
-    return (low + high) / 2 @ camera.axes, (high - low)[:2]
+    return np.round((low + high) / 2 @ camera.axes, _DECIMALS), (high - low)[:2]

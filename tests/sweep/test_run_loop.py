@@ -1,0 +1,266 @@
+"""Loop of a sweep with scripted workers and a clock that stands still: sizes of chunks, writes, failures, retries."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping
+from concurrent.futures import BrokenExecutor, Executor, Future
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from fingertip.errors import SweepError
+from fingertip.sweep import run
+from fingertip.sweep.chunk import Chunk, ChunkResult
+from fingertip.sweep.database import StoredRow, SweepDatabase
+from fingertip.sweep.run import RunState, run_sweep
+from tests.sweep.examples import InlineEngine, InlineExecutor, make_plan
+from tests.sweep.worker_functions import make_result
+
+POINTS = 72
+LIMIT_S = 3.0
+
+
+class Clock:
+    """Stand-in for the module `time`, set by hand; `tick_s` is added by every reading."""
+
+    def __init__(self, tick_s: float = 0.0) -> None:
+        self.now_s, self.tick_s = 100.0, tick_s
+
+    def perf_counter(self) -> float:
+        self.now_s += self.tick_s
+        return self.now_s
+
+
+class Database:
+    """Database that remembers what was written, one list of rows for each commit."""
+
+    def __init__(self, missing: int = POINTS) -> None:
+        self.missing = np.arange(POINTS) < missing
+        self.commits: list[list[StoredRow]] = []
+
+    def find_missing_points(self) -> np.ndarray:
+        return self.missing
+
+    def add(self, rows: list[StoredRow]) -> None:
+        self.commits.append(list(rows))
+
+    @property
+    def rows(self) -> list[StoredRow]:
+        return sorted(itertools.chain.from_iterable(self.commits))
+
+
+class Breaking(InlineEngine):
+    """Engine whose pool breaks whenever a chunk holds one of some points."""
+
+    def __init__(self, bad: set[int], crashed: Mapping[int, float] | None, attempts: int = 1) -> None:
+        super().__init__()
+        self.bad, self.crashed, self.attempts, self.started = bad, crashed, attempts, 0
+
+    def executor(self) -> Executor:
+        self.started += 1
+        outer = self
+
+        class Pool(InlineExecutor):
+            def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
+                if outer.bad.isdisjoint(arguments[0].points):
+                    return super().submit(fn, *arguments, **keywords)
+                future: Future[Any] = Future()
+                future.set_exception(BrokenExecutor())
+                return future
+
+        return Pool()
+
+    def find_crashed_points(self) -> Mapping[int, float] | None:
+        return self.crashed
+
+
+def worker(per_point_s: float, sizes: list[int] | None = None) -> Callable[[Chunk], ChunkResult]:
+    """Worker that says it took this time for each point [s]."""
+
+    def evaluate(chunk: Chunk) -> ChunkResult:
+        if sizes is not None:
+            sizes.append(len(chunk.points))
+        return ChunkResult([make_result(point) for point in chunk.points], per_point_s * len(chunk.points))
+
+    return evaluate
+
+
+def compute(
+    engine: InlineEngine, database: Database, per_point_s: float = 0.01, sizes: list[int] | None = None
+) -> RunState:
+    plan = make_plan(time_limit_s=LIMIT_S)
+    assert plan.size == POINTS
+    return run_sweep(plan, cast(SweepDatabase, database), engine, evaluate=worker(per_point_s, sizes))
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    found = Clock()
+    monkeypatch.setattr(run, "time", found)
+    return found
+
+
+def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock) -> None:
+    state = RunState(100, 10)
+    assert (state.points_per_s, state.remaining_s) == (0.0, math.inf)
+    clock.now_s += 2.0
+    state.add_written(20)
+    clock.now_s += 2.0
+    assert (state.done, state.points_per_s) == (30, 5.0)
+    assert state.remaining_s == (100 - 30) / 5.0
+    for later_s in (16.0, 20.0):
+        clock.now_s += later_s
+        state.add_written(20)
+    # 40 s after the start: what was written within the first 2 s no longer counts.
+    assert state.points_per_s == pytest.approx((60 - 20) / (40 - 2))
+    assert len(state.history) == 3
+    # After a pause of a minute, two commits are left to measure a rate between.
+    clock.now_s += 60.0
+    state.add_written(20)
+    assert state.points_per_s == pytest.approx(20 / 60)
+    assert len(state.history) == 2
+
+
+@pytest.mark.parametrize(
+    ("per_point_s", "expected"),
+    [
+        (0.05, [1, 1, 10, 10, 10, 10, 10, 10, 10]),  # half a second each
+        (0.01, [1, 1, 16, 16, 38]),  # each result may make the chunks four times as large
+        (0.0, [1, 1, 16, 16, 38]),
+        (1.0, [1] * POINTS),
+    ],
+)
+def test_chunks_take_half_a_second(clock: Clock, per_point_s: float, expected: list[int]) -> None:
+    sizes: list[int] = []
+    database = Database()
+    state = compute(InlineEngine(), database, per_point_s, sizes)
+    assert sizes == expected
+    assert [row[0] for row in database.rows] == list(range(POINTS))
+    assert (state.written, state.failures) == (POINTS, 0)
+
+
+def test_only_missing_points_are_computed(clock: Clock) -> None:
+    database = Database(missing=5)
+    state = compute(InlineEngine(), database)
+    assert [row[0] for row in database.rows] == list(range(5))
+    assert (state.existing, state.written, state.done) == (POINTS - 5, 5, POINTS)
+
+
+def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    still = Database()
+    compute(InlineEngine(), still)
+    assert [len(rows) for rows in still.commits] == [2, 70]
+    clock.tick_s = 2 * run.WRITE_INTERVAL_S
+    moving = Database()
+    compute(InlineEngine(), moving)
+    assert [len(rows) for rows in moving.commits] == [2, 32, 38]
+    clock.tick_s = 0.0
+    monkeypatch.setattr(run, "MAX_PENDING_ROWS", 32)
+    many = Database()
+    compute(InlineEngine(), many)
+    assert [len(rows) for rows in many.commits] == [2, 32, 38]
+    monkeypatch.setattr(run, "MAX_PENDING_ROWS", 33)
+    few = Database()
+    compute(InlineEngine(), few)
+    assert [len(rows) for rows in few.commits] == [2, 70]
+
+
+@pytest.mark.parametrize(
+    ("attempts", "after_s", "status"),
+    [(1, 0.99 * LIMIT_S, "failed"), (1, LIMIT_S, "timeout"), (3, 2.9 * LIMIT_S, "failed"), (3, 3 * LIMIT_S, "timeout")],
+)
+def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
+    clock: Clock, attempts: int, after_s: float, status: str
+) -> None:
+    database = Database()
+    state = compute(Breaking({40}, {40: after_s}, attempts), database)
+    assert [row[0] for row in database.rows] == list(range(POINTS))
+    assert [row[0] for row in database.rows if row[1] != make_result(int(row[0]))[1]] == [40]
+    assert database.rows[40][1] == status
+    assert (state.failures, state.refused) == (1, 0)
+
+
+def test_every_point_of_a_lost_chunk_is_tried_alone_if_nobody_knows_which_one_it_was(clock: Clock) -> None:
+    sizes: list[int] = []
+    database = Database()
+    state = compute(Breaking({40}, None), database, sizes=sizes)
+    assert [row[1] == "failed" for row in database.rows] == [point == 40 for point in range(POINTS)]
+    assert state.failures == 1
+    assert sum(sizes) == POINTS - 1
+
+
+def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) -> None:
+    """An idle worker died: the pool refuses work. The chunk is sent to a new pool, and no point is to blame."""
+
+    class Refusing(Breaking):
+        def executor(self) -> Executor:
+            pool = super().executor()
+            if self.started == 1:
+                pool.submit = self.refuse  # type: ignore[method-assign]
+            return pool
+
+        def refuse(self, *_: Any) -> Future[Any]:
+            raise BrokenExecutor
+
+    engine, database = Refusing(set(), {}), Database()
+    state = compute(engine, database)
+    assert engine.started == 2
+    assert [row[1] for row in database.rows] == ["ok"] * POINTS
+    assert state.failures == 0
+
+
+def test_breakdowns_count_only_in_a_row(clock: Clock) -> None:
+    """A breakdown with a culprit starts the count again: five without one may precede it, and five may follow."""
+
+    class Flaky(Breaking):
+        breakdowns = 0
+
+        def find_crashed_points(self) -> Mapping[int, float] | None:
+            self.breakdowns += 1
+            return {} if self.breakdowns != run.MAX_CONSECUTIVE_FAILURES + 1 else {0: LIMIT_S / 2}
+
+    engine = Flaky(set(range(POINTS)), {})
+    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
+        compute(engine, Database())
+    assert engine.breakdowns == 2 * (run.MAX_CONSECUTIVE_FAILURES + 1)
+
+
+def test_workers_that_die_without_a_point_end_the_run(clock: Clock) -> None:
+    engine, database = Breaking(set(range(POINTS)), {}), Database()
+    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
+        compute(engine, database)
+    assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
+    assert database.rows == []
+
+
+def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
+    status = {0: "refused", 1: "refused", 2: "failed", 3: "timeout", 4: "failed"}
+
+    def evaluate(chunk: Chunk) -> ChunkResult:
+        results = [make_result(point) for point in chunk.points]
+        return ChunkResult([(r[0], status.get(r[0], "ok"), *r[2:]) for r in results], 0.1)
+
+    database = Database()
+    state = run_sweep(make_plan(), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    assert (state.refused, state.failures) == (2, 3)
+
+
+def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
+    class Lost(InlineEngine):
+        def executor(self) -> Executor:
+            class Pool(InlineExecutor):
+                def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
+                    future: Future[Any] = Future()
+                    future.cancel()
+                    future.set_running_or_notify_cancel()
+                    return future
+
+            return Pool()
+
+    with pytest.raises(SweepError, match="--cluster: is lost"):
+        compute(Lost(), Database())

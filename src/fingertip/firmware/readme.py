@@ -100,7 +100,8 @@ def _controllers() -> list[str]:
         paragraph(
             "What a controller's inputs bear must be at least the supply of the board, so feed both from the same "
             "3.3 V. The table was not checked against the makers' pages; the examples were compiled against a stand-in "
-            "for Arduino's headers, not run on these boards. On another board, call a function as often from a timer of your own."
+            "for Arduino's headers, not run on these boards. On another board, call a function as often from a timer "
+            "of your own."
         ),
         port_table(),
         paragraph(

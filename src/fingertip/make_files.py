@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 from fingertip import extras
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import BRING_UP_FILES, BoardPlan, board_writer, plan_board
-from fingertip.build_files import Build, build, parts_writer
+from fingertip.build_files import build, parts_writer
+from fingertip.build_result import Build
 from fingertip.design import Design
 from fingertip.page import PAGE
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from fingertip.acceptance.expectation import expect_readings
-from fingertip.build_files import Build, build
+from fingertip.build_files import build
+from fingertip.build_result import Build
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.plates import FDM
 from fingertip.cad.printing.supports import supports_by_part

@@ -11,7 +11,7 @@ from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption
 from fingertip.silicones import SILICONES
 
 if TYPE_CHECKING:
-    from fingertip.build_files import Build
+    from fingertip.build_result import Build
 
 
 @command
@@ -45,8 +45,8 @@ def build(
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
     import json
 
-    from fingertip.build_files import REPORT
     from fingertip.build_files import build as build_parts
+    from fingertip.build_result import REPORT
     from fingertip.cli.load import load_design
 
     console = Console(as_json, quiet)

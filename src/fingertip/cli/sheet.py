@@ -34,7 +34,8 @@ def sheet(
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
-    from fingertip.build_files import SHEET, STEPS_FOLDER, parts_writer, steps_writer
+    from fingertip.build_files import parts_writer, steps_writer
+    from fingertip.build_result import SHEET, STEPS_FOLDER
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.plates import FDM

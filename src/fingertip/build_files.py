@@ -32,7 +32,9 @@ from fingertip.cad.printing.print_files import PRINT_FOLDER
 from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
+from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.part_files import check_brep_solid
+from fingertip.cad.verification.strength import check_strength
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.markdown import render_sheet
 from fingertip.casting.quantities import measure_volumes
@@ -137,7 +139,12 @@ def build(
         all_built = names == [*known]
         casting = None
         if all_built:
-            casting = casting_sheet_data(design, measure_volumes(design, evaluator), select_silicone(design))
+            casting = casting_sheet_data(
+                design,
+                measure_volumes(design, evaluator),
+                select_silicone(design),
+                warnings=list_warnings(check_strength(design, strength)) if strength else (),
+            )
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
         meanwhile()
         step = StepFiles({}, {}, {})

@@ -15,7 +15,7 @@ from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles
 from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS, Part
 from fingertip.cad.strength.assess import BoneStrength, strength_data
-from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.check import Check, count_checks, list_warnings
 from fingertip.design import Design
 from fingertip.display import Picture, html_table, to_dataframe
 from fingertip.files import round_for_output
@@ -70,9 +70,8 @@ class Build:
         return all(check.passed for check in self.checks)
 
     def __repr__(self) -> str:
-        passed = sum(check.passed for check in self.checks)
         names = ", ".join(built.part.name for built in self.parts)
-        return f"Build({self.design.name} in {self.folder}: {names}; {passed} of {len(self.checks)} checks passed)"
+        return f"Build({self.design.name} in {self.folder}: {names}; {count_checks(self.checks)})"
 
     def _repr_html_(self) -> str:
         """Table of the parts, and of the checks that failed, for Jupyter."""
@@ -86,7 +85,9 @@ class Build:
             for check in self.checks
             if not check.passed
         ]
-        return text + (html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else "")
+        text += html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else ""
+        warnings = [(warning,) for warning in list_warnings(self.checks)]
+        return text + (html_table("warnings", ("expected to go wrong",), warnings) if warnings else "")
 
     def plot(self, width_px: int = 1600) -> Picture:
         """Draw the design that was built.
@@ -113,6 +114,7 @@ class Build:
             "limit": [check.limit for check in self.checks],
             "unit": [check.unit for check in self.checks],
             "passed": [check.passed for check in self.checks],
+            "state": [check.state for check in self.checks],
         }
         return to_dataframe(columns, "Build.to_dataframe")
 
@@ -125,6 +127,7 @@ class Build:
             "passed": self.passed,
             "parts": {built.part.name: self._part_entry(built) for built in self.parts},
             "print": self._print_entries(),
+            "warnings": list_warnings(self.checks),
             "checks": [check.to_dict() for check in self.checks],
         }
         if ASSEMBLY in self.contents:

@@ -70,8 +70,8 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
 
 
 def warnings(data: Data) -> list[str]:
-    """List what can spoil the casting or damage the sensor."""
-    found, is_folded = [], data["sensor_tail"] == "folded"
+    """List at what load the finger would break, and what can spoil the casting or damage the sensor."""
+    found, is_folded = [f"**Strength**: {text}" for text in data["check_warnings"]], data["sensor_tail"] == "folded"
     if data["silicone"]["cure"] == "addition":
         found.append(
             "Uncured resin inhibits the cure of platinum silicone. Wash and fully post-cure parts printed from resin, "
@@ -84,6 +84,13 @@ def warnings(data: Data) -> list[str]:
             "middle of a closed mold to cure last."
         )
     found += _ratio_warnings(data["silicone"])
+    filling = data["filling"]
+    if filling["pot_life_min"] < filling["wanted_pot_life_min"]:
+        found.append(
+            f"The pot life of this silicone, {filling['pot_life_min']:g} min, leaves {filling['prepare_min']:g} min to "
+            f"stir, degas and load. {filling['wanted_pot_life_min']:g} min of pot life are wanted: take a slower "
+            "product (silicone.product)."
+        )
     if not data["mold"]["made_for_this_silicone"]:
         shrinkage = data["silicone"]["properties"]["shrinkage_percent"]
         found.append(
@@ -185,8 +192,12 @@ def _ratio_warnings(silicone: Data) -> list[str]:
 def _weighing_step(data: Data) -> str:
     """Write the step that weighs and mixes the components. The ratio on the container comes before the sheet's."""
     silicone, batch = data["silicone"], data["batch"]
-    pot_life = _range(silicone["properties"]["pot_life_min"])
-    clock = f"Note the time: the mold must be full within the pot life on the container ({pot_life} min for this kind)."
+    filling = data["filling"]
+    clock = (
+        f"Note the time: the pot life runs from the start of stirring. This sheet plans with {filling['pot_life_min']:g} "
+        f"min: {filling['prepare_min']:g} min to stir, degas and load, and {filling['limit_min']:g} min to fill. If the "
+        "container states less, halve what it states."
+    )
     first, second = silicone["components"]
     ratio = silicone["ratio"]
     unverified = "" if ratio["verified"] else " (unverified)"
@@ -309,7 +320,7 @@ def _bill(data: Data) -> str:
             data["silicone"]["label"],
             f"both components together; {mixtures} mixtures of {batch['total_g']:g} g, for the test of the cure, the "
             f"skin{' and the patch' if mixtures == 3 else ''}; pot life at least "
-            f"{data['filling']['min_pot_life_min']} min",
+            f"{data['filling']['pot_life_min']:g} min",
         )
     )
     printed = ", ".join(

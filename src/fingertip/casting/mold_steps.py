@@ -184,8 +184,8 @@ def _syringe_steps(data: Data) -> list[Step]:
             f"Hold the mold tip up in a vise or a stand, by the two sides with the pry slots. {_describe_pose(data)} "
             "Hold the syringe in its cone with the other hand and press with a steady "
             f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
-            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take half the pot life, "
-            f"{filling['allowed_s']:g} s, and no more. Go on until silicone without bubbles stands in {openings}, and "
+            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take "
+            f"{filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles stands in {openings}, and "
             f"then stop{closing}. Pressing on would only load the {data['insert']}.",
         ),
         Step(
@@ -209,7 +209,6 @@ def _describe_pose(data: Data) -> str:
 def _gravity_steps(data: Data) -> list[Step]:
     """List the steps that pour the silicone."""
     filling, vents, insert = data["filling"], data["mold"]["vents"], data["insert"]
-    pot_life = data["silicone"]["properties"]["pot_life_min"]
     return [
         Step(
             "stand",
@@ -218,7 +217,7 @@ def _gravity_steps(data: Data) -> list[Step]:
         ),
         Step(
             "pour",
-            f"Within {pot_life['low']:g} min of the start of stirring, pour a thin stream into the funnel until "
+            f"Within {filling['pot_life_min']:g} min of the start of stirring, pour a thin stream into the funnel until "
             f"silicone rises in the {vents} mold vents. It takes some {filling['fill_s']:g} s for "
             f"{filling['viscosity_pa_s']:g} Pa s. Tap the mold and top it up.",
         ),

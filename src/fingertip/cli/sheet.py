@@ -39,6 +39,9 @@ def sheet(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.plates import FDM
+    from fingertip.cad.strength.assess import assess_strength
+    from fingertip.cad.verification.check import list_warnings
+    from fingertip.cad.verification.strength import check_strength
     from fingertip.casting.markdown import render_sheet, steps
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.sheet import casting_sheet_data
@@ -68,7 +71,8 @@ def sheet(
             console.progress(f"slicing {name}")
             prints[name] = slice_plate(program, name, files.contents[file], loaded)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
-    data = casting_sheet_data(loaded, volumes, silicone, prints)
+    strength = check_strength(loaded, assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM)))
+    data = casting_sheet_data(loaded, volumes, silicone, prints, list_warnings(strength))
     path = out or Path("out") / loaded.name / SHEET
     drawn: dict[str, bytes] = {}
     if pictures:

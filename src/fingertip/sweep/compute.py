@@ -193,10 +193,12 @@ def compute_bone(context: PointContext) -> OutputValues:
 def compute_strength(context: PointContext) -> OutputValues:
     """Compute the safety factors of the bone."""
     from fingertip.cad.strength.assess import assess_strength
+    from fingertip.cad.verification.strength import filament_grip_factor
 
     found = assess_strength(context.design, context.evaluator())
     return {
         "grip_safety_factor": found.grip_safety_factor,
+        "filament_grip_safety_factor": filament_grip_factor(context.design, found),
         "shock_safety_factor": found.shock_safety_factor,
         "weakest_z_mm": found.weakest.z_mm,
         "tendon_force_n": found.tendon_force_n,
@@ -296,7 +298,8 @@ def compute_checks(context: PointContext) -> OutputValues:
 
     checks = verify(context.design, parts_by_name(context.design), ("stl",), context.evaluator()).checks
     failed = [check for check in checks if not check.passed]
-    values: OutputValues = {"checks_failed": len(failed), "checks_run": len(checks)}
+    warned = sum(check.state == "warning" for check in checks)
+    values: OutputValues = {"checks_failed": len(failed), "checks_warned": warned, "checks_run": len(checks)}
     if failed:
         first, *others = failed
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""

@@ -194,9 +194,9 @@ def _weighing_step(data: Data) -> str:
     silicone, batch = data["silicone"], data["batch"]
     filling = data["filling"]
     clock = (
-        f"Note the time: the pot life runs from the start of stirring. This sheet plans with {filling['pot_life_min']:g} "
-        f"min: {filling['prepare_min']:g} min to stir, degas and load, and {filling['limit_min']:g} min to fill. If the "
-        "container states less, halve what it states."
+        "Note the time: the pot life runs from the start of stirring. This sheet plans with "
+        f"{filling['pot_life_min']:g} min: {filling['prepare_min']:g} min to stir, degas and load, and "
+        f"{filling['limit_min']:g} min to fill. If the container states less, halve what it states."
     )
     first, second = silicone["components"]
     ratio = silicone["ratio"]
@@ -258,7 +258,8 @@ def _printing(data: Data) -> str:
     table = _table(("part", "face on the plate", "rotation about x", "where supports may stand", "none on"), rows)
     page = (
         f"The folder `{printing['folder']}` holds each part as it lies on the bed, and plates of all parts for a "
-        "filament and a resin printer. The skin is cast, so it is on no plate.\n\n"
+        "filament and a resin printer. The skin is cast, so it is on no plate. PrusaSlicer takes the settings of the "
+        "filament plate from its file, all but nozzle and first layer; in other slicers, set them by hand.\n\n"
         f"{settings}\n\n{table}\n\n"
         f"Ceilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
         "tell PrusaSlicer that the halves need no supports. In other slicers, and for the single parts, switch "
@@ -274,7 +275,7 @@ def _printing(data: Data) -> str:
         )
         return (
             f"{page}\n\n{plates}\n\nTotal: {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3 with "
-            "supports, estimated by PrusaSlicer for a filament printer, with its default settings and layers of "
+            "supports, estimated by PrusaSlicer for its default filament printer, with the settings above: layers of "
             f"{printing['layer_mm']:g} mm."
         )
     return (

@@ -185,8 +185,8 @@ def _syringe_steps(data: Data) -> list[Step]:
             "Hold the syringe in its cone with the other hand and press with a steady "
             f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
             f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take "
-            f"{filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles stands in {openings}, and "
-            f"then stop{closing}. Pressing on would only load the {data['insert']}.",
+            f"{filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles "
+            f"stands in {openings}, and then stop{closing}. Pressing on would only load the {data['insert']}.",
         ),
         Step(
             "leave",
@@ -217,8 +217,8 @@ def _gravity_steps(data: Data) -> list[Step]:
         ),
         Step(
             "pour",
-            f"Within {filling['pot_life_min']:g} min of the start of stirring, pour a thin stream into the funnel until "
-            f"silicone rises in the {vents} mold vents. It takes some {filling['fill_s']:g} s for "
+            f"Within {filling['pot_life_min']:g} min of the start of stirring, pour a thin stream into the funnel "
+            f"until silicone rises in the {vents} mold vents. It takes some {filling['fill_s']:g} s for "
             f"{filling['viscosity_pa_s']:g} Pa s. Tap the mold and top it up.",
         ),
     ]

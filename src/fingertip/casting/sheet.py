@@ -12,6 +12,7 @@ from typing import Any
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import PRINT_FOLDER
+from fingertip.cad.printing.settings import LAYER_MM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.casting.hardware import bill_of_materials
@@ -28,7 +29,7 @@ from fingertip.casting.quantities import (
     parts_by_weight,
 )
 from fingertip.casting.retention import skin_pull_off_n
-from fingertip.casting.slicer import LAYER_MM, PrintEstimate
+from fingertip.casting.slicer import PrintEstimate
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.seat import tape_span_mm

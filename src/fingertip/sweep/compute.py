@@ -285,10 +285,11 @@ def compute_printing(context: PointContext) -> OutputValues:
 
 def compute_acceptance(context: PointContext) -> OutputValues:
     """Compute the voltages that an accepted finger shows."""
-    from fingertip.acceptance.expectation import expect_open_v, expect_readings
+    from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
-    return {"tactile_open_v": expect_open_v(context.design), **weights}
+    ratio = expect_drop_ratio(context.design).expected
+    return {"tactile_open_v": expect_open_v(context.design), "tactile_drop_ratio": ratio, **weights}
 
 
 def compute_checks(context: PointContext) -> OutputValues:

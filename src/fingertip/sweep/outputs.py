@@ -128,6 +128,7 @@ OUTPUTS = {
         SweepOutput("tactile_open_v", "acceptance", "tactile voltage of an untouched finger"),
         SweepOutput("tactile_100g_v", "acceptance", "expected tactile voltage with 100 g on the pad"),
         SweepOutput("tactile_500g_v", "acceptance", "expected tactile voltage with 500 g on the pad"),
+        SweepOutput("tactile_drop_ratio", "acceptance", "drop of the tactile voltage at 500 g over that at 100 g"),
         SweepOutput("checks_failed", "checks", "number of failed checks of `fingertip check`, at tolerance_mm"),
         SweepOutput("checks_warned", "checks", "number of checks that passed but warn, as of a bone that would break"),
         SweepOutput("checks_run", "checks", "number of checks that were run"),

@@ -107,12 +107,13 @@ def test_page_of_a_calibrated_design_names_its_curve(detection: Detection) -> No
 
 
 def test_wires_fit_and_follow_the_joint() -> None:
-    """AWG 30 has 0.255 mm (ASTM B258): it is chosen where half of the diameter is at least that."""
+    """AWG 30 has 0.255 mm (ASTM B258): it is chosen where half of the diameter is at least that. JST SH: 28 to 32."""
     post, clevis = load("fsr400"), load("adult_finger")
     assert size_wires(post).max_diameter_mm == post.bone.channel_diameter_mm / 2
     assert size_wires(clevis).max_diameter_mm == clevis.sensor.wire_diameter_mm
-    for diameter, gauge in ((0.511, 30), (0.509, 31), (1.03, 24)):
+    for diameter, gauge in ((0.511, 30), (0.509, 31), (1.03, 28)):
         assert size_wires(load("adult_finger", f"sensor.wire_diameter_mm={diameter}")).conductor_awg == gauge
+    assert size_wires(post).thinnest_awg == size_wires(clevis).thinnest_awg == 32
     joint = clevis.dimensions.joint
     assert joint
     radius = clevis.dimensions.bone_outline.section.dorsal - joint.axis_y

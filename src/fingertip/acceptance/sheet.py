@@ -38,7 +38,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "slide": {"delay_ms": _find_delay_ms(detection), "ends_after_ms": round(1000 * detection.memory_s)},
         "wires": {
             "max_diameter_mm": round(wires.max_diameter_mm, 2),
-            "conductor_awg": wires.conductor_awg,
+            "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
             "slack_mm": round(wires.slack_mm),
         },
         "open_ohm": _OPEN_OHM,
@@ -93,8 +93,8 @@ def render_acceptance(data: dict[str, Any]) -> str:
         f"from the design's bridge and from {_describe_curve(data)}.",
         "## Wires",
         f"Two insulated wires of at most {wires['max_diameter_mm']:g} mm over the insulation: a conductor of AWG "
-        f"{wires['conductor_awg']} or thinner. Leave a loop of {wires['slack_mm']} mm between the finger and the first "
-        "place at which the wires are fixed.",
+        f"{wires['conductor_awg'][0]} to {wires['conductor_awg'][1]}, as the board's connector takes. Leave a loop "
+        f"of {wires['slack_mm']} mm between the finger and the first place at which the wires are fixed.",
         f"## Sensor, {before}",
         f"Connect an ohmmeter to both wires. {when_to_test}",
         _table(

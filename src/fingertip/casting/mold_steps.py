@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.casting.step import Step
+from fingertip.casting.supplies import VENT_WIRE
 
 Data = Mapping[str, Any]
 
@@ -48,9 +49,9 @@ def list_trying_steps(data: Data) -> list[Step]:
     steps.append(
         Step(
             "release",
-            "Wipe a thin film of mold release for silicone on cavity and parting plane, and wipe it off until the "
-            "surface looks dry. Leave boss and recess bare: the patch has to stick where the boss stood, and no tape "
-            "holds on release." + (" Treat the core alike." if insert == "core" else ""),
+            "Wipe a thin film of mold release for silicone on cavity and parting plane with a lint-free cloth, and "
+            "wipe it off until the surface looks dry. Leave boss and recess bare: the patch has to stick where the boss "
+            "stood, and no tape holds on release." + (" Treat the core alike." if insert == "core" else ""),
         )
     )
     return steps
@@ -176,7 +177,7 @@ def _syringe_steps(data: Data) -> list[Step]:
             "load_syringe",
             "Pull the plunger out, cap the nozzle, and let "
             f"{filling['load_cm3']:g} cm3 of the mixture run down the wall of the tilted barrel, without folding air "
-            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a wire of 0.3 to 0.5 mm, "
+            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a {VENT_WIRE}, "
             "which lets the air out. Hold the nozzle up for a minute, and press the rest of the air out.",
         ),
         Step(

@@ -30,12 +30,14 @@ from fingertip.casting.quantities import (
 )
 from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import PrintEstimate
+from fingertip.casting.supplies import supplies_data
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents, predict_mold_filling
+from fingertip.print_materials import PRINT_MATERIALS
 from fingertip.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
@@ -69,7 +71,7 @@ def casting_sheet_data(
     warnings
         Warnings of the checks, from `cad.verification.check.list_warnings`.
     """
-    return {
+    data: dict[str, Any] = {
         "design": design.name,
         "method": design.mold.method,
         "insert": "core" if design.mold.method == "sleeve" else "bone",
@@ -95,8 +97,10 @@ def casting_sheet_data(
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
         "printing": _printing_data(design, prints),
+        "print_material": PRINT_MATERIALS[design.strength.print_material].label,
         "check_warnings": list(warnings),
     }
+    return data | {"supplies": supplies_data(data)}
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:

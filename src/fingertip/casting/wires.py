@@ -9,6 +9,8 @@ from fingertip.design import Design
 
 _SLACK_MM = 10.0
 """Slack of the wires besides what a joint takes up [mm]. An assumption."""
+_CONNECTOR_AWG = (28, 32)
+"""Thickest and thinnest conductor that the contacts of the board's connectors (JST SH) take."""
 _AWG_36_MM = 0.127
 """Diameter of AWG 36, from which all others follow [mm] (ASTM B258)."""
 
@@ -20,7 +22,9 @@ class Wires:
     max_diameter_mm: float
     """Largest diameter of one wire over its insulation."""
     conductor_awg: int
-    """Thickest usual conductor that leaves half of the diameter to the insulation."""
+    """Thickest conductor that leaves half of the diameter to the insulation, and that the board's connector takes."""
+    thinnest_awg: int
+    """Thinnest conductor that the connector takes, or as thin as the diameter asks for."""
     slack_mm: float
     """Length of the loop between the finger and the first place at which the wires are fixed."""
 
@@ -35,4 +39,5 @@ def size_wires(design: Design) -> Wires:
     diameter = design.sensor.wire_diameter_mm if dims.fold else design.bone.channel_diameter_mm / 2
     gauge = math.ceil(36.0 - 39.0 * math.log(diameter / 2 / _AWG_36_MM) / math.log(92.0))
     bend = math.radians(design.hand.travel_deg) * (dims.bone_outline.section.dorsal - joint.axis_y) if joint else 0.0
-    return Wires(diameter, gauge, bend + _SLACK_MM)
+    thickest, thinnest = _CONNECTOR_AWG
+    return Wires(diameter, max(gauge, thickest), max(gauge, thinnest), bend + _SLACK_MM)

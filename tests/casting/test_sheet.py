@@ -30,6 +30,7 @@ from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses
 from fingertip.design.new_design import PRESETS
+from fingertip.design.silicone import select_silicone
 from fingertip.errors import DesignError, GeometryError
 from fingertip.silicones import SILICONES, MaterialProperty
 from tests.conftest import DESIGNS, design_file, run_fingertip
@@ -358,7 +359,7 @@ def test_list_to_buy_holds_what_the_procedure_uses_and_nothing_else(name: str, m
         assert all(word in used for word in words), entry
 
 
-def all_supplies() -> list[dict[str, str]]:
+def all_supplies() -> list[dict[str, Any]]:
     """Consumables and tools of a straight and of a folded tail."""
     both = (Design.load(design_file(name)) for name in ("fsr400", "adult_finger"))
     found = [casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])["supplies"] for design in both]

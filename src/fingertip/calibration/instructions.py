@@ -60,8 +60,8 @@ def render_instructions(design: Design, readings_file: str) -> str:
             ],
         ),
         f"Heights, along Z, are marked Z1, Z2 and so on in the picture. Layers of {COUPON_LAYER_MM:g} mm round "
-        "them, and the calibration does not use them. One that is off by more than a layer says that the printer's Z axis or its "
-        "first layer is set wrong.",
+        "them, and the calibration does not use them. One that is off by more than a layer says that the "
+        "printer's Z axis or its first layer is set wrong.",
         _table(
             ("place", "height along Z", "nominal [mm]"),
             [

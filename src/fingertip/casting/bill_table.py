@@ -59,12 +59,7 @@ def render_bill(data: Data) -> str:
         ]
     )
     printed += " and mold"
-    rows.append(
-        (
-            "",
-            f"rigid printing material for {printed}: resin or filament",
-            f"see Printing; the strength of the bone holds for {data['print_material']}",
-        )
-    )
-    rows += ((supply["count"], supply["item"], supply["size"]) for supply in data["supplies"])
+    size = f"see Printing; the strength of the bone holds for {data['print_material']}"
+    rows.append(("", f"rigid printing material for {printed}: resin or filament", size))
+    rows += ((f"{supply['count'] or ''}", supply["item"], supply["size"]) for supply in data["supplies"])
     return table(("quantity", "item", "size"), rows)

@@ -50,8 +50,8 @@ def list_trying_steps(data: Data) -> list[Step]:
         Step(
             "release",
             "Wipe a thin film of mold release for silicone on cavity and parting plane with a lint-free cloth, and "
-            "wipe it off until the surface looks dry. Leave boss and recess bare: the patch has to stick where the boss "
-            "stood, and no tape holds on release." + (" Treat the core alike." if insert == "core" else ""),
+            "wipe it off until the surface looks dry. Leave boss and recess bare: the patch has to stick where the "
+            "boss stood, and no tape holds on release." + (" Treat the core alike." if insert == "core" else ""),
         )
     )
     return steps

@@ -22,10 +22,11 @@ class Supply:
     word: str
     """Words by which a step, the acceptance sheet or the section on printing names its use."""
     size: str = ""
-    count: str = ""
+    count: int | None = None
+    """None for what is bought by the roll or the bottle, or is at hand."""
 
 
-def supplies_data(data: Data) -> list[dict[str, str]]:
+def supplies_data(data: Data) -> list[dict[str, Any]]:
     """List consumables and tools as plain data, from the other data of the sheet."""
     return [asdict(supply) for supply in (*_list_consumables(data), *_list_tools(data))]
 
@@ -34,8 +35,8 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
     mixtures, seat = data["batch"]["mixtures"], data["fit"]["seat_tape"]
     is_folded = data["sensor_tail"] == "folded"
     yield Supply("solder", "older")
-    yield Supply("cups", "cup", "for each mixture, and one to pour into", f"{mixtures + 1}")
-    yield Supply("stirrers", "Stir", "", f"{mixtures}")
+    yield Supply("cups", "cup", "for each mixture, and one to pour into", mixtures + 1)
+    yield Supply("stirrers", "Stir", "", mixtures)
     yield Supply("vinyl gloves", "vinyl gloves", "no latex")
     yield Supply("isopropanol", "isopropanol")
     yield Supply("lint-free cloth", "lint-free cloth")
@@ -52,17 +53,17 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
         yield Supply(ADHESIVE, ADHESIVE, "alkoxy; none that smells of vinegar, none with tin")
     if is_folded:
         yield Supply("insulating varnish", "thin varnish")
-        yield Supply("syringe for washing", "with a syringe", "", "1")
+        yield Supply("syringe for washing", "with a syringe", "", 1)
         yield Supply("plastic film, such as of a bag", "plastic film", "a strip as wide as the sensor's tail")
     elif passes and seat:
         yield Supply("baking paper", "baking paper")
     if data["joint"]:
         yield Supply("epoxy for the pins", "epoxy")
     if data["filling"]["syringe"]:
-        yield Supply("Luer cap for the syringe", "cap the nozzle", "", "1")
+        yield Supply("Luer cap for the syringe", "cap the nozzle", "", 1)
         yield Supply(VENT_WIRE, VENT_WIRE)
     if data["chaplet"]:
-        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", "", "1")
+        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", "", 1)
 
 
 def _list_tools(data: Data) -> Iterator[Supply]:
@@ -77,7 +78,8 @@ def _list_tools(data: Data) -> Iterator[Supply]:
     yield Supply("vise or stand", "vise")
     yield Supply("vacuum chamber, which helps and can be done without", "vacuum")
     if chaplet := data["chaplet"]:
-        yield Supply("pin vise for the drills", "Drill the hole", "", "1")
-        yield Supply("drill bits", "Drill the hole", f"{chaplet['hole_mm']:g} mm, {chaplet['pilot_mm']:g} mm", "1 each")
+        yield Supply("pin vise for the drills", "Drill the hole", "", 1)
+        for size in (chaplet["hole_mm"], chaplet["pilot_mm"]):
+            yield Supply("drill bit", "Drill the hole", f"{size:g} mm", 1)
     if joint := data["joint"]:
-        yield Supply("reamer", "Ream the bore", f"{joint['pin_mm']:g} mm", "1")
+        yield Supply("reamer", "Ream the bore", f"{joint['pin_mm']:g} mm", 1)

@@ -13,7 +13,7 @@ from fingertip.design.geometry.tail_fold import TailFold
 from fingertip.view.joint_view import HAND, place_on_hand
 from fingertip.view.raster import Camera, Colour
 from fingertip.view.steps.bench import HAND_COLOUR, SEAL, SENSOR, STEEL, TAPE, WIRE, Bench
-from fingertip.view.steps.cameras import CUT_FROM_BELOW, DORSAL, PALMAR, SIDE
+from fingertip.view.steps.cameras import CUT_FROM_ABOVE, CUT_FROM_BELOW, DORSAL, PALMAR, SIDE
 from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
 Data = Mapping[str, Any]
@@ -112,7 +112,7 @@ def try_fold(bench: Bench, data: Data) -> Scene:
     fold, y = _fold(bench), _head(bench)[1]
     return Scene(
         _section(bench, sensor=False),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label("trough", (0.0, fold.floor_y, (fold.nose_z + fold.trough_end_z) / 2)),
             Label("window", (0.0, fold.nose_y, (fold.window_low_z + fold.nose_z - fold.radius) / 2)),
@@ -166,7 +166,7 @@ def thread(bench: Bench, data: Data) -> Scene:
     wire = data["fit"]["wire_mm"]
     return Scene(
         (bench.part("bone", cut=True), *_straight_sensor(bench, film, wire, (0.0, y + 0.05, z + 0.35 * film))),
-        SIDE,
+        CUT_FROM_BELOW,
         (
             Label("head comes last", (0.0, y, z + 0.35 * film)),
             Label("wires and tabs first", (0.0, y, z - 0.65 * film - 14.0)),
@@ -181,7 +181,7 @@ def fold(bench: Bench, data: Data) -> Scene:
     course = _fold(bench)
     return Scene(
         _section(bench),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label("around the nose,\nwithout a crease", (0.0, course.nose_y, course.nose_z - course.radius)),
             Label("end of the film\nin the trough", (0.0, course.floor_y, course.film_end_z)),
@@ -195,7 +195,7 @@ def stick_head(bench: Bench, data: Data) -> Scene:
     course, room = _fold(bench), data["fit"]["end_room_mm"] / 2
     return Scene(
         _section(bench),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label(f"{room:g} mm must be free", (0.0, course.floor_y, course.tabs_end_z + room)),
             Label("head: adhesive film last", _head(bench)),
@@ -217,7 +217,7 @@ def bend_wires(bench: Bench, data: Data) -> Scene:
     way = "between the cheeks" if data["wires_between_cheeks"] else "in the groove"
     return Scene(
         _section(bench, _folded_wires(bench, wire)),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label("loop, not pulled\nat the joints", (0.0, course.floor_y + wire, course.tabs_end_z)),
             Label(f"fix with adhesive here,\nthen {way}", (0.0, course.floor_y + wire, course.nose_z)),

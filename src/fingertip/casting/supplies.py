@@ -76,7 +76,8 @@ def _list_tools(data: Data) -> Iterator[Supply]:
     yield Supply("calipers", "calipers")
     yield Supply("ohmmeter", "ohmmeter")
     yield Supply("vise or stand", "vise")
-    yield Supply("vacuum chamber, which helps and can be done without", "vacuum")
+    if data["filling"]["syringe"]:  # a mold for pouring takes thin silicones alone, which lose their air by themselves
+        yield Supply("vacuum chamber, which helps and can be done without", "vacuum")
     if chaplet := data["chaplet"]:
         yield Supply("pin vise for the drills", "Drill the hole", "", 1)
         for size in (chaplet["hole_mm"], chaplet["pilot_mm"]):

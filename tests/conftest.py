@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from fingertip.build_files import Build, build
+from fingertip.build_files import build
+from fingertip.build_result import Build
 from fingertip.cli import app
 from fingertip.design import Design
 

@@ -11,7 +11,8 @@ import pytest
 
 import fingertip
 from fingertip import campaign, extras, jit
-from fingertip.build_files import FORMATS, build, default_formats
+from fingertip.build_files import build, default_formats
+from fingertip.build_result import FORMATS
 from fingertip.design import Design
 from fingertip.errors import MissingLibraryError
 from fingertip.plot_style import new_figure

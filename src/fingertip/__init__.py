@@ -19,7 +19,8 @@ from fingertip._version import __version__
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values, write_board
-    from fingertip.build_files import Build, build
+    from fingertip.build_files import build
+    from fingertip.build_result import Build
     from fingertip.cad.convert import assembly, part_mesh, part_solid, part_trimesh
     from fingertip.design import Design
     from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "BoardValues": "fingertip.board",
-    "Build": "fingertip.build_files",
+    "Build": "fingertip.build_result",
     "Design": "fingertip.design",
     "Detection": "fingertip.slip",
     "FileDetection": "fingertip.detect_trace",

@@ -7,25 +7,34 @@ The module is not called `build`, because importing a submodule `fingertip.build
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fingertip import extras
-from fingertip._version import __version__
-from fingertip.cad.files.step_process import BrepMeasurements, StepFiles, StepJob, StepProcess
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.build_result import (
+    ASSEMBLY,
+    DESIGN,
+    DESIGN_HEADING,
+    FORMATS,
+    REPORT,
+    SHEET,
+    STEPS_FOLDER,
+    Build,
+    BuiltPart,
+)
+from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
+from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.plates import PLATE_KINDS
-from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles
+from fingertip.cad.printing.print_files import PRINT_FOLDER
 from fingertip.cad.shapes.hardware import hardware
-from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name, print_scale
-from fingertip.cad.strength.assess import BoneStrength, strength_data
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
-from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.part_files import check_brep_solid
+from fingertip.cad.verification.strength import check_strength
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.markdown import render_sheet
 from fingertip.casting.quantities import measure_volumes
@@ -34,161 +43,11 @@ from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
-from fingertip.display import Picture, html_table, to_dataframe
 from fingertip.errors import DesignError, InputFileError, Issue
-from fingertip.files import round_for_output
 from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
 from fingertip.output_set.manifest import hash_file
 from fingertip.progress import Work
-
-if TYPE_CHECKING:
-    import pandas
-
-FORMATS = ("stl", "3mf", "step")
-DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
-DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
-STEPS_FOLDER = "steps"
-"""Folder of the pictures of the casting steps, beside the casting sheet."""
-ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
-"""Names of all files that a build may write."""
-
-
-@dataclass(frozen=True)
-class BuiltPart:
-    """Part as built: its mesh, its files, and measurements of its B-rep solid."""
-
-    part: Part
-    mesh: Mesh
-    files: Mapping[str, str]
-    """Format -> file name."""
-    brep: BrepMeasurements | None
-    """Measurements of the B-rep solid; None unless STEP files were made."""
-
-
-@dataclass(frozen=True)
-class Build:
-    """Result of a build: all files and all checks."""
-
-    design: Design
-    folder: Path
-    tolerance_mm: float
-    parts: tuple[BuiltPart, ...]
-    contents: Mapping[str, bytes]
-    """File name -> bytes."""
-    prints: PrintFiles
-    """Files for the printer, in a folder of their own."""
-    checks: tuple[Check, ...]
-    strength: BoneStrength | None
-    """Strength of the bone; None unless it was built."""
-    casting: Mapping[str, Any] | None
-    """Data of the casting sheet, from `casting.sheet.casting_sheet_data`; None unless all parts were built."""
-    removed: tuple[str, ...] = ()
-    """Files of another design that were removed from the folder."""
-
-    @property
-    def passed(self) -> bool:
-        """True if every check passed."""
-        return all(check.passed for check in self.checks)
-
-    def __repr__(self) -> str:
-        passed = sum(check.passed for check in self.checks)
-        names = ", ".join(built.part.name for built in self.parts)
-        return f"Build({self.design.name} in {self.folder}: {names}; {passed} of {len(self.checks)} checks passed)"
-
-    def _repr_html_(self) -> str:
-        """Table of the parts, and of the checks that failed, for Jupyter."""
-        parts = [
-            (built.part.name, f"{built.mesh.volume() / 1000:.2f}", ", ".join(built.files.values()))
-            for built in self.parts
-        ]
-        text = html_table(repr(self), ("part", "volume [cm3]", "files"), parts)
-        failed = [
-            (check.name, f"{check.value:g}", f"{check.sign} {check.limit:g}", check.unit)
-            for check in self.checks
-            if not check.passed
-        ]
-        return text + (html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else "")
-
-    def plot(self, width_px: int = 1600) -> Picture:
-        """Draw the design that was built.
-
-        Parameters
-        ----------
-        width_px
-            Width of the picture [pixels].
-        """
-        return self.design.plot(width_px)
-
-    def to_dataframe(self) -> pandas.DataFrame:
-        """Return every check with value and limit as a data frame.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        columns = {
-            "check": [check.name for check in self.checks],
-            "value": [check.value for check in self.checks],
-            "sign": [check.sign for check in self.checks],
-            "limit": [check.limit for check in self.checks],
-            "unit": [check.unit for check in self.checks],
-            "passed": [check.passed for check in self.checks],
-        }
-        return to_dataframe(columns, "Build.to_dataframe")
-
-    def report(self) -> dict[str, Any]:
-        """Return the content of report.json, which depends on the design alone, not on time or machine."""
-        report: dict[str, Any] = {
-            "fingertip": __version__,
-            "design": self.design.name,
-            "tolerance_mm": self.tolerance_mm,
-            "passed": self.passed,
-            "parts": {built.part.name: self._part_entry(built) for built in self.parts},
-            "print": self._print_entries(),
-            "checks": [check.to_dict() for check in self.checks],
-        }
-        if ASSEMBLY in self.contents:
-            report["assembly"] = self._assembly_entry()
-        if self.strength:
-            report["strength"] = strength_data(self.strength)
-        return report | ({"casting": self.casting} if self.casting else {})
-
-    def _assembly_entry(self) -> dict[str, Any]:
-        names = [built.part.name for built in self.parts]
-        bought = hardware(self.design, names)
-        return {
-            "file": ASSEMBLY,
-            "parts": names,
-            "hardware": [item.name for item in bought],
-            "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
-        }
-
-    def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
-        entry: dict[str, Any] = {
-            "volume_mm3": round_for_output(built.mesh.volume()),
-            "area_mm2": round_for_output(built.mesh.area()),
-            "triangles": len(built.mesh.triangles),
-            "files": dict(built.files),
-            "sha256": {
-                file_format: hashlib.sha256(self.contents[file]).hexdigest()
-                for file_format, file in built.files.items()
-            },
-        }
-        if built.brep:
-            entry["brep_volume_mm3"] = round_for_output(built.brep.volume_mm3)
-        return entry
-
-    def _print_entries(self) -> dict[str, Any]:
-        """Hash of each file for the printer, and the parts on each plate."""
-        return {
-            f"{PRINT_FOLDER}/{file}": {
-                "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
-                "sha256": hashlib.sha256(data).hexdigest(),
-            }
-            for file, data in self.prints.contents.items()
-        }
 
 
 def build(
@@ -280,7 +139,12 @@ def build(
         all_built = names == [*known]
         casting = None
         if all_built:
-            casting = casting_sheet_data(design, measure_volumes(design, evaluator), select_silicone(design))
+            casting = casting_sheet_data(
+                design,
+                measure_volumes(design, evaluator),
+                select_silicone(design),
+                warnings=list_warnings(check_strength(design, strength)) if strength else (),
+            )
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
         meanwhile()
         step = StepFiles({}, {}, {})

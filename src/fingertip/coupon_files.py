@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from fingertip import extras
-from fingertip.build_files import FORMATS, select_names
+from fingertip.build_files import select_names
+from fingertip.build_result import FORMATS
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.coupon import COUPON_PARTS

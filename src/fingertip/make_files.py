@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 from fingertip import extras
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.output import BRING_UP_FILES, BoardPlan, board_writer, plan_board
-from fingertip.build_files import Build, build, default_formats, parts_writer
+from fingertip.build_files import build, default_formats, parts_writer
+from fingertip.build_result import Build
 from fingertip.design import Design
 from fingertip.drawing.draw import PDF, draw_files, file_names
 from fingertip.page import PAGE

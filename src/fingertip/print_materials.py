@@ -8,6 +8,9 @@ age and a poor post-cure: no figure here includes that.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+Process = Literal["sla", "fdm", "powder"]
 
 
 @dataclass(frozen=True)
@@ -16,6 +19,8 @@ class PrintMaterial:
 
     name: str
     label: str
+    process: Process
+    """Printer that it is for: resin, filament or powder bed."""
     strength_mpa: float
     """Tensile strength within a layer [MPa]; the lower end where the source gives a range."""
     across_mpa: float
@@ -31,26 +36,26 @@ PRINT_MATERIALS: dict[str, PrintMaterial] = {
     material.name: material
     for material in (
         PrintMaterial(
-            "surgical_guide", "Formlabs Surgical Guide resin (SLA)", 73.0, 73.0, 2900.0,
+            "surgical_guide", "Formlabs Surgical Guide resin (SLA)", "sla", 73.0, 73.0, 2900.0,
             "manufacturer's figures in PMC10406103, table 2; as strong across the layers: assumed for SLA",
             ("strength_mpa", "modulus_mpa"),
         ),
         PrintMaterial(
-            "clear", "Formlabs Clear resin V4 (SLA)", 65.0, 65.0, 2800.0,
+            "clear", "Formlabs Clear resin V4 (SLA)", "sla", 65.0, 65.0, 2800.0,
             "no document found; as strong across the layers: assumed for SLA",
         ),
         PrintMaterial(
-            "durable", "Formlabs Durable resin (SLA)", 31.8, 31.8, 1260.0,
+            "durable", "Formlabs Durable resin (SLA)", "sla", 31.8, 31.8, 1260.0,
             "Formlabs, Material properties of FLDUCL01, 2017, post-cured; as strong across the layers: assumed for SLA",
             ("strength_mpa", "modulus_mpa"),
         ),
         PrintMaterial(
-            "petg", "PETG (FDM, solid)", 44.0, 25.0, 2000.0,
+            "petg", "PETG (FDM, solid)", "fdm", 44.0, 25.0, 2000.0,
             "additive.tools/materials/petg: 44 to 56 MPa within a layer, 25 to 38 MPa across",
             ("strength_mpa", "across_mpa", "modulus_mpa"),
         ),
         PrintMaterial(
-            "pa12", "nylon 12 (powder bed)", 43.0, 36.0, 1387.0,
+            "pa12", "nylon 12 (powder bed)", "powder", 43.0, 36.0, 1387.0,
             "3D Systems' figures in PMC10406103, table 2; across the layers: assumed",
             ("strength_mpa", "modulus_mpa"),
         ),

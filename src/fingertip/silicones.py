@@ -46,6 +46,12 @@ SOURCES = {
 }  # fmt: skip
 
 
+WANTED_POT_LIFE_MIN = 20.0
+"""Pot life that leaves time to stir, degas, load the syringe and fill [min]. An assumption."""
+FILLING_SHARE = 0.5
+"""Share of the pot life in which the mold must be full: stirring, degassing and loading take the rest."""
+
+
 @dataclass(frozen=True)
 class MaterialProperty:
     """Range of a material property; a single value where both ends are equal."""
@@ -85,7 +91,7 @@ class Silicone:
     shrinkage_percent: MaterialProperty
     """Linear shrinkage."""
     pot_life_min: MaterialProperty
-    """Working time at room temperature, from the start of stirring."""
+    """Pot life at room temperature, from the start of stirring, as the card or the container states it."""
     cure_h: MaterialProperty
     """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
@@ -97,6 +103,20 @@ class Silicone:
     density_a_g_cm3: MaterialProperty | None = None
     """Density of the first component; needed only for a ratio by volume."""
     density_b_g_cm3: MaterialProperty | None = None
+
+    @property
+    def planned_pot_life_min(self) -> float:
+        """Pot life that checks and casting sheet plan with [min].
+
+        Of a range it is the least, but no less than `WANTED_POT_LIFE_MIN`, which the casting sheet asks for when the
+        silicone is bought.
+        """
+        return min(max(self.pot_life_min.low, WANTED_POT_LIFE_MIN), self.pot_life_min.high)
+
+    @property
+    def filling_limit_s(self) -> float:
+        """Time that the filling may take [s]: `FILLING_SHARE` of the planned pot life."""
+        return FILLING_SHARE * self.planned_pot_life_min * 60.0
 
     def properties(self) -> dict[str, MaterialProperty]:
         """All known properties by field name, which carries the unit."""

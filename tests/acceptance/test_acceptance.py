@@ -8,13 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from fingertip import Design
-from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings
+from fingertip import Design, board_values
+from fingertip.acceptance.expectation import SPREAD, expect_drop_ratio, expect_open_v, expect_readings
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.casting.wires import size_wires
 from fingertip.design.new_design import PRESETS
 from fingertip.make_files import simulate_and_detect
+from fingertip.sim.signal.bridge import ConductanceCurve
+from fingertip.slip.detection import Detection
 from tests.conftest import design_file, run_fingertip
 
 NAMES = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
@@ -22,6 +24,11 @@ NAMES = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
 
 def load(name: str, *changes: str) -> Design:
     return Design.load(design_file(name), changes=list(changes))
+
+
+@pytest.fixture(scope="module")
+def detection() -> Detection:
+    return simulate_and_detect(load("fsr400"), lambda message: None)[1].detection
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -43,8 +50,6 @@ def test_resistance_is_that_of_the_data_sheet_curve() -> None:
 
 def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
     """The bridge is a source with a resistance, and the sensor's current lowers the output in proportion."""
-    from fingertip import board_values
-
     design = load("fsr400")
     response = board_values(design).tactile_response
     for reading in expect_readings(design):
@@ -55,13 +60,60 @@ def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
         assert reading.limits_v[0] == pytest.approx(lowest_v, rel=1e-12)
 
 
+CALIBRATED = (
+    "force_curve.curve=calibrated", "force_curve.min_force_n=0.5", "force_curve.max_force_n=10",
+    "force_curve.interval_factor=1.2",
+)  # fmt: skip
+
+
+def test_calibration_narrows_the_limits_in_its_range() -> None:
+    typical, calibrated = expect_readings(load("fsr400")), expect_readings(load("fsr400", *CALIBRATED))
+    for wide, narrow in zip(typical, calibrated, strict=True):
+        assert narrow.spread == 1.2
+        assert narrow.limits_v[1] - narrow.limits_v[0] < 0.3 * (wide.limits_v[1] - wide.limits_v[0])
+    light, heavy = expect_readings(load("fsr400", *CALIBRATED, "force_curve.max_force_n=3"))
+    assert (light.spread, heavy.spread) == (1.2, SPREAD), "500 g lie beyond the calibration"
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("factor", [0.3, 1.0, 3.0])
+def test_ratio_of_the_drops_holds_for_sensors_that_differ_by_factors(name: str, factor: float) -> None:
+    design = load(name)
+    ratio, (light, heavy) = expect_drop_ratio(design), expect_readings(design)
+    curve = ConductanceCurve.of_design(design)
+    response = board_values(design).tactile_response
+    drops = [
+        response.open_v - max(0.0, response.tactile_v(factor * curve.conductance_s(reading.mass_g / 1000 * 9.81)))
+        for reading in (light, heavy)
+    ]
+    assert ratio.limits[0] <= drops[1] / drops[0] <= ratio.limits[1]
+    assert ratio.limits[0] > 1.0, "the same reading for both weights is refused"
+    assert ratio.limits[1] < 5.5, "and so is more than the weights differ by"
+
+
+@pytest.mark.parametrize(("changes", "pin"), [((), False), (("board.variant=comparator",), True)])
+def test_page_says_where_slip_appears(detection: Detection, changes: tuple[str, ...], pin: bool) -> None:
+    design = load("fsr400", *changes)
+    page = render_acceptance(acceptance_data(design, detection))
+    assert ("the pin SLIP of the output connector, low" in page) is pin
+    assert "`SLIP_PIN`" in page
+    assert "`fingertip detect FILE` prints" in page
+
+
+def test_page_of_a_calibrated_design_names_its_curve(detection: Detection) -> None:
+    page = render_acceptance(acceptance_data(load("fsr400", *CALIBRATED), detection))
+    assert "calibrated curve of this FSR 400" in page
+    assert "| 1.2 |" in page
+
+
 def test_wires_fit_and_follow_the_joint() -> None:
-    """AWG 30 has 0.255 mm (ASTM B258): it is chosen where half of the diameter is at least that."""
+    """AWG 30 has 0.255 mm (ASTM B258): it is chosen where half of the diameter is at least that. JST SH: 28 to 32."""
     post, clevis = load("fsr400"), load("adult_finger")
     assert size_wires(post).max_diameter_mm == post.bone.channel_diameter_mm / 2
     assert size_wires(clevis).max_diameter_mm == clevis.sensor.wire_diameter_mm
-    for diameter, gauge in ((0.511, 30), (0.509, 31), (1.03, 24)):
+    for diameter, gauge in ((0.511, 30), (0.509, 31), (1.03, 28)):
         assert size_wires(load("adult_finger", f"sensor.wire_diameter_mm={diameter}")).conductor_awg == gauge
+    assert size_wires(post).thinnest_awg == size_wires(clevis).thinnest_awg == 32
     joint = clevis.dimensions.joint
     assert joint
     radius = clevis.dimensions.bone_outline.section.dorsal - joint.axis_y
@@ -69,9 +121,8 @@ def test_wires_fit_and_follow_the_joint() -> None:
     assert size_wires(clevis).slack_mm - size_wires(post).slack_mm == pytest.approx(arc)
 
 
-def test_page_states_the_data_and_every_failure_has_a_meaning() -> None:
-    design = load("fsr400")
-    data = acceptance_data(design, simulate_and_detect(design, lambda message: None)[1].detection)
+def test_page_states_the_data_and_every_failure_has_a_meaning(detection: Detection) -> None:
+    data = acceptance_data(load("fsr400"), detection)
     page = render_acceptance(data)
     for entry in data["weights"]:
         assert f"| {entry['mass_g']:g} g |" in page

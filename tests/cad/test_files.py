@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
-from fingertip.build_files import Build
+from fingertip.build_result import Build
 from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS
 from tests.conftest import design_file, run_fingertip

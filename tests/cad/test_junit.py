@@ -53,6 +53,15 @@ def test_characters_invalid_in_xml_are_replaced() -> None:
     assert case.get("classname", "").count(".") == 1, "readers group test cases by the dots in the class name"
 
 
+def test_a_warning_stands_in_the_output_of_a_passed_case() -> None:
+    warned = Check("bone.safety_factor.shock", 0.59, 0.5, "", "at least", "breaks at 60 N\x00")
+    root = ElementTree.fromstring(to_bytes({"one": [PASSED, warned]}))
+    assert root.get("failures") == "0"
+    outputs = [case.findtext("system-out") for case in root.iter("testcase")]
+    assert outputs[1] == "value 0.59, must be at least 0.5; warning: breaks at 60 N?"
+    assert "warning" not in (outputs[0] or "")
+
+
 def test_nan_value_is_a_failure() -> None:
     root = ElementTree.fromstring(to_bytes({"one": [Check("overlap", float("nan"), 1.0, "mm3")]}))
     assert root.get("failures") == "1"

@@ -125,7 +125,14 @@ def test_plates_name_supports_and_settings_of_each_object() -> None:
     design, _, _, prints = make(name="adult_finger")
     items = threemf.read_items(prints.contents["plate_fdm.3mf"])
     supports = supports_by_part(design)
-    assert {item.name: item.note for item in items} == {name: one.note for name, one in supports.items()}
+    notes = {item.name: item.note for item in items}
+    assert set(notes) == set(supports)
+    for name, note in notes.items():
+        assert note.endswith(supports[name].note)
+        assert note.startswith(f"Layers 0.1 mm, 4 walls of a 0.4 mm nozzle, infill {40 if 'mold' in name else 100} %")
+    assert "strength checks hold for Formlabs Surgical Guide" in notes["bone"]
+    resin = {item.name: item.note for item in threemf.read_items(prints.contents["plate_sla.3mf"])}
+    assert all(note.startswith("Layers 0.05 mm, solid, not hollowed") for note in resin.values())
     with ZipFile(io.BytesIO(prints.contents["plate_fdm.3mf"])) as bundle:
         config = bundle.read("Metadata/Slic3r_PE_model.config").decode()
     objects = {

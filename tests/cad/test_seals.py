@@ -86,9 +86,9 @@ def test_creep_along_a_tape_equals_the_integrated_flow() -> None:
 
 
 def test_creep_at_a_constant_pressure_has_its_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without a filling: x = h sqrt(p t / (6 mu)), p the head of 34 mm of silicone."""
+    """Without a filling: x = h sqrt(p t / (6 mu)), p the head of 34 mm of silicone, t the pot life of 20 min."""
     design = Design.load(design_file("fsr400"), changes=["mold.draft_deg=0", "mold.seat_tape_mm=0"])
     prediction = type("Prediction", (), {"cavity_integral": 0.0})
     monkeypatch.setattr(verification, "predict_mold_filling", lambda design: prediction)
     pressure = 1080 * 9.81 * 0.034
-    assert leak_mm(design) == pytest.approx(0.05 * math.sqrt(pressure * 300 / (6 * 20)), rel=1e-6)
+    assert leak_mm(design) == pytest.approx(0.05 * math.sqrt(pressure * 1200 / (6 * 20)), rel=1e-6)

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fingertip.build_files import Build
+from fingertip.build_result import Build
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.pose import Pose
+from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
+from fingertip.cad.printing.settings import slicer_settings
+from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.slicer import parse_gcode, slice_to_gcode
@@ -142,6 +146,25 @@ def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
             heights.add(round(z, 2))
     depth = design.mold.nut_depth_mm
     assert {round(depth + LAYER_MM, 2), round(depth + 2 * LAYER_MM, 2)} <= heights
+
+
+def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path) -> None:
+    """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
+    design = Design()
+    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
+    (bone,) = (item for item in threemf.read_items(prints.contents["plate_fdm.3mf"]) if item.name == "bone")
+    settings = slicer_settings("bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
+    heights, infills, brims = [], [], []
+    for item in (bone, replace(bone, settings=settings)):
+        code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", [item]), design, LAYER_MM)
+        found = Counter(round(float(z), 1) for z in re.findall(r"^;HEIGHT:([\d.]+)$", code, re.MULTILINE))
+        heights.append(found.most_common(1)[0][0])
+        infills.append(code.count(";TYPE:Internal infill"))
+        brims.append(code.partition(";TYPE:Skirt/Brim\n")[2].partition(";TYPE:")[0].count("\nG1 X"))
+    assert heights == [LAYER_MM, SETTINGS_LAYER_MM]
+    assert infills[0] > 0
+    assert infills[1] == 0, "it is solid"
+    assert brims[1] > brims[0], "a brim beside the usual skirt"
 
 
 @pytest.mark.parametrize("name", ["fsr400", "adult_thumb"])

@@ -14,6 +14,8 @@ from fingertip.cad.strength import assess
 from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data, stress_gradients
 from fingertip.cad.strength.concentration import hole_in_tension, shoulder_in_bending
 from fingertip.cad.strength.sections import measure_section
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.strength import check_strength
 from fingertip.design import Design
 from fingertip.print_materials import PRINT_MATERIALS
 from tests.conftest import design_file, run_fingertip
@@ -134,6 +136,40 @@ def test_weak_finger_says_so():
     assert warning.startswith("warning: 2 and 1.2 are wanted")
     assert strength_data(found)["weakest"]["load"] == "apex"
     assert len(describe_strength(strength_of(strength={"grip_force_n": 5.0, "shock_force_n": 10.0}))) == 1
+
+
+def checks_of(**tables: dict[str, object]) -> dict[str, Check]:
+    design = Design(**tables)
+    return {check.name: check for check in check_strength(design, assess_strength(design, MeshEvaluator(0.02)))}
+
+
+def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
+    checks = checks_of()
+    shock = checks["bone.safety_factor.shock"]
+    assert shock.passed
+    assert shock.state == "warning"
+    assert shock.to_dict()["warning"] == shock.warning
+    assert checks["bone.safety_factor.grip"].state == "passed"
+    assert checks_of(strength={"min_shock_factor": 0.8})["bone.safety_factor.shock"].state == "failed"
+    held = checks_of(strength={"shock_force_n": 35.0})["bone.safety_factor.shock"]
+    assert held.state == "passed"
+    assert "warning" not in held.to_dict()
+    weak = checks_of(strength={"grip_force_n": 40.0, "min_grip_factor": 0.5})["bone.safety_factor.grip"]
+    assert weak.state == "warning"
+    assert "strength.grip_force_n = 40 N" in weak.warning
+
+
+def test_plate_for_filament_warns_if_its_bone_breaks_at_the_grip() -> None:
+    """The value is that of a design in PETG, printed upright as the plate holds it, whatever the design names."""
+    petg = strength_of(strength={"print_material": "petg"}).grip_safety_factor
+    for strength in ({}, {"print_material": "pa12"}, {"print_material": "petg", "print_direction": "lying"}):
+        check = checks_of(strength=strength)["bone.safety_factor.grip_fdm"]
+        assert check.value == pytest.approx(petg)
+        assert check.state == "warning", "it is never a failure"
+        assert "surgical_guide or clear" in check.warning
+    assert "bone.safety_factor.grip_fdm" not in checks_of(strength={"print_material": "petg"}), "checked itself"
+    assert checks_of(strength={"grip_force_n": 10.0})["bone.safety_factor.grip_fdm"].state == "passed"
+    assert "no print material" in checks_of(strength={"grip_force_n": 60.0})["bone.safety_factor.grip_fdm"].warning
 
 
 def test_compact_finger_holds_a_firm_grip_but_not_yet_a_knock():

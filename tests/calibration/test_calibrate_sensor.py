@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fingertip.board import board_values
-from fingertip.calibration.calibrate_sensor import apply_sensor_calibration, calibrate_sensor
+from fingertip.calibration.calibrate_sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
 from fingertip.calibration.power_law import PowerLaw, fit_power_law
 from fingertip.calibration.weighings import MIN_WEIGHINGS, parse_weighings, read_weighings
 from fingertip.cli import app
@@ -304,3 +304,22 @@ def test_forces_say_what_they_assume(tmp_path: Path) -> None:
 def test_forces_of_a_calibration_are_in_order(change: dict[str, float], field: str) -> None:
     with pytest.raises(DesignError, match=re.escape(field)):
         Design(force_curve=change)
+
+
+def test_readings_without_load_are_asked_for() -> None:
+    loaded = "\n".join(["weight_g,voltage_v", *(f"{weight},{2.0 - weight / 1000}" for weight in WEIGHTS_G)])
+    (warning,) = list_warnings(parse_weighings(loaded, "w.csv"))
+    assert "add a line with load 0 and the voltage_v of the untouched finger" in warning
+    assert list_warnings(parse_weighings(f"{loaded}\n0,2.5", "w.csv")) == []
+    alone = loaded.replace("voltage_v", "resistance_ohm")
+    assert list_warnings(parse_weighings(alone, "w.csv")) == [], "no board, no offset"
+
+
+def test_command_warns_of_a_missing_reading_without_load(tmp_path: Path) -> None:
+    rows = [f"{weight},{volts(WEAK, weight / 1000 * 9.81)}" for weight in WEIGHTS_G]
+    for more, warns in (([], True), ([f"0,{RESPONSE.open_v}"], False)):
+        path = tmp_path / "w.csv"
+        path.write_text("\n".join(["weight_g,voltage_v", *rows, *more]))
+        done = run("calibrate", "sensor", path, "article", "--json")
+        assert done.exit_code == 0
+        assert ("holds no reading without load" in done.output) is warns

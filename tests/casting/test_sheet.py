@@ -7,16 +7,20 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from fingertip.acceptance.expectation import expect_readings
-from fingertip.build_files import Build, build
+from fingertip.acceptance.sheet import acceptance_data, render_acceptance
+from fingertip.build_files import build
+from fingertip.build_result import Build
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.plates import FDM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.verification.filling import check_filling
 from fingertip.casting import markdown
 from fingertip.casting.markdown import render_sheet, warnings
 from fingertip.casting.quantities import SiliconeVolumes
@@ -26,6 +30,7 @@ from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses
 from fingertip.design.new_design import PRESETS
+from fingertip.design.silicone import select_silicone
 from fingertip.errors import DesignError, GeometryError
 from fingertip.silicones import SILICONES, MaterialProperty
 from tests.conftest import DESIGNS, design_file, run_fingertip
@@ -320,9 +325,66 @@ def test_bill_has_what_the_acceptance_tests_need(name: str) -> None:
     page = render_sheet(casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])).split("## Printing")[0]
     for reading in expect_readings(design):
         assert f"| 1 | calibration weight | {reading.mass_g:g} g |" in page
-    assert f"conductor of AWG {size_wires(design).conductor_awg} or thinner" in page
+    assert f"conductor of AWG {size_wires(design).conductor_awg} to 32" in page
     assert "office paper (to try the fit, and for the slide test)" in page
     assert ("| 1 | tendon (braided line, as long as the hand needs) | 0.8 mm |" in page) == (name == "adult_finger")
+
+
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger", "child_thumb"])
+@pytest.mark.parametrize("filling", ["syringe", "gravity"])
+def test_list_to_buy_holds_what_the_procedure_uses_and_nothing_else(name: str, method: str, filling: str) -> None:
+    changes = [f"mold.method={method}", f"mold.filling={filling}", "silicone.product=sylgard_184"]
+    try:
+        design = Design.load(design_file(name), changes=changes)
+    except DesignError:
+        pytest.skip("no such design")
+    data = casting_sheet_data(design, VOLUMES, SILICONES["sylgard_184"])
+    slip = SimpleNamespace(detector="fast", memory_s=0.1, score=None)
+    page = render_sheet(data)
+    used = page.partition("## Printing")[2] + render_acceptance(acceptance_data(design, slip))  # type: ignore[arg-type]
+    bought = {supply["item"]: supply["word"] for supply in data["supplies"]}
+    assert [item for item, word in bought.items() if word not in used] == [], "bought, and used by no step"
+    known = {supply["item"]: supply["word"] for supply in all_supplies()}
+    assert [item for item, word in known.items() if word in used and item not in bought] == [], "used, and not bought"
+    assert all(f"| {item} |" in page.partition("## Printing")[0] for item in bought)
+    hardware = {
+        "mold release": "mold release", "chaplet screw": "screw", "syringe with Luer": "syringe",
+        "adhesive film": "adhesive film", "mold bolt": "bolts", "thread or a thin cable tie": "ie th",
+        "insulated wire": "wires", "stranded wire": "wires", "calibration weight": "weight", "joint pin": "pin",
+        "tendon": "tendon", "anchor pin": "anchor pin",
+    }  # fmt: skip
+    for entry in data["bill"]:
+        words = [word for item, word in hardware.items() if entry["item"].startswith(item)]
+        assert all(word in used for word in words), entry
+
+
+def all_supplies() -> list[dict[str, Any]]:
+    """Consumables and tools of a straight and of a folded tail."""
+    both = (Design.load(design_file(name)) for name in ("fsr400", "adult_finger"))
+    found = [casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])["supplies"] for design in both]
+    return [*found[0], *found[1]]
+
+
+def test_one_pot_life_is_planned_with() -> None:
+    """It is the least of the range, but no less than is asked for when the silicone is bought."""
+    page, design = render_sheet(sheet_data()), fsr400()
+    assert select_silicone(design).planned_pot_life_min == 20.0
+    (limit,) = (check.limit for check in check_filling(design) if check.name == "mold.fill_time")
+    assert limit == 600.0
+    assert "pot life at least 20 min" in page
+    assert "This sheet plans with 20 min: 10 min to stir, degas and load, and 10 min to fill." in page
+    assert "It may take 10 min, half the pot life" in page
+    assert "of pot life are wanted" not in page
+    own = fsr400("silicone.product=own", "silicone.pot_life_min=8")
+    short = render_sheet(casting_sheet_data(own, VOLUMES, select_silicone(own)))
+    assert "pot life at least 8 min" in short
+    assert "4 min to stir, degas and load. 20 min of pot life are wanted" in short
+
+
+def test_warnings_of_the_checks_come_first() -> None:
+    data = casting_sheet_data(fsr400(), VOLUMES, SILICONES["addition_40a"], None, ["the bone breaks"])
+    assert warnings(data)[0] == "**Strength**: the bone breaks"
 
 
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])

@@ -289,7 +289,7 @@ def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_all_files_of_a_build_are_listed(built: object) -> None:
-    from fingertip.build_files import ALL_FILES, Build
+    from fingertip.build_result import ALL_FILES, Build
 
     assert isinstance(built, Build)
     assert set(built.contents) <= set(ALL_FILES)

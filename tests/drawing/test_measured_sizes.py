@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.build_files import Build, build
+from fingertip.build_files import build
+from fingertip.build_result import Build
 from fingertip.cad.solids import Axis, Point3
 from fingertip.drawing.parts import part_drawings
 from fingertip.drawing.sizes import AXES, Circle, Length, Size

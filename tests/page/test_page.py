@@ -20,6 +20,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.export import format_value, list_parameters
 from fingertip.errors import OutputError
 from fingertip.page import MAX_BYTES, PAGE
+from fingertip.page.checks_section import render_verdict
 from fingertip.page.render import ARTICLE_DOI, render_page
 from fingertip.page.sources import read_sources
 from fingertip.page_files import write_page
@@ -119,7 +120,12 @@ def test_states_every_check_with_value_and_limit(page: Page, folder: Path) -> No
         assert check["name"] in page.text
         limit = f"{signs[check['relation']]} {check['limit']:.4g} {check['unit']}".rstrip()
         assert f"{check['name']}{check['value']:.4g} {check['unit']}".rstrip() + limit in page.text, check
-    assert f"All {len(report['checks'])} checks of the parts passed" in page.text
+    assert f"{len(report['checks']) - 2} of {len(report['checks'])} checks of the parts passed, 2 warn" in page.text
+    warned = [check for check in report["checks"] if check["state"] == "warning"]
+    assert len(warned) == 2
+    assert all(f"{check['name']}: {check['warning']}" in page.text for check in warned)
+    held = report | {"checks": [check for check in report["checks"] if check["state"] == "passed"]}
+    assert f"All {len(held['checks'])} checks of the parts passed" in str(render_verdict(held))
 
 
 def test_states_every_parameter_with_unit_bounds_and_meaning(page: Page, design: Design) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from fingertip.acceptance.expectation import SPREAD, expect_open_v, expect_readings
+from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_readings
 from fingertip.casting.wires import describe_plug_wires, size_wires
 from fingertip.design import Design
 from fingertip.slip.detection import Detection
@@ -28,7 +28,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
     detection
         Slip that the design's detector finds in its simulated trial.
     """
-    wires, idle = size_wires(design), expect_open_v(design)
+    wires, idle, ratio = size_wires(design), expect_open_v(design), expect_drop_ratio(design)
     return {
         "design": design.name,
         "sensor": design.dimensions.sensor.label,
@@ -38,20 +38,26 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "slide": {"delay_ms": _find_delay_ms(detection), "ends_after_ms": round(1000 * detection.memory_s)},
         "wires": {
             "max_diameter_mm": round(wires.max_diameter_mm, 2),
-            "conductor_awg": wires.conductor_awg,
+            "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
             "slack_mm": round(wires.slack_mm),
             "plug": describe_plug_wires(design, wires),
         },
         "open_ohm": _OPEN_OHM,
         "pressed_ohm": _PRESS_OHM,
         "idle": {"tactile_v": round(idle, 2), "tolerance_v": IDLE_TOLERANCE_V},
-        "spread": SPREAD,
+        "curve": design.force_curve.curve,
+        "board": design.board.variant,
+        "drop_ratio": {
+            "expected": round(ratio.expected, 2),
+            "limits": [round(limit, 1) for limit in ratio.limits],
+        },
         "weights": [
             {
                 "mass_g": reading.mass_g,
                 "sensor_ohm": round(reading.sensor_ohm, -1),
                 "tactile_v": round(reading.tactile_v, 2),
                 "limits_v": [round(limit, 2) for limit in reading.limits_v],
+                "factor": round(reading.spread, 2),
             }
             for reading in expect_readings(design)
         ],
@@ -68,8 +74,9 @@ def _find_delay_ms(detection: Detection) -> int | None:
 
 def render_acceptance(data: dict[str, Any]) -> str:
     """Render the data as a Markdown page."""
-    idle, wires, slide = data["idle"], data["wires"], data["slide"]
+    idle, wires, slide, ratio = data["idle"], data["wires"], data["slide"], data["drop_ratio"]
     plug = f"{wires['plug']} " if wires["plug"] else ""
+    light, heavy = (f"{data['weights'][i]['mass_g']:g} g" for i in (0, -1))
     when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']} ms after it begins to slide"
     low, high = idle["tactile_v"] - idle["tolerance_v"], idle["tactile_v"] + idle["tolerance_v"]
     outlet = "window of the base" if data["tail"] == "folded" else "cable channel"
@@ -77,7 +84,7 @@ def render_acceptance(data: dict[str, Any]) -> str:
     weights = [
         (
             f"{entry['mass_g']:g} g", f"{entry['sensor_ohm'] / 1000:.3g} kohm", f"{entry['tactile_v']:.2f} V",
-            f"{entry['limits_v'][0]:.2f} to {entry['limits_v'][1]:.2f} V",
+            f"{entry['limits_v'][0]:.2f} to {entry['limits_v'][1]:.2f} V", f"{entry['factor']:g}",
         )
         for entry in data["weights"]
     ]  # fmt: skip
@@ -85,11 +92,11 @@ def render_acceptance(data: dict[str, Any]) -> str:
     sections = [
         f"# Acceptance sheet: {data['design']}",
         "Tests of the sensor before and after casting, and of the finished finger on its board. The voltages follow "
-        f"from the design's bridge and from the data sheet's curve of the {data['sensor']}.",
+        f"from the design's bridge and from {_describe_curve(data)}.",
         "## Wires",
         f"Two insulated wires of at most {wires['max_diameter_mm']:g} mm over the insulation: a conductor of AWG "
-        f"{wires['conductor_awg']} or thinner. {plug}Leave a loop of {wires['slack_mm']} mm between the finger and the "
-        "first place at which the wires are fixed.",
+        f"{wires['conductor_awg'][0]} to {wires['conductor_awg'][1]}. {plug}Leave a loop of {wires['slack_mm']} mm "
+        "between the finger and the first place at which the wires are fixed.",
         f"## Sensor, {before}",
         f"Connect an ohmmeter to both wires. {when_to_test}",
         _table(
@@ -132,15 +139,26 @@ def render_acceptance(data: dict[str, Any]) -> str:
         "## Finished finger",
         "Clamp the finger with its pad up and level. Lay a disc of 8 mm, cut from cork or felt, on the pad above the "
         "sensor, and put the weight on it without a push. Read after 5 s.",
-        _table(("weight on the pad", "sensor", "tactile voltage expected", "accept"), weights),
-        f"The limits allow a factor of {data['spread']:g} either way in the sensor's conductance, because single "
-        "sensors differ that much at the same force.",
+        _table(("weight on the pad", "sensor", "tactile voltage expected", "accept", "factor"), weights),
+        "The limits allow the sensor's conductance to differ by the factor, either way: "
+        + (
+            "the 95 % interval of the calibration in the range of its forces, and beyond it what single sensors differ "
+            "by."
+            if data["curve"] == "calibrated"
+            else "single sensors differ that much at the same force. `fingertip calibrate sensor` narrows it."
+        ),
         _table(
             ("test", "must happen", "if it does not"),
             [
                 (
                     "heavier weight", "a lower voltage than the lighter one",
                     "The disc does not stand above the sensor, or sensor or wires are shorted.",
+                ),
+                (
+                    f"drop below the untouched voltage: that of {heavy} over that of {light}",
+                    f"{ratio['expected']:g}; accept {ratio['limits'][0]:g} to {ratio['limits'][1]:g}",
+                    "Less: the disc stands beside the sensor, or the skin carries the weight. More: the sensor hardly "
+                    "feels the lighter weight; its slot or tape is stiff.",
                 ),
                 (
                     "strip of copy paper under the pad, pressed with some 2 N and pulled away at about 100 mm/s",
@@ -156,14 +174,35 @@ def render_acceptance(data: dict[str, Any]) -> str:
                 ),
             ],
         ),
+        "SLIP appears, while it lasts, " + _describe_slip(data["board"]),
         "## Record",
         "A finger that passes differs from another one; only its own readings tell later whether it has changed.",
         _table(
-            ("date", "untouched", *(row[0] for row in weights), "SLIP on paper", "held still"),
-            [("&nbsp;",) * (4 + len(data["weights"]))],
+            ("date", "untouched", *(row[0] for row in weights), "ratio of drops", "SLIP on paper", "held still"),
+            [("&nbsp;",) * (5 + len(data["weights"]))],
         ),
     ]  # fmt: skip
     return "\n\n".join(sections) + "\n"
+
+
+def _describe_curve(data: dict[str, Any]) -> str:
+    """Name the curve of the sensor on which the voltages rest."""
+    if data["curve"] == "calibrated":
+        return f"the calibrated curve of this {data['sensor']} (`force_curve`): they hold for no other one"
+    return f"the data sheet's curve of the {data['sensor']}"
+
+
+def _describe_slip(variant: str) -> str:
+    """Say where SLIP is seen: on the board, on the controller, and in what `fingertip detect` prints."""
+    places = [
+        "on the controller with the example `slip_pin` of `fingertip firmware` as its pin `SLIP_PIN`, high, which is "
+        "the LED on most controller boards",
+        "in a recording as the lines `ON ... s to ... s` that `fingertip detect FILE` prints, and for a stream as `ON` "
+        "and `OFF` of `fingertip detect -`",
+    ]
+    if variant == "comparator":
+        places.insert(0, "on the board as the pin SLIP of the output connector, low")
+    return "; ".join(places) + "."
 
 
 def _describe_stages(method: str) -> tuple[str, str, str]:

@@ -129,6 +129,16 @@ def apply_sensor_calibration(design: Design, calibration: SensorCalibration) -> 
     return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
 
 
+def list_warnings(weighings: Weighings) -> list[str]:
+    """List what makes a calibration less certain than its interval says."""
+    if weighings.unloaded or weighings.kind == "resistance_ohm":
+        return []
+    return [
+        f"{weighings.source} holds no reading without load, so the offset of the board counts as 0; add a line with "
+        f"load 0 and the {weighings.kind} of the untouched finger."
+    ]
+
+
 def _find_offset(weighings: Weighings, response: TactileResponse, scale: float) -> float:
     """Find the voltage without load, less that of the design [V]."""
     if not weighings.unloaded or weighings.kind == "resistance_ohm":

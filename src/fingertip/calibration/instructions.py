@@ -59,12 +59,15 @@ def render_instructions(design: Design, readings_file: str) -> str:
                 for i, each in enumerate(list_lengths(design), 1)
             ],
         ),
-        f"Heights, along Z, are marked Z in the picture. Layers of {COUPON_LAYER_MM:g} mm round them, and the "
-        "calibration does not use them. One that is off by more than a layer says that the printer's Z axis or its "
-        "first layer is set wrong.",
+        f"Heights, along Z, are marked Z1, Z2 and so on in the picture. Layers of {COUPON_LAYER_MM:g} mm round "
+        "them, and the calibration does not use them. One that is off by more than a layer says that the "
+        "printer's Z axis or its first layer is set wrong.",
         _table(
-            ("height along Z", "nominal [mm]"),
-            [(each.feature, f"{each.height_mm * scale / 100.0:.2f}") for each in list_heights(design)],
+            ("place", "height along Z", "nominal [mm]"),
+            [
+                (f"Z{i}", each.feature, f"{each.height_mm * scale / 100.0:.2f}")
+                for i, each in enumerate(list_heights(design), 1)
+            ],
         ),
         "## Try by hand",
         "\n".join(f"- {line}" for line in _list_fits(design)),

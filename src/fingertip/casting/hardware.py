@@ -38,7 +38,8 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
         *_interface_bolts(design),
         {
             "item": "insulated wire" if design.dimensions.fold else "stranded wire",
-            "thinner_than_mm": wires.max_diameter_mm, "conductor_awg": wires.conductor_awg, "count": 2,
+            "thinner_than_mm": wires.max_diameter_mm, "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
+            "count": 2,
         },
         *_strain_relief(design),
         *({"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fingertip.casting.bill_table import render_bill
 from fingertip.casting.mold_steps import (
     list_filling_steps,
     list_opening_steps,
@@ -14,7 +15,6 @@ from fingertip.casting.mold_steps import (
 )
 from fingertip.casting.print_settings import describe_settings
 from fingertip.casting.sensor_steps import (
-    ADHESIVE,
     list_covering_steps,
     list_joint_steps,
     list_joint_trial_steps,
@@ -24,6 +24,7 @@ from fingertip.casting.sensor_steps import (
 )
 from fingertip.casting.slicer import HOW_TO_INSTALL
 from fingertip.casting.step import Step
+from fingertip.casting.tables import table
 
 Data = Mapping[str, Any]
 _PROPERTY_LABELS = {
@@ -54,7 +55,7 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
         f"# Casting sheet: {data['design']}",
         _summary(data),
         "## What to buy",
-        _bill(data),
+        render_bill(data),
         "## Printing",
         _printing(data),
         "## Quantities",
@@ -70,8 +71,8 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
 
 
 def warnings(data: Data) -> list[str]:
-    """List what can spoil the casting or damage the sensor."""
-    found, is_folded = [], data["sensor_tail"] == "folded"
+    """List at what load the finger would break, and what can spoil the casting or damage the sensor."""
+    found, is_folded = [f"**Strength**: {text}" for text in data["check_warnings"]], data["sensor_tail"] == "folded"
     if data["silicone"]["cure"] == "addition":
         found.append(
             "Uncured resin inhibits the cure of platinum silicone. Wash and fully post-cure parts printed from resin, "
@@ -84,6 +85,13 @@ def warnings(data: Data) -> list[str]:
             "middle of a closed mold to cure last."
         )
     found += _ratio_warnings(data["silicone"])
+    filling = data["filling"]
+    if filling["pot_life_min"] < filling["wanted_pot_life_min"]:
+        found.append(
+            f"The pot life of this silicone, {filling['pot_life_min']:g} min, leaves {filling['prepare_min']:g} min to "
+            f"stir, degas and load. {filling['wanted_pot_life_min']:g} min of pot life are wanted: take a slower "
+            "product (silicone.product)."
+        )
     if not data["mold"]["made_for_this_silicone"]:
         shrinkage = data["silicone"]["properties"]["shrinkage_percent"]
         found.append(
@@ -185,16 +193,20 @@ def _ratio_warnings(silicone: Data) -> list[str]:
 def _weighing_step(data: Data) -> str:
     """Write the step that weighs and mixes the components. The ratio on the container comes before the sheet's."""
     silicone, batch = data["silicone"], data["batch"]
-    pot_life = _range(silicone["properties"]["pot_life_min"])
-    clock = f"Note the time: the mold must be full within the pot life on the container ({pot_life} min for this kind)."
+    filling = data["filling"]
+    clock = (
+        "Note the time: the pot life runs from the start of stirring. This sheet plans with "
+        f"{filling['pot_life_min']:g} min: {filling['prepare_min']:g} min to stir, degas and load, and "
+        f"{filling['limit_min']:g} min to fill. If the container states less, halve what it states."
+    )
     first, second = silicone["components"]
     ratio = silicone["ratio"]
     unverified = "" if ratio["verified"] else " (unverified)"
     return (
         f"Use the mix ratio printed on the container. This sheet mixes {first} and {second} "
         f"{_ratio(ratio['parts_by_weight'])} by weight{unverified}; if the container says otherwise, the container is "
-        f"right. Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. Stir slowly, and scrape "
-        f"the walls and the bottom of the cup. {clock}"
+        f"right. Wear vinyl gloves. Weigh {batch['a_g']:g} g of {first} and add {batch['b_g']:g} g of {second}. "
+        f"Stir slowly, and scrape the walls and the bottom of the cup. {clock}"
     )
 
 
@@ -231,7 +243,7 @@ def _quantities(data: Data) -> str:
             f"{batch['lighter']}, which such a scale can weigh"
         )
     note += "."
-    return _table(("item", "quantity"), rows) + "\n\n" + note
+    return table(("item", "quantity"), rows) + "\n\n" + note
 
 
 def _printing(data: Data) -> str:
@@ -243,18 +255,20 @@ def _printing(data: Data) -> str:
         )
         for part in printing["parts"]
     ]  # fmt: skip
-    settings = _table(("setting", "filament (FDM)", "resin (SLA)"), describe_settings(printing["settings"]))
-    table = _table(("part", "face on the plate", "rotation about x", "where supports may stand", "none on"), rows)
+    settings = table(("setting", "filament (FDM)", "resin (SLA)"), describe_settings(printing["settings"]))
+    orientations = table(("part", "face on the plate", "rotation about x", "where supports may stand", "none on"), rows)
     page = (
         f"The folder `{printing['folder']}` holds each part as it lies on the bed, and plates of all parts for a "
-        "filament and a resin printer. The skin is cast, so it is on no plate.\n\n"
-        f"{settings}\n\n{table}\n\n"
+        "filament and a resin printer. The skin is cast, so it is on no plate. PrusaSlicer takes the settings of the "
+        "filament plate from its file, all but nozzle and first layer; in other slicers, set them by hand. "
+        "Measure the prints with calipers: the drawings that `fingertip drawing` makes say what they must read.\n\n"
+        f"{settings}\n\n{orientations}\n\n"
         f"Ceilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
         "tell PrusaSlicer that the halves need no supports. In other slicers, and for the single parts, switch "
         "supports off for the halves: automatic ones would fill the nut traps."
     )
     if "minutes" in printing:
-        plates = _table(
+        plates = table(
             ("plate", "time", "filament volume"),
             (
                 (plate["plate"], f"{plate['minutes']:g} min", f"{plate['filament_cm3']:.1f} cm3")
@@ -263,116 +277,13 @@ def _printing(data: Data) -> str:
         )
         return (
             f"{page}\n\n{plates}\n\nTotal: {printing['minutes']:g} min and {printing['filament_cm3']:.1f} cm3 with "
-            "supports, estimated by PrusaSlicer for a filament printer, with its default settings and layers of "
+            "supports, estimated by PrusaSlicer for its default filament printer, with the settings above: layers of "
             f"{printing['layer_mm']:g} mm."
         )
     return (
         f"{page}\n\nFor a filament printer, run `fingertip sheet` with `--slicer` for print times and filament "
         f"volumes, estimated by PrusaSlicer ({HOW_TO_INSTALL}). A resin printer has a slicer of its own."
     )
-
-
-def _bill(data: Data) -> str:
-    rows = []
-    for entry in data["bill"]:
-        sizes = []
-        if "type" in entry:
-            sizes.append(entry["type"])
-        if "thread_mm" in entry:
-            sizes.append(f"M{entry['thread_mm']:g}" + (f" x {entry['length_mm']:g} mm" if "length_mm" in entry else ""))
-        if "across_flats_mm" in entry:
-            sizes.append(f"{entry['across_flats_mm']:g} mm across flats")
-        if "crossed_mm" in entry:
-            sizes.append(f"length = {entry['crossed_mm']:g} mm + mating part + nut")
-        if "diameter_mm" in entry:
-            sizes.append(f"{entry['diameter_mm']:g} mm")
-        if "length_mm" in entry and "thread_mm" not in entry:
-            sizes.append(f"{entry['length_mm']:g} mm long")
-        if "thickness_mm" in entry:
-            sizes.append(f"{entry['thickness_mm']:g} mm thick")
-        if "pair_thinner_than_mm" in entry:
-            sizes.append(f"both together thinner than {entry['pair_thinner_than_mm']:g} mm")
-        if "thinner_than_mm" in entry:
-            sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
-        if "conductor_awg" in entry:
-            sizes.append(f"conductor of AWG {entry['conductor_awg']} or thinner")
-        if "mass_g" in entry:
-            sizes.append(f"{entry['mass_g']:g} g")
-        if "volume_ml" in entry:
-            sizes.append(f"{entry['volume_ml']:g} ml, nozzle bore {entry['nozzle_bore_mm']:g} mm")
-        rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
-    batch = data["batch"]
-    mixtures = batch["mixtures"]
-    rows.append(
-        (
-            f"{batch['buy_g']} g",
-            data["silicone"]["label"],
-            f"both components together; {mixtures} mixtures of {batch['total_g']:g} g, for the test of the cure, the "
-            f"skin{' and the patch' if mixtures == 3 else ''}; pot life at least "
-            f"{data['filling']['min_pot_life_min']} min",
-        )
-    )
-    printed = ", ".join(
-        [
-            "bone",
-            *(["lid"] if data["sensor_tail"] == "folded" else []),
-            *(["core"] if data["method"] == "sleeve" else []),
-        ]
-    )
-    printed += " and mold"
-    rows.append(("", f"rigid printing material for {printed}: resin or filament", "see Printing"))
-    rows.append(("", _consumables(data), ""))
-    scale = f"scale that reads {data['batch']['scale_g']:g} g or better"
-    tools = [
-        "soldering iron with a fine tip", scale, "hexagon keys or screwdriver for the bolts",
-        "thin flat screwdriver to pry",
-        "sharp knife", "file and sandpaper", "calipers", "ohmmeter", "vise or stand",
-    ]  # fmt: skip
-    if data["filling"]["syringe"]:
-        tools.append("wire of 0.3 to 0.5 mm")
-    if data["chaplet"]:
-        tools += ["pin vise for the drills", "blunt needle for the patch"]
-    if joint := data["joint"]:
-        tools.append(f"reamer of {joint['pin_mm']:g} mm")
-    rows.append(("", f"tools: {', '.join(tools)}; a vacuum chamber helps", ""))
-    if chaplet := data["chaplet"]:
-        rows.append(("1 each", "drill bits", f"{chaplet['hole_mm']:g} mm, {chaplet['pilot_mm']:g} mm"))
-    return _table(("quantity", "item", "size"), rows)
-
-
-def _describe_tape(seat: Data | None) -> str:
-    """Name the tape, with the width and thickness that the seat needs."""
-    wide = "polyimide tape as wide as the sensor's head (no masking tape)"
-    if seat is None:
-        return wide
-    return (
-        f"{wide}, and {seat['to_mm'] - seat['from_mm']:.1f} mm wide and {seat['thickness_mm']:g} mm thick for the seat"
-    )
-
-
-def _consumables(data: Data) -> str:
-    """List the consumables of the procedure."""
-    items = [
-        "solder",
-        f"{data['batch']['mixtures']} cups",
-        "stirrers",
-        "vinyl gloves",
-        "isopropanol",
-        "lint-free cloth",
-    ]
-    items += ["office paper (to try the fit, and for the slide test)", "cork or felt (a disc under the weights)"]
-    items.append("primer for silicone, with a brush")
-    items.append(_describe_tape(data["fit"]["seat_tape"]))
-    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
-    if data["sensor_tail"] == "folded" or passes:
-        items.append(f"{ADHESIVE} (alkoxy; none that smells of vinegar, none with tin)")
-    if data["sensor_tail"] == "folded":
-        items += ["insulating varnish", "second syringe for washing"]
-    elif passes:
-        items.append("baking paper")
-    if data["joint"]:
-        items.append("epoxy for the pins")
-    return ", ".join(items)
 
 
 def _silicone(data: Data) -> str:
@@ -392,13 +303,8 @@ def _silicone(data: Data) -> str:
         )
         for name, value in data["silicone"]["properties"].items()
     ]
-    return _table(("property", "value", "source"), rows)
+    return table(("property", "value", "source"), rows)
 
 
 def _range(value: Data) -> str:
     return f"{value['low']:g}" if value["low"] == value["high"] else f"{value['low']:g} to {value['high']:g}"
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [head, tuple("---" for _ in head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)

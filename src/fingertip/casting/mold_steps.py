@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.casting.step import Step
+from fingertip.casting.supplies import VENT_WIRE
 
 Data = Mapping[str, Any]
 
@@ -48,9 +49,9 @@ def list_trying_steps(data: Data) -> list[Step]:
     steps.append(
         Step(
             "release",
-            "Wipe a thin film of mold release for silicone on cavity and parting plane, and wipe it off until the "
-            "surface looks dry. Leave boss and recess bare: the patch has to stick where the boss stood, and no tape "
-            "holds on release." + (" Treat the core alike." if insert == "core" else ""),
+            "Wipe a thin film of mold release for silicone on cavity and parting plane with a lint-free cloth, and "
+            "wipe it off until the surface looks dry. Leave boss and recess bare: the patch has to stick where the "
+            "boss stood, and no tape holds on release." + (" Treat the core alike." if insert == "core" else ""),
         )
     )
     return steps
@@ -176,7 +177,7 @@ def _syringe_steps(data: Data) -> list[Step]:
             "load_syringe",
             "Pull the plunger out, cap the nozzle, and let "
             f"{filling['load_cm3']:g} cm3 of the mixture run down the wall of the tilted barrel, without folding air "
-            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a wire of 0.3 to 0.5 mm, "
+            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a {VENT_WIRE}, "
             "which lets the air out. Hold the nozzle up for a minute, and press the rest of the air out.",
         ),
         Step(
@@ -184,9 +185,9 @@ def _syringe_steps(data: Data) -> list[Step]:
             f"Hold the mold tip up in a vise or a stand, by the two sides with the pry slots. {_describe_pose(data)} "
             "Hold the syringe in its cone with the other hand and press with a steady "
             f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
-            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take half the pot life, "
-            f"{filling['allowed_s']:g} s, and no more. Go on until silicone without bubbles stands in {openings}, and "
-            f"then stop{closing}. Pressing on would only load the {data['insert']}.",
+            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take "
+            f"{filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles "
+            f"stands in {openings}, and then stop{closing}. Pressing on would only load the {data['insert']}.",
         ),
         Step(
             "leave",
@@ -209,7 +210,6 @@ def _describe_pose(data: Data) -> str:
 def _gravity_steps(data: Data) -> list[Step]:
     """List the steps that pour the silicone."""
     filling, vents, insert = data["filling"], data["mold"]["vents"], data["insert"]
-    pot_life = data["silicone"]["properties"]["pot_life_min"]
     return [
         Step(
             "stand",
@@ -218,8 +218,8 @@ def _gravity_steps(data: Data) -> list[Step]:
         ),
         Step(
             "pour",
-            f"Within {pot_life['low']:g} min of the start of stirring, pour a thin stream into the funnel until "
-            f"silicone rises in the {vents} mold vents. It takes some {filling['fill_s']:g} s for "
+            f"Within {filling['pot_life_min']:g} min of the start of stirring, pour a thin stream into the funnel "
+            f"until silicone rises in the {vents} mold vents. It takes some {filling['fill_s']:g} s for "
             f"{filling['viscosity_pa_s']:g} Pa s. Tap the mold and top it up.",
         ),
     ]

@@ -6,40 +6,35 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.cad.printing.orientations import Orientation
-from fingertip.cad.printing.plates import FDM
-from fingertip.casting.slicer import FIRST_LAYER_MM, LAYER_MM
-
-NOZZLE_MM = 0.4
-"""Bore of the usual nozzle, for which walls are counted in lines [mm]."""
-_WALLS = 4
-"""Lines beside each surface: silicone finds its way through fewer. An assumption."""
-_MOLD_INFILL_PERCENT, _SOLID_PERCENT = 40, 100
-"""Infill of the mold, an assumption, and of bone, lid and core, whose strength is that of solid prints."""
-_RESIN_LAYER_MM = 0.05
-"""Usual layers of resin printers [mm]."""
-_BRIM_MM = FDM.gap_mm / 2 - 0.5
-"""Width of a brim [mm]: the brims of neighbours on a plate do not meet."""
+from fingertip.cad.printing.settings import (
+    BRIM_MM,
+    FIRST_LAYER_MM,
+    LAYER_MM,
+    NOZZLE_MM,
+    RESIN_LAYER_MM,
+    WALLS,
+    infill_percent,
+    needs_brim,
+)
 
 
 def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
     """Collect the settings for the parts of a design, by process. Parts that stand on end get a brim."""
-    upright = [name for name, lies in orientations.items() if lies.rotate_x_deg == 0.0]
+    upright = [name for name, lies in orientations.items() if needs_brim(lies)]
     lying = [name for name in orientations if name not in upright]
     return {
         "fdm": {
             "nozzle_mm": NOZZLE_MM,
             "layer_mm": LAYER_MM,
             "first_layer_mm": FIRST_LAYER_MM,
-            "walls": _WALLS,
-            "wall_mm": round(_WALLS * NOZZLE_MM, 2),
-            "infill_percent": {
-                name: _MOLD_INFILL_PERCENT if name.startswith("mold") else _SOLID_PERCENT for name in orientations
-            },
-            "brim_mm": _BRIM_MM,
+            "walls": WALLS,
+            "wall_mm": round(WALLS * NOZZLE_MM, 2),
+            "infill_percent": {name: infill_percent(name) for name in orientations},
+            "brim_mm": BRIM_MM,
             "brim_on": upright,
             "no_brim_on": lying,
         },
-        "sla": {"layer_mm": _RESIN_LAYER_MM},
+        "sla": {"layer_mm": RESIN_LAYER_MM},
         "supports_on": [name for name, lies in orientations.items() if lies.needs_supports],
         "no_supports_on": [name for name, lies in orientations.items() if not lies.needs_supports],
     }

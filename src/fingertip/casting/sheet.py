@@ -6,15 +6,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import PRINT_FOLDER
+from fingertip.cad.printing.settings import LAYER_MM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
-from fingertip.cad.verification.filling import POT_LIFE_SHARE
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.print_settings import print_settings
 from fingertip.casting.quantities import (
@@ -29,18 +29,18 @@ from fingertip.casting.quantities import (
     parts_by_weight,
 )
 from fingertip.casting.retention import skin_pull_off_n
-from fingertip.casting.slicer import LAYER_MM, PrintEstimate
+from fingertip.casting.slicer import PrintEstimate
+from fingertip.casting.supplies import supplies_data
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents, predict_mold_filling
-from fingertip.silicones import SOURCES, Silicone
+from fingertip.print_materials import PRINT_MATERIALS
+from fingertip.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
-_MIN_POT_LIFE_MIN = 20
-"""Pot life that leaves time to stir, degas, load the syringe and fill [min]. An assumption."""
 _PAPER_MM = 0.1
 """Thickness of office paper of 80 g/m2 [mm]."""
 _TAB_ROOM_MM = 0.3
@@ -50,7 +50,11 @@ _SMALL_SHARE = 0.25
 
 
 def casting_sheet_data(
-    design: Design, volumes: SiliconeVolumes, silicone: Silicone, prints: Mapping[str, PrintEstimate] | None = None
+    design: Design,
+    volumes: SiliconeVolumes,
+    silicone: Silicone,
+    prints: Mapping[str, PrintEstimate] | None = None,
+    warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The casting sheet of a design as plain data.
 
@@ -64,8 +68,10 @@ def casting_sheet_data(
         The silicone to cast.
     prints
         Print estimates by the name of the plate, or None if nothing was sliced.
+    warnings
+        Warnings of the checks, from `cad.verification.check.list_warnings`.
     """
-    return {
+    data: dict[str, Any] = {
         "design": design.name,
         "method": design.mold.method,
         "insert": "core" if design.mold.method == "sleeve" else "bone",
@@ -91,7 +97,10 @@ def casting_sheet_data(
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
         "printing": _printing_data(design, prints),
+        "print_material": PRINT_MATERIALS[design.strength.print_material].label,
+        "check_warnings": list(warnings),
     }
+    return data | {"supplies": supplies_data(data)}
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
@@ -121,8 +130,10 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
     return {
         "viscosity_pa_s": viscosity,
         "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
-        "min_pot_life_min": _MIN_POT_LIFE_MIN,
-        "allowed_s": round(POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0),
+        "pot_life_min": silicone.planned_pot_life_min,
+        "wanted_pot_life_min": WANTED_POT_LIFE_MIN,
+        "limit_min": round(silicone.filling_limit_s / 60.0, 1),
+        "prepare_min": round(silicone.planned_pot_life_min - silicone.filling_limit_s / 60.0, 1),
         "injected_cm3": round(injected_cm3(prediction), 1),
         "up": [round(part, 4) for part in up],
         "lean_deg": round(math.degrees(math.atan2(up[1], up[2]))),

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.cad.printing.overhang import OVERHANG_DEG
+from fingertip.cad.printing.settings import FIRST_LAYER_MM, LAYER_MM
 from fingertip.design import Design
 from fingertip.errors import GeometryError, Issue
 
 PROGRAM = "prusa-slicer"
 HOW_TO_INSTALL = "on Debian or Ubuntu: apt-get install prusa-slicer"
-LAYER_MM = 0.1
-FIRST_LAYER_MM = 0.2
-"""Least height of the first layer [mm]: thinner ones hardly stick to the bed."""
 TIME_LIMIT_S = 300.0
 _TIME = re.compile(r"^; estimated printing time \(normal mode\) = (.+)$", re.MULTILINE)
 _FILAMENT = re.compile(r"^; filament used \[cm3\] = ([\d.]+)$", re.MULTILINE)
@@ -29,7 +27,7 @@ _UNITS_MIN = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class PrintEstimate:
-    """Estimate for one plate, printed from filament with the slicer's default settings."""
+    """Estimate for one plate, printed from filament with the plate's settings on the slicer's default printer."""
 
     minutes: float
     filament_cm3: float
@@ -55,6 +53,8 @@ def slice_plate(program: Path, name: str, plate: bytes, design: Design) -> Print
 
 def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer_mm: float) -> str:
     """Slice a plate with automatic supports, unless its objects ask for none, and return the G-code.
+
+    What the objects of a plate set for themselves, such as the height of the layers, comes before the arguments.
 
     Raises
     ------

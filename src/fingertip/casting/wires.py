@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.component_values import select_components
-from fingertip.board.parts.mating import find_plug_wire
+from fingertip.board.parts.mating import PlugWire, find_plug_wire
 from fingertip.design import Design
 
 _SLACK_MM = 10.0
 """Slack of the wires besides what a joint takes up [mm]. An assumption."""
+_FLEXIBLE_AWG = (28, 32)
+"""Thickest and thinnest conductor if the board has no plug for the sensor. An assumption: it stays flexible."""
 _AWG_36_MM = 0.127
 """Diameter of AWG 36, from which all others follow [mm] (ASTM B258)."""
 
@@ -24,7 +26,9 @@ class Wires:
     max_diameter_mm: float
     """Largest diameter of one wire over its insulation."""
     conductor_awg: int
-    """Thickest usual conductor that leaves half of the diameter to the insulation."""
+    """Thickest conductor that leaves half of the diameter to the insulation, and that the board's connector takes."""
+    thinnest_awg: int
+    """Thinnest conductor that the connector takes, or as thin as the diameter asks for."""
     slack_mm: float
     """Length of the loop between the finger and the first place at which the wires are fixed."""
 
@@ -34,7 +38,7 @@ def describe_plug_wires(design: Design, wires: Wires) -> str:
 
     A board without locking connectors takes the wires of any socket, or none.
     """
-    plug = find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
+    plug = _find_plug(design)
     if plug is None:
         return ""
     common = plug.describe_common(wires.max_diameter_mm, wires.conductor_awg)
@@ -51,4 +55,11 @@ def size_wires(design: Design) -> Wires:
     diameter = design.sensor.wire_diameter_mm if dims.fold else design.bone.channel_diameter_mm / 2
     gauge = math.ceil(36.0 - 39.0 * math.log(diameter / 2 / _AWG_36_MM) / math.log(92.0))
     bend = math.radians(design.hand.travel_deg) * (dims.bone_outline.section.dorsal - joint.axis_y) if joint else 0.0
-    return Wires(diameter, gauge, bend + _SLACK_MM)
+    plug = _find_plug(design)
+    thickest, thinnest = (plug.min_awg, plug.max_awg) if plug else _FLEXIBLE_AWG
+    return Wires(diameter, max(gauge, thickest), max(gauge, thinnest), bend + _SLACK_MM)
+
+
+def _find_plug(design: Design) -> PlugWire | None:
+    """Find the wires that the plug of the board's sensor connector takes."""
+    return find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))

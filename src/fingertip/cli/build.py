@@ -11,7 +11,7 @@ from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption
 from fingertip.silicones import SILICONES
 
 if TYPE_CHECKING:
-    from fingertip.build_files import Build
+    from fingertip.build_result import Build
 
 
 @command
@@ -45,8 +45,8 @@ def build(
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
     import json
 
-    from fingertip.build_files import REPORT
     from fingertip.build_files import build as build_parts
+    from fingertip.build_result import REPORT
     from fingertip.cli.load import load_design
 
     console = Console(as_json, quiet)
@@ -75,6 +75,7 @@ def format_build(result: Build) -> list[str]:
         for built in result.parts
     ]
     from fingertip.cad.printing.print_files import PRINT_FOLDER
+    from fingertip.cad.verification.check import count_checks, list_warnings
     from fingertip.cli.check import describe_cause
 
     if result.prints.contents:
@@ -88,9 +89,8 @@ def format_build(result: Build) -> list[str]:
     for check in failed:
         lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
         lines.append(describe_cause(check.name))
-    lines.append(
-        f"{len(result.checks) - len(failed)} of {len(result.checks)} checks passed; written to {result.folder}"
-    )
+    lines += [f"warning: {text}" for text in list_warnings(result.checks)]
+    lines.append(f"{count_checks(result.checks)}; written to {result.folder}")
     return lines
 
 

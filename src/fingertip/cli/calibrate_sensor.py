@@ -40,11 +40,12 @@ def sensor(
 
     Real sensors of one model differ by factors at the same force. Four weighings or more, over the range of forces that
     matters, give the power law of this one: the conductance follows from each reading and the design's board, and least
-    squares of the logarithms give curve and 95 % interval. Readings without load (weight 0) correct the board's offset.
+    squares of the logarithms give curve and 95 % interval. Readings without load (weight 0) correct the board's offset;
+    without one, the command warns.
 
     Exit code 0: the force curve is calibrated, 2: the weighings are not usable.
     """
-    from fingertip.calibration.calibrate_sensor import apply_sensor_calibration, calibrate_sensor
+    from fingertip.calibration.calibrate_sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
     from fingertip.calibration.weighings import read_weighings
     from fingertip.cli.load import load_design
     from fingertip.design.export import to_toml
@@ -70,6 +71,9 @@ def sensor(
     calibration = calibrate_sensor(loaded, weighings, scale)
     calibrated = apply_sensor_calibration(loaded, calibration)
     data, lines = _data(calibration), _format(calibration, calibrated)
+    data["warnings"] = list_warnings(weighings)
+    for warning in data["warnings"]:
+        console.progress(f"warning: {warning}")
     if out is not None:
         heading = f"{loaded.name}, with the force curve of one sensor on one board, by `fingertip calibrate sensor`."
         write_file(out, to_toml(calibrated, heading).encode())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
     from fingertip.cli.load import Progress
     from fingertip.design import Design
+
+
+_TEXT_WIDTH = 80
+"""Width of warnings, as that of the table [characters]."""
 
 
 @command
@@ -33,10 +38,11 @@ def check(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Check designs and folders. Exit code 0: all checks pass, 1: a check failed, 2: a design is not valid.
+    """Check designs and folders. Exit code 0: no check failed, 1: a check failed, 2: a design is not valid.
 
     The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
     skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
+    A check that passes may warn of what is expected to go wrong, such as a bone that breaks at strength.shock_force_n.
     If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
@@ -83,6 +89,7 @@ def _check_designs(
     """Check designs and write the JUnit report: data of all, and text of each."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.verify import validate_tolerance, verify
 
     loaded = _load(files, changes, console.progress)
@@ -103,7 +110,12 @@ def _check_designs(
         "passed": passed,
         "tolerance_mm": tolerance_mm,
         "designs": [
-            {"design": label, "passed": all(c.passed for c in checks), "checks": [c.to_dict() for c in checks]}
+            {
+                "design": label,
+                "passed": all(c.passed for c in checks),
+                "warnings": list_warnings(checks),
+                "checks": [c.to_dict() for c in checks],
+            }
             for label, checks in checks_by_design.items()
         ],
     }
@@ -136,18 +148,18 @@ def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> 
 
 
 def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
-    """Verdict on a design, then the checks that failed, or all of them."""
+    """Verdict on a design, then the checks that failed or warn, or all of them."""
+    from fingertip.cad.verification.check import count_checks, list_warnings
     from fingertip.files import round_for_output
 
-    failed = sum(not c.passed for c in checks)
-    verdict = f"{label}: {len(checks) - failed} of {len(checks)} checks passed"
-    shown = [c for c in checks if verbose or not c.passed]
+    verdict = f"{label}: {count_checks(checks)}"
+    shown = [c for c in checks if verbose or c.state != "passed"]
     if not shown:
         return verdict
+    words = {"passed": "ok", "warning": "WARNING", "failed": "FAILED"}
     rows = [("check", "value", "", "limit", "unit", "")]
     rows += [
-        (c.name, f"{round_for_output(c.value):.5g}", c.sign, f"{c.limit:.5g}", c.unit, "ok" if c.passed else "FAILED")
-        for c in shown
+        (c.name, f"{round_for_output(c.value):.5g}", c.sign, f"{c.limit:.5g}", c.unit, words[c.state]) for c in shown
     ]
     name, value, sign, limit, unit, _ = (max(len(row[i]) for row in rows) for i in range(6))
     lines = [
@@ -155,6 +167,8 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
         for row in rows
     ]
     lines.insert(0, verdict)
+    for text in list_warnings(checks):
+        lines += textwrap.wrap(f"warning: {text}", _TEXT_WIDTH, subsequent_indent="  ", break_on_hyphens=False)
     return "\n".join([*lines, *(describe_cause(c.name) for c in shown if not c.passed)])
 
 

@@ -88,8 +88,11 @@ def new(
     if preset or hand:
         from fingertip.cad.kernel.mesh import MeshEvaluator
         from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data
+        from fingertip.cad.verification.check import list_warnings
+        from fingertip.cad.verification.strength import check_strength
 
         strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
         data["strength"] = strength_data(strength)
         lines += describe_strength(strength)
+        lines += (f"warning: {text}" for text in list_warnings(check_strength(made.design, strength)))
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))

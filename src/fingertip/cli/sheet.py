@@ -34,10 +34,14 @@ def sheet(
     quiet: QuietOption = False,
 ) -> None:
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
-    from fingertip.build_files import SHEET, STEPS_FOLDER, parts_writer, steps_writer
+    from fingertip.build_files import parts_writer, steps_writer
+    from fingertip.build_result import SHEET, STEPS_FOLDER
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.plates import FDM
+    from fingertip.cad.strength.assess import assess_strength
+    from fingertip.cad.verification.check import list_warnings
+    from fingertip.cad.verification.strength import check_strength
     from fingertip.casting.markdown import render_sheet, steps
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.sheet import casting_sheet_data
@@ -67,7 +71,8 @@ def sheet(
             console.progress(f"slicing {name}")
             prints[name] = slice_plate(program, name, files.contents[file], loaded)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
-    data = casting_sheet_data(loaded, volumes, silicone, prints)
+    strength = check_strength(loaded, assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM)))
+    data = casting_sheet_data(loaded, volumes, silicone, prints, list_warnings(strength))
     path = out or Path("out") / loaded.name / SHEET
     drawn: dict[str, bytes] = {}
     if pictures:

@@ -17,6 +17,7 @@ from fingertip.drawing.sizes import (
     FINISHED,
     INNER,
     OUTER,
+    SCALE_REMEDY,
     STEP,
     AxisLine,
     Circle,
@@ -27,7 +28,6 @@ from fingertip.drawing.sizes import (
 from fingertip.drawing.tolerances import Tolerance, bore, clearance, located, symmetric
 from fingertip.print_materials import PRINT_MATERIALS
 
-_SCALE = "correct printer.scale_percent"
 _ARROW_DEG = 5.0
 """Angle between the end of an arc and the arrow that points to it."""
 _PILOT = "narrow: drill it to size; wide: take the next thicker screw"
@@ -61,7 +61,7 @@ def core_drawing(design: Design) -> PartDrawing:
     low = dims.base_end_z
     sizes = [
         Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, apex), symmetric(0.2),
-               f"{_SCALE}: the skin is thin or thick at the tip"),
+               f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
         *_base_sizes(design),
         Length("length of the base", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
         Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, apex), (0.0, flat, dims.sensor_z),
@@ -117,10 +117,10 @@ def _base_sizes(design: Design) -> list[Size]:
     sizes: list[Size] = [
         Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
                (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
-               f"wide: scrape the recess until the base drops in; narrow: {_SCALE}"),
+               f"wide: scrape the recess until the base drops in; narrow: {SCALE_REMEDY}"),
         Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
                (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
-               f"wide: scrape the recess of the collar until the mold closes; narrow: {_SCALE}"),
+               f"wide: scrape the recess of the collar until the mold closes; narrow: {SCALE_REMEDY}"),
         Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
                (0.0, 0.0, 0.0),
                located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
@@ -129,7 +129,7 @@ def _base_sizes(design: Design) -> list[Size]:
         sizes.append(
             Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
                    (0.0, section.dorsal, base), located(design, dims.base_flat_depth + section.dorsal),
-                   f"high: scrape the floor of the recess until the mold closes; low: {_SCALE}")
+                   f"high: scrape the floor of the recess until the mold closes; low: {SCALE_REMEDY}")
         )  # fmt: skip
     return sizes
 

@@ -14,6 +14,7 @@ from fingertip.drawing.sizes import (
     FINISHED,
     INNER,
     OUTER,
+    SCALE_REMEDY,
     STEP,
     AxisLine,
     Circle,
@@ -26,7 +27,6 @@ from fingertip.drawing.views import ViewName
 from fingertip.syringes import LUER_MOUTH_MM
 
 _MATERIAL = "any print material that the silicone tolerates"
-_SCALE = "correct printer.scale_percent"
 
 
 def palmar_drawing(design: Design) -> PartDrawing:
@@ -96,15 +96,15 @@ def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
                (m.half_width, outer, m.proximal_z)),
         Length("width of the recess", INNER, plan, "left", "x", (recess, 0.0, m.proximal_z),
                (-recess, 0.0, m.proximal_z),
-               located(design, 2 * recess), f"narrow: sand until the bone's base drops in; wide: {_SCALE}"),
+               located(design, 2 * recess), f"narrow: sand until the bone's base drops in; wide: {SCALE_REMEDY}"),
         Length("proximal face to the skin's end", OUTER, plan, "above", "z", (skin, 0.0, m.proximal_z),
                (skin, 0.0, 0.0)),
         Length("width of the cavity", INNER, plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,
-               f"{_SCALE}: skin and play in the mold follow from it"),
+               f"{SCALE_REMEDY}: skin and play in the mold follow from it"),
         Length("spacing of the bolts, across", STEP, plan, "right", "x", (x, 0.0, high), (-x, 0.0, high),
-               bolt_tolerance, f"{_SCALE}, until the bolts pass both halves"),
+               bolt_tolerance, f"{SCALE_REMEDY}, until the bolts pass both halves"),
         Length("spacing of the bolts, along", STEP, plan, "below", "z", (x, 0.0, low), (x, 0.0, high),
-               bolt_tolerance, f"{_SCALE}, until the bolts pass both halves"),
+               bolt_tolerance, f"{SCALE_REMEDY}, until the bolts pass both halves"),
         Length("first bolt", BEHIND_FACE, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, low)),
         Circle("bolt holes", INNER, plan, "y", (x, 0.0, low), bolt / 2,
                bolt_tolerance, "narrow: drill them to size", count=len(m.bolts)),
@@ -119,7 +119,7 @@ def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Si
     remedy = "wide: sand it until the halves close" if kind == "key" else "narrow: scrape it until the halves close"
     sizes: list[Size] = []
     for (x, z, root), label in zip(m.keys, ("larger", "smaller"), strict=True):
-        action = f"{remedy}; loose: {_SCALE}" if label == "larger" else ""
+        action = f"{remedy}; loose: {SCALE_REMEDY}" if label == "larger" else ""
         sizes += [
             Circle(
                 f"{label} {kind}, at the parting plane",

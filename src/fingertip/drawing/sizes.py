@@ -21,6 +21,8 @@ BEHIND_FACE, BEFORE_FACE = 0.5, -0.5
 """Growth of a length between a face and an axis that lies in the material behind it, or in the air before it."""
 FINISHED = 0.0
 """Growth of a hole that is drilled or reamed to its size."""
+SCALE_REMEDY = "correct printer.scale_percent"
+"""Remedy for a length that is out by more than its tolerance, on drawings of every part."""
 
 
 @dataclass(frozen=True)

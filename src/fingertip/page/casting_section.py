@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 
-from fingertip.build_files import SHEET, STEPS_FOLDER
+from fingertip.build_result import SHEET, STEPS_FOLDER
 from fingertip.page.html import Markup, element, figure, join
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.sources import COMMANDS, Sources

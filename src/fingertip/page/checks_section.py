@@ -22,11 +22,14 @@ def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed
     """Render in one line whether the parts passed their checks; `passed` ends the sentence if they did."""
     checks = report["checks"]
     failed = [check for check in checks if not check["passed"]]
+    warned = _find_warnings(checks)
     if failed:
-        text = f"✗ {len(failed)} of {len(checks)} checks failed: do not print these parts"
+        text, kind = f"✗ {len(failed)} of {len(checks)} checks failed: do not print these parts", "failed"
+    elif warned:
+        text, kind = f"⚠ {len(checks) - len(warned)} of {len(checks)} checks {passed}, {len(warned)} warn", "warned"
     else:
-        text = f"✓ All {len(checks)} checks {passed}"
-    return element("p", text, class_=f"verdict {'failed' if failed else 'passed'}")
+        text, kind = f"✓ All {len(checks)} checks {passed}", "passed"
+    return element("p", text, class_=f"verdict {kind}")
 
 
 def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
@@ -45,7 +48,11 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
         element("p", basis),
         *([element("h3", "Failed"), _tabulate(failed, "failed checks")] if failed else []),
     ]
-    if "strength" in report:
+    warned = _find_warnings(checks)
+    if warned:
+        parts += [element("h3", "Warnings"), _tabulate(warned, "checks that warn")]
+        parts += [element("p", code(check["name"]), f": {check['warning']}", class_="note") for check in warned]
+    elif "strength" in report:
         parts.append(_warn_of_strength(report["strength"]))
     if closest := _find_closest(checks):
         parts += [element("h3", "Closest to their limits"), _tabulate(closest, "checks closest to their limits")]
@@ -55,7 +62,9 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
     parts.append(element("h3", "All checks"))
     for subject, group in groups.items():
         passed = sum(check["passed"] for check in group)
-        summary = f"{subject.replace('_', ' ')}: {passed} of {len(group)} passed"
+        warnings = len(_find_warnings(group))
+        summary = f"{subject.replace('_', ' ')}: {passed - warnings} of {len(group)} passed"
+        summary += f", {warnings} warn" if warnings else ""
         parts.append(element("details", element("summary", summary), _tabulate(group, f"checks of {subject}")))
     return join(parts)
 
@@ -90,7 +99,7 @@ def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
             element("span", code(check["name"]), class_="code"),
             element("span", _with_unit(check["value"], check["unit"]), class_="num"),
             element("span", f"{_SIGNS[check['relation']]} {_with_unit(check['limit'], check['unit'])}", class_="num"),
-            _say(check["passed"]),
+            _say(check),
             join(_list_parameters(check["name"])),
         )
         for check in checks
@@ -98,13 +107,17 @@ def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
     return table(("check", "value", "must be", "passed", "set by"), rows, caption, "broad")
 
 
-def _say(passed: bool) -> Markup:
-    return element(
-        "span",
-        "✓" if passed else "✗ FAILED",
-        class_="passed" if passed else "failed",
-        title="passed" if passed else None,
-    )
+def _find_warnings(checks: Sequence[Check]) -> list[Check]:
+    """Find the checks that passed but warn."""
+    return [check for check in checks if check["passed"] and check.get("warning")]
+
+
+def _say(check: Check) -> Markup:
+    if not check["passed"]:
+        return element("span", "✗ FAILED", class_="failed")
+    if check.get("warning"):
+        return element("span", "⚠ warns", class_="warned")
+    return element("span", "✓", class_="passed", title="passed")
 
 
 def _list_parameters(name: str) -> list[str]:

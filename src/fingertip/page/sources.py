@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.build_files import REPORT, SHEET, STEPS_FOLDER
+from fingertip.build_result import REPORT, SHEET, STEPS_FOLDER
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.errors import Issue, OutputError

@@ -12,7 +12,8 @@ from fingertip.cad.solids import Solid
 from fingertip.cad.strength.assess import assess_strength, strength_data
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.verify import check_parts, check_strength, verify
+from fingertip.cad.verification.strength import check_strength
+from fingertip.cad.verification.verify import check_parts, verify
 from fingertip.design import Design
 from fingertip.errors import FingertipError
 from fingertip.page.checks_section import EVERY_FILE, render_checks, render_verdict

@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from fingertip.build_files import DESIGN, DESIGN_HEADING
+from fingertip.build_result import DESIGN, DESIGN_HEADING
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.plates import FDM, SLA, PlateKind

@@ -193,10 +193,12 @@ def compute_bone(context: PointContext) -> OutputValues:
 def compute_strength(context: PointContext) -> OutputValues:
     """Compute the safety factors of the bone."""
     from fingertip.cad.strength.assess import assess_strength
+    from fingertip.cad.verification.strength import filament_grip_factor
 
     found = assess_strength(context.design, context.evaluator())
     return {
         "grip_safety_factor": found.grip_safety_factor,
+        "filament_grip_safety_factor": filament_grip_factor(context.design, found),
         "shock_safety_factor": found.shock_safety_factor,
         "weakest_z_mm": found.weakest.z_mm,
         "tendon_force_n": found.tendon_force_n,
@@ -283,10 +285,11 @@ def compute_printing(context: PointContext) -> OutputValues:
 
 def compute_acceptance(context: PointContext) -> OutputValues:
     """Compute the voltages that an accepted finger shows."""
-    from fingertip.acceptance.expectation import expect_open_v, expect_readings
+    from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
-    return {"tactile_open_v": expect_open_v(context.design), **weights}
+    ratio = expect_drop_ratio(context.design).expected
+    return {"tactile_open_v": expect_open_v(context.design), "tactile_drop_ratio": ratio, **weights}
 
 
 def compute_checks(context: PointContext) -> OutputValues:
@@ -296,7 +299,8 @@ def compute_checks(context: PointContext) -> OutputValues:
 
     checks = verify(context.design, parts_by_name(context.design), ("stl",), context.evaluator()).checks
     failed = [check for check in checks if not check.passed]
-    values: OutputValues = {"checks_failed": len(failed), "checks_run": len(checks)}
+    warned = sum(check.state == "warning" for check in checks)
+    values: OutputValues = {"checks_failed": len(failed), "checks_warned": warned, "checks_run": len(checks)}
     if failed:
         first, *others = failed
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""

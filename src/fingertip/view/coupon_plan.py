@@ -96,8 +96,8 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
     pen.text((14, 10), title, fill=(40, 40, 40), font=font)
     for number, length in enumerate(list_lengths(design), 1):
         _draw_length(pen, font, plan, number, length)
-    for height in list_heights(design):
-        text = f"Z {height.height_mm * plan.growth:.1f}"
+    for number, height in enumerate(list_heights(design), 1):
+        text = f"Z{number}: {height.height_mm * plan.growth:.2f}"
         _draw_height(pen, font, plan.at(height.at, height.piece), text, scale)
     _draw_axes(pen, font, height_px)
     file = io.BytesIO()

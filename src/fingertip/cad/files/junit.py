@@ -1,6 +1,7 @@
 """Checks as a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
 
-Each design is a test suite and each check a test case. The report holds no times, dates or host names, so the same
+Each design is a test suite and each check a test case. A warning stands in the output of its test case, which passed.
+The report holds no times, dates or host names, so the same
 designs give the same bytes.
 """
 
@@ -44,7 +45,8 @@ def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
         if not check.passed:
             failure = SubElement(case, "failure", type="check", message=message(check))
             failure.text = f"{name}: {check.name}: {message(check)}"
-        SubElement(case, "system-out").text = message(check)
+        warning = f"; warning: {check.warning}" if check.state == "warning" else ""
+        SubElement(case, "system-out").text = _clean(message(check) + warning)
 
 
 def _clean(text: str) -> str:

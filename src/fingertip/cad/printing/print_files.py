@@ -9,11 +9,12 @@ from fingertip.cad.files import stl
 from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import print_orientations
-from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.cad.printing.plates import FDM, PLATE_KINDS, Placed, arrange
 from fingertip.cad.printing.pose import Pose, bed_pose
-from fingertip.cad.printing.supports import Supports, supports_by_part
+from fingertip.cad.printing.settings import describe_part, slicer_settings
+from fingertip.cad.printing.supports import supports_by_part
 from fingertip.design import Design
+from fingertip.print_materials import PRINT_MATERIALS
 
 PRINT_FOLDER = "print"
 """Folder of these files, inside that of the parts."""
@@ -54,34 +55,20 @@ def make_print_files(
         contents = {f"{name}.stl": stl.to_bytes(pose.apply(meshes[name]), name) for name, pose in poses.items()}
     if set(orientations) <= set(encoded):
         footprints = {name: pose.size(meshes[name])[:2] for name, pose in poses.items()}
-        supports = supports_by_part(design)
+        supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
         for kind in PLATE_KINDS:
             arranged = arrange(footprints, (design.printer.bed_x_mm, design.printer.bed_y_mm), kind.gap_mm)
             for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
                 items = []
                 for part in plate:
                     stands, pose = supports[part.name], _place(part, poses[part.name], meshes[part.name])
-                    settings = slicer_settings(stands) if kind is FDM else ()
-                    items.append(Item(part.name, encoded[part.name], stands.note, pose.rotation, pose.shift, settings))
+                    lies = orientations[part.name]
+                    settings = slicer_settings(part.name, lies, stands) if kind is FDM else ()
+                    note = describe_part(kind, part.name, lies, stands, material)
+                    items.append(Item(part.name, encoded[part.name], note, pose.rotation, pose.shift, settings))
                 contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
                 plates[file] = tuple(part.name for part in plate)
     return PrintFiles(contents, plates)
-
-
-def slicer_settings(supports: Supports) -> tuple[tuple[str, str], ...]:
-    """Set in PrusaSlicer whether a part gets supports, and that they stand on the bed.
-
-    Its automatic supports stand below most bridges too (in version 2.5), in the nut traps as anywhere. Those of its
-    usual style spread to other parts and above the collar, which snug ones do not.
-    """
-    if not supports.places:
-        return (("support_material", "0"),)
-    return (
-        ("support_material", "1"),
-        ("support_material_threshold", f"{OVERHANG_DEG:g}"),
-        ("support_material_buildplate_only", "1"),
-        ("support_material_style", "snug"),
-    )
 
 
 def _place(part: Placed, pose: Pose, mesh: Mesh) -> Pose:

@@ -74,6 +74,8 @@ class BoneStrength:
     weakest: Weakness
     by_load: tuple[Weakness, ...]
     """Weakest place for each load point."""
+    at_shock: Weakness
+    """Weakest place of those that a shock loads."""
     grip_safety_factor: float
     """Strength over the stress at the load of a firm grip."""
     shock_safety_factor: float
@@ -117,7 +119,8 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     strength = material.across_mpa if design.strength.print_direction == "upright" else material.strength_mpa
     grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
     return BoneStrength(
-        material, weakest, by_load, strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
+        material, weakest, by_load, at_shock,
+        strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
         grip * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
 

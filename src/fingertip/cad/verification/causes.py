@@ -57,7 +57,14 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
         "mold.leak_length",
         ("mold.seat_tape_mm", "mold.fit_clearance_mm", "printer.offset_mm", "bone.collar_length_mm"),
     ),
-    ("bone.safety_factor.*", ("bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material")),
+    (
+        "bone.safety_factor.grip_fdm",
+        ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm"),
+    ),
+    (
+        "bone.safety_factor.*",
+        ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),
+    ),
     ("*.step.volume_difference*", _BUG),
     ("*.stl.*", _BUG),
     ("*.3mf.*", _BUG),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 Relation = Literal["at most", "at least", "exactly"]
+State = Literal["passed", "warning", "failed"]
 
 VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""
@@ -37,6 +38,8 @@ class Check:
     limit: float
     unit: str
     relation: Relation = "at most"
+    warning: str = ""
+    """Sentences on what is expected to go wrong although the value satisfies the limit; empty if nothing is."""
 
     @property
     def sign(self) -> str:
@@ -54,6 +57,13 @@ class Check:
             case "exactly":
                 return self.value == self.limit
 
+    @property
+    def state(self) -> State:
+        """Result of the check. A warning is no failure: the limit is satisfied."""
+        if not self.passed:
+            return "failed"
+        return "warning" if self.warning else "passed"
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of this check in report.json."""
         return {
@@ -63,8 +73,27 @@ class Check:
             "unit": self.unit,
             "relation": self.relation,
             "passed": self.passed,
-            **({} if self.passed else {"change": [*list_causes(self.name)]}),
+            "state": self.state,
+            **({"warning": self.warning} if self.state == "warning" else {}),
+            **({} if self.state == "passed" else {"change": [*list_causes(self.name)]}),
         }
+
+
+def count_checks(checks: Sequence[Check]) -> str:
+    """Say how many checks passed, and how many of the others only warn."""
+    states = [check.state for check in checks]
+    passed, warned = states.count("passed"), states.count("warning")
+    text = f"{passed} of {len(states)} checks passed"
+    return text + (f", {warned} warning{'s' if warned > 1 else ''}" if warned else "")
+
+
+def list_warnings(checks: Sequence[Check]) -> list[str]:
+    """List the warnings, each with the name of its check and the parameters to change."""
+    return [
+        f"{check.name}: {check.warning} It is set by {', '.join(list_causes(check.name))}."
+        for check in checks
+        if check.state == "warning"
+    ]
 
 
 def check_zero_volume(name: str, volume_mm3: float) -> Check:

@@ -16,8 +16,6 @@ from fingertip.silicones import Silicone
 
 PUSH_S = 60.0
 """Time for which a thumb can push [s]. An assumption."""
-POT_LIFE_SHARE = 0.5
-"""Share of the pot life in which the mold must be full: weighing, mixing and degassing take the rest."""
 _PRELOAD_N_PER_MM = 100.0
 """Preload of a bolt tightened by hand in a printed mold, per millimetre of its diameter [N/mm]. An assumption."""
 _MIN_BEARING_FACTOR = 2.0
@@ -28,7 +26,7 @@ _GRAVITY_M_S2 = 9.81
 def check_filling(design: Design) -> Iterator[Check]:
     """Check the filling of a mold with the silicone of its design."""
     prediction, silicone = predict_mold_filling(design), select_silicone(design)
-    allowed_s = POT_LIFE_SHARE * silicone.pot_life_min.low * 60.0
+    allowed_s = silicone.filling_limit_s
     syringe = design.mold_layout.inlet.syringe if design.mold_layout.inlet else None
     yield Check("mold.fill_time", prediction.fill_s, allowed_s, "s")
     if syringe:

@@ -77,5 +77,5 @@ def leak_mm(design: Design) -> float:
     widening = add_draft(section, dims.draft_slope).half_width - section.half_width if dims.draft_slope else 0.0
     gap_mm = design.printed_fit_mm + widening
     head = head_pressure_pa(silicone.density_g_cm3.high, design.skin.length_mm)
-    setting = head * silicone.pot_life_min.low * 60.0 / silicone.viscosity_pa_s.low
+    setting = head * silicone.planned_pot_life_min * 60.0 / silicone.viscosity_pa_s.low
     return creep_mm(prediction.cavity_integral + setting, gap_mm, design.mold.seat_tape_mm, tape_span_mm(design))

@@ -25,6 +25,7 @@ from fingertip.cad.verification.part_files import check_mesh_file
 from fingertip.cad.verification.printing import check_overhang, check_print_files
 from fingertip.cad.verification.seals import check_seals
 from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
+from fingertip.cad.verification.strength import check_strength
 from fingertip.design import Design
 from fingertip.errors import DesignError, Issue
 
@@ -117,15 +118,6 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
         yield from check_seals(design, evaluator)
     if "core" in meshes:
         yield check_sleeve_stretch(design, evaluator)
-
-
-def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
-    """Check the safety factors of the bone against the limits of the design."""
-    limits = design.strength
-    return (
-        Check("bone.safety_factor.grip", strength.grip_safety_factor, limits.min_grip_factor, "", "at least"),
-        Check("bone.safety_factor.shock", strength.shock_safety_factor, limits.min_shock_factor, "", "at least"),
-    )
 
 
 def validate_tolerance(tolerance_mm: float) -> None:

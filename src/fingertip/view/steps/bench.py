@@ -37,6 +37,7 @@ _TOLERANCE_MM = 0.05
 SENSOR, TAPE, SEAL = (0.86, 0.68, 0.24), (0.85, 0.50, 0.15), (0.80, 0.25, 0.20)
 WIRE, STEEL, GLASS, HAND_COLOUR = (0.72, 0.20, 0.16), (0.62, 0.63, 0.66), (0.80, 0.86, 0.90), (0.80, 0.80, 0.78)
 PRODUCT, PATCH = PARTS["skin"].colour, (0.78, 0.48, 0.40)
+PAPER = (0.93, 0.91, 0.86)
 """Colours of what lies beside the parts; PRODUCT is the silicone."""
 _TAPE_SHOWN_MM = 0.2
 """Thickness with which a tape is drawn: its own would not be seen [mm]."""
@@ -172,6 +173,23 @@ class Bench:
         silicone = cylinder("y", centre, shoulder + _WALL_MM, level, 0.99 * bore)
         shown = [self.solid(union(nozzle, difference(barrel, viewer_side)), GLASS), self.solid(plunger, STEEL)]
         return [*shown, self.solid(silicone, PRODUCT)] if fill_share else shown
+
+    def nozzle_cap(self) -> list[Shown]:
+        """Show the cap on the nozzle of a syringe that stands as `syringe` shows it."""
+        inlet = self.design.mold_layout.inlet
+        assert inlet
+        tip = self.design.mold_layout.dorsal_height - NOZZLE_DEPTH_MM
+        cap = cylinder("y", (inlet.z, inlet.x), tip - 1.5, tip + 0.7 * NOZZLE_LENGTH_MM, LUER_MOUTH_MM / 2 + 1.0)
+        return [self.solid(cap, SEAL)]
+
+    def plunger_wire(self, level: float) -> list[Shown]:
+        """Show the wire between plunger and barrel that lets the air out above a level of silicone [mm]."""
+        inlet = self.design.mold_layout.inlet
+        assert inlet
+        bore = inlet.syringe.bore_mm / 2
+        aside = (inlet.z + 0.7 * bore, inlet.x - 0.75 * bore)
+        stroke = 1000.0 * inlet.syringe.volume_ml / (math.pi * bore**2)
+        return [self.solid(cylinder("y", aside, level - 0.5, level + 0.5 * stroke, 0.3), SENSOR)]
 
     def patch(self) -> list[Shown]:
         """Show the patch in the hole of the chaplet; none without one."""

@@ -68,15 +68,15 @@ def load_syringe(bench: Bench, data: Data) -> Scene:
     low = min(float(item.mesh.vertices[:, 1].min()) for item in shown)
     camera = Camera.looking_from((-1.0, -0.2, 0.2), (0.0, 1.0, 0.0))
     level = float(shown[-1].mesh.vertices[:, 1].max())
+    radius = inlet.syringe.bore_mm / 2
+    shown += [*bench.plunger_wire(level), *bench.nozzle_cap()]
     return Scene(
         tuple(shown),
         camera,
         (
-            Label("then nozzle up for a\nminute, and press\nthe air out", (inlet.x, low, inlet.z)),
-            Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - inlet.syringe.bore_mm / 2)),
-            Label(
-                "wire beside the plunger\nlets the air out", (inlet.x, level + 2.0, inlet.z + inlet.syringe.bore_mm / 2)
-            ),
+            Label("cap; later nozzle up\nfor a minute, and\npress the air out", (inlet.x, low, inlet.z)),
+            Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),
+            Label("wire beside the plunger\nlets the air out", (inlet.x - radius, level + 8.0, inlet.z + 0.7 * radius)),
         ),
         (Arrow((inlet.x, high + 16.0, inlet.z), (inlet.x, high + 2.0, inlet.z)),),
     )

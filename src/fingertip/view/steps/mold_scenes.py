@@ -14,7 +14,7 @@ from fingertip.cad.shapes.seals import tape
 from fingertip.cad.solids import Box, Cone, Solid, cylinder, union
 from fingertip.design import Design
 from fingertip.view.raster import Camera
-from fingertip.view.steps.bench import GLASS, PRODUCT, STEEL, TAPE, Bench
+from fingertip.view.steps.bench import GLASS, PAPER, PRODUCT, STEEL, TAPE, Bench
 from fingertip.view.steps.cameras import DORSAL, LOW, PALMAR, SIDE
 from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
@@ -26,7 +26,7 @@ _SPARE_MM, _DROP_MM = 10.0, 2.5
 
 def cure_test(bench: Bench, data: Data) -> Scene:
     """Show drops of silicone on a spare print of each material, and on what else silicone touches."""
-    names = ["print of the mold", f"print of the {bench.insert}", "tape", "adhesive,\nvarnish, primer", "plunger"]
+    names = ["print\nof the mold", f"print\nof the {bench.insert}", "tape", "adhesive,\nvarnish, primer", "plunger"]
     colours = (*(PARTS[name].colour for name in ("mold_palmar", bench.insert)), TAPE, GLASS, STEEL)
     shown, labels = [], []
     for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
@@ -128,17 +128,22 @@ def release(bench: Bench, data: Data) -> Scene:
 
 def seat_tape(bench: Bench, data: Data) -> Scene:
     """Show the tape around the seat."""
-    seat = data["fit"]["seat_tape"]
-    half = bench.design.dimensions.bone_outline.section.half_width
-    middle = -(seat["from_mm"] + seat["to_mm"]) / 2
-    return Scene(
-        (*bench.in_mold(), *bench.seat_tape()),
-        DORSAL,
-        (
-            Label(f"one turn of tape,\n{seat['thickness_mm']:g} mm thick", (-half, 0.0, middle)),
-            Label("the skin begins here", (0.0, bench.design.dimensions.bone_outline.section.dorsal, 0.0)),
-        ),
-    )
+    seat, dims = data["fit"]["seat_tape"], bench.design.dimensions
+    half = dims.bone_outline.section.half_width
+    middle, floor = -(seat["from_mm"] + seat["to_mm"]) / 2, -dims.base_flat_depth
+    labels = [Label(f"one turn of tape,\n{seat['thickness_mm']:g} mm thick", (0.0, floor, middle))]
+    shown = [*bench.in_mold(), *bench.seat_tape()]
+    if bench.insert == "bone":
+        shown.append(bench.solid(tape(bench.design), TAPE))
+    if data["filling"]["syringe"]:  # the runner lies on the other side
+        labels.append(Label("its ends meet here,\nwithout overlapping", (-half, 0.0, middle)))
+    if bench.insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
+        low = max(dims.tail_end_z, -seat["to_mm"] - 2.0)
+        scrap = Box((-dims.tail_half_width, floor - 0.1, low), (dims.tail_half_width, floor + 0.1, -seat["from_mm"]))
+        shown.append(bench.solid(scrap, PAPER))
+        labels.append(Label("baking paper\non the bare film", (0.0, floor, low + 1.0)))
+    labels.append(Label("the skin begins here", (0.0, -dims.flat_depth, 0.0)))
+    return Scene(tuple(shown), PALMAR, tuple(labels))
 
 
 def core_only(bench: Bench, data: Data) -> Scene:
@@ -202,12 +207,12 @@ def bolt(bench: Bench, data: Data) -> Scene:
     return Scene(
         (
             bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(),
-            *bench.bolts((0.0, apart, 0.0), (0.0, -0.7 * apart, 0.0)),
+            *bench.bolts((0.0, apart, 0.0), (0.0, -1.3 * apart, 0.0)),
         ),
         LOW,
         (
             Label(f"{count} bolts, crosswise,\nby hand", (x, m.dorsal_height + apart, z)),
-            Label(f"{count} nuts in their traps", (x, -m.palmar_height - 0.6 * apart, z)),
+            Label(f"{count} nuts in their traps", (x, -m.palmar_height - 1.2 * apart, z)),
             Label("no gap here", (-m.half_width, 0.0, m.distal_z - 2.0)),
         ),
         (Arrow((x, m.dorsal_height + 0.9 * apart, z), (x, m.dorsal_height + 0.2 * apart, z)),),

@@ -7,18 +7,20 @@ from typing import Any
 
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.seals import passage_seal, tape
-from fingertip.cad.solids import Box, Point3, Solid, cylinder, union
+from fingertip.cad.solids import Box, Point3, Solid, cylinder, intersection, union
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.tail_fold import TailFold
 from fingertip.view.joint_view import HAND, place_on_hand
 from fingertip.view.raster import Camera, Colour
 from fingertip.view.steps.bench import HAND_COLOUR, SEAL, SENSOR, STEEL, TAPE, WIRE, Bench
-from fingertip.view.steps.cameras import DORSAL, PALMAR, SIDE
+from fingertip.view.steps.cameras import CUT_FROM_ABOVE, CUT_FROM_BELOW, DORSAL, PALMAR, SIDE
 from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
 Data = Mapping[str, Any]
 
 _LIFT_MM = 10.0
+_BEYOND_COLLAR_MM = 9.0
+"""Length of the bone that is shown distal to the collar in a close view of it [mm]."""
 
 
 def _fold(bench: Bench) -> TailFold:
@@ -38,15 +40,15 @@ def place_sensor(bench: Bench, data: Data) -> Scene:
     if dims.tail_passes_collar:
         out = 0.6 * (dims.sensor.length_mm - dims.sensor.head_diameter_mm)
         return Scene(
-            (bench.part("bone", cut=True), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -0.1, out))),
-            SIDE,
+            (bench.part("bone"), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -0.1, out))),
+            PALMAR,
             (
                 Label("head, stuck down last", (x, y, z + out)),
                 Label("pocket", (x, y, z)),
-                Label("passage through\nthe collar", (0.0, y - 0.4, -bench.design.bone.collar_length_mm / 2)),
+                Label("passage through\nthe collar", (dims.tail_half_width, y - 0.4, 0.0)),
                 Label("solder relief", (0.0, y + 1.0, dims.tail_end_z)),
             ),
-            (Arrow((x, y - 6.0, z + out), (x, y - 6.0, z + 0.3 * out)),),
+            (Arrow((-8.0, y - 3.0, z + out), (-8.0, y - 3.0, z + 0.3 * out)),),
         )
     return Scene(
         (bench.part("bone"), bench.solid(sensor_body(bench.design), SENSOR, (0.0, -_LIFT_MM, 0.0))),
@@ -74,7 +76,7 @@ def wires(bench: Bench, data: Data) -> Scene:
             bench.part("bone", cut=True), bench.solid(sensor_body(bench.design), SENSOR, cut=True),
             *bench.wires(_wire_radius(bench)),
         ),
-        SIDE,
+        CUT_FROM_BELOW,
         (
             Label("solder here", (0.0, -dims.flat_depth, dims.tail_end_z)),
             Label("wires leave here", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
@@ -82,6 +84,17 @@ def wires(bench: Bench, data: Data) -> Scene:
             Label("sensor", _head(bench)),
         ),
     )  # fmt: skip
+
+
+def _near_collar(bench: Bench, low_z: float, *more: tuple[Solid, Colour]) -> tuple[Shown, ...]:
+    """Show bone and sensor around the collar, cut open along the finger and on both sides of it."""
+    dims = bench.design.dimensions
+    reach = 3 * (dims.collar.section.half_width + dims.collar.section.palmar + dims.collar.section.dorsal)
+    near = Box((-reach, -reach, low_z - 4.0), (reach, reach, _BEYOND_COLLAR_MM))
+    solids: list[tuple[Solid, Colour]] = [bench.part_solid("bone"), (sensor_body(bench.design), SENSOR), *more]
+    if dims.fold:
+        solids.append(bench.part_solid("lid"))
+    return tuple(bench.solid(intersection(solid, near), colour, cut=True) for solid, colour in solids)
 
 
 def _section(bench: Bench, *more: Shown, lid: bool = False, sensor: bool = True) -> tuple[Shown, ...]:
@@ -99,7 +112,7 @@ def try_fold(bench: Bench, data: Data) -> Scene:
     fold, y = _fold(bench), _head(bench)[1]
     return Scene(
         _section(bench, sensor=False),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label("trough", (0.0, fold.floor_y, (fold.nose_z + fold.trough_end_z) / 2)),
             Label("window", (0.0, fold.nose_y, (fold.window_low_z + fold.nose_z - fold.radius) / 2)),
@@ -153,7 +166,7 @@ def thread(bench: Bench, data: Data) -> Scene:
     wire = data["fit"]["wire_mm"]
     return Scene(
         (bench.part("bone", cut=True), *_straight_sensor(bench, film, wire, (0.0, y + 0.05, z + 0.35 * film))),
-        SIDE,
+        CUT_FROM_BELOW,
         (
             Label("head comes last", (0.0, y, z + 0.35 * film)),
             Label("wires and tabs first", (0.0, y, z - 0.65 * film - 14.0)),
@@ -168,7 +181,7 @@ def fold(bench: Bench, data: Data) -> Scene:
     course = _fold(bench)
     return Scene(
         _section(bench),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label("around the nose,\nwithout a crease", (0.0, course.nose_y, course.nose_z - course.radius)),
             Label("end of the film\nin the trough", (0.0, course.floor_y, course.film_end_z)),
@@ -182,7 +195,7 @@ def stick_head(bench: Bench, data: Data) -> Scene:
     course, room = _fold(bench), data["fit"]["end_room_mm"] / 2
     return Scene(
         _section(bench),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label(f"{room:g} mm must be free", (0.0, course.floor_y, course.tabs_end_z + room)),
             Label("head: adhesive film last", _head(bench)),
@@ -204,7 +217,7 @@ def bend_wires(bench: Bench, data: Data) -> Scene:
     way = "between the cheeks" if data["wires_between_cheeks"] else "in the groove"
     return Scene(
         _section(bench, _folded_wires(bench, wire)),
-        SIDE,
+        CUT_FROM_ABOVE,
         (
             Label("loop, not pulled\nat the joints", (0.0, course.floor_y + wire, course.tabs_end_z)),
             Label(f"fix with adhesive here,\nthen {way}", (0.0, course.floor_y + wire, course.nose_z)),
@@ -250,8 +263,8 @@ def seal_passage(bench: Bench, data: Data) -> Scene:
     beside = "window" if dims.fold else "tail"
     end = dims.fold.window_low_z + 1.0 if dims.fold else dims.tail_end_z
     return Scene(
-        _section(bench, bench.solid(plug, SEAL, cut=True), lid=dims.fold is not None),
-        SIDE,
+        _near_collar(bench, end, (plug, SEAL)),
+        CUT_FROM_BELOW,
         (
             Label("silicone adhesive,\nflush with the collar", (0.0, y, -0.3)),
             Label(f"leave the {beside} open", (0.0, 0.0 if dims.fold else y, end)),

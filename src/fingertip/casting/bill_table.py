@@ -1,0 +1,65 @@
+"""Table of the casting sheet that lists what to buy. It holds no number that is not in the sheet's data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fingertip.casting.tables import table
+
+Data = Mapping[str, Any]
+
+
+def render_bill(data: Data) -> str:
+    """Render what to buy as a table: hardware, silicone, print material, consumables and tools."""
+    rows = []
+    for entry in data["bill"]:
+        sizes = []
+        if "type" in entry:
+            sizes.append(entry["type"])
+        if "thread_mm" in entry:
+            sizes.append(f"M{entry['thread_mm']:g}" + (f" x {entry['length_mm']:g} mm" if "length_mm" in entry else ""))
+        if "across_flats_mm" in entry:
+            sizes.append(f"{entry['across_flats_mm']:g} mm across flats")
+        if "crossed_mm" in entry:
+            sizes.append(f"length = {entry['crossed_mm']:g} mm + mating part + nut")
+        if "diameter_mm" in entry:
+            sizes.append(f"{entry['diameter_mm']:g} mm")
+        if "length_mm" in entry and "thread_mm" not in entry:
+            sizes.append(f"{entry['length_mm']:g} mm long")
+        if "thickness_mm" in entry:
+            sizes.append(f"{entry['thickness_mm']:g} mm thick")
+        if "pair_thinner_than_mm" in entry:
+            sizes.append(f"both together thinner than {entry['pair_thinner_than_mm']:g} mm")
+        if "thinner_than_mm" in entry:
+            sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
+        if "conductor_awg" in entry:
+            sizes.append("conductor of AWG {} to {}".format(*entry["conductor_awg"]))
+        if "mass_g" in entry:
+            sizes.append(f"{entry['mass_g']:g} g")
+        if "volume_ml" in entry:
+            sizes.append(f"{entry['volume_ml']:g} ml, nozzle bore {entry['nozzle_bore_mm']:g} mm")
+        rows.append((f"{entry['count']:g}", entry["item"], ", ".join(sizes)))
+    batch = data["batch"]
+    mixtures = batch["mixtures"]
+    rows.append(
+        (
+            f"{batch['buy_g']} g",
+            data["silicone"]["label"],
+            f"both components together; {mixtures} mixtures of {batch['total_g']:g} g, for the test of the cure, the "
+            f"skin{' and the patch' if mixtures == 3 else ''}; pot life at least "
+            f"{data['filling']['pot_life_min']:g} min",
+        )
+    )
+    printed = ", ".join(
+        [
+            "bone",
+            *(["lid"] if data["sensor_tail"] == "folded" else []),
+            *(["core"] if data["method"] == "sleeve" else []),
+        ]
+    )
+    printed += " and mold"
+    size = f"see Printing; the strength of the bone holds for {data['print_material']}"
+    rows.append(("", f"rigid printing material for {printed}: resin or filament", size))
+    rows += ((f"{supply['count'] or ''}", supply["item"], supply["size"]) for supply in data["supplies"])
+    return table(("quantity", "item", "size"), rows)

@@ -1,0 +1,86 @@
+"""Consumables and tools that the steps of the casting sheet use, one entry each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from fingertip.casting.sensor_steps import ADHESIVE
+
+Data = Mapping[str, Any]
+
+VENT_WIRE = "wire of 0.3 to 0.5 mm"
+"""Wire that lets air past the plunger, and opens a closed vent."""
+
+
+@dataclass(frozen=True)
+class Supply:
+    """Consumable or tool."""
+
+    item: str
+    word: str
+    """Words by which a step, the acceptance sheet or the section on printing names its use."""
+    size: str = ""
+    count: int | None = None
+    """None for what is bought by the roll or the bottle, or is at hand."""
+
+
+def supplies_data(data: Data) -> list[dict[str, Any]]:
+    """List consumables and tools as plain data, from the other data of the sheet."""
+    return [asdict(supply) for supply in (*_list_consumables(data), *_list_tools(data))]
+
+
+def _list_consumables(data: Data) -> Iterator[Supply]:
+    mixtures, seat = data["batch"]["mixtures"], data["fit"]["seat_tape"]
+    is_folded = data["sensor_tail"] == "folded"
+    yield Supply("solder", "older")
+    yield Supply("cups", "cup", "for each mixture, and one to pour into", mixtures + 1)
+    yield Supply("stirrers", "Stir", "", mixtures)
+    yield Supply("vinyl gloves", "vinyl gloves", "no latex")
+    yield Supply("isopropanol", "isopropanol")
+    yield Supply("lint-free cloth", "lint-free cloth")
+    yield Supply("means to wash and post-cure prints of resin, as its maker says", "post-cure")
+    yield Supply("office paper (to try the fit, and for the slide test)", "paper")
+    yield Supply("cork or felt (a disc under the weights)", "cork or felt")
+    yield Supply("primer for silicone, with a brush", "primer")
+    yield Supply("polyimide tape (no masking tape)", "polyimide tape", "as wide as the sensor's head")
+    if seat:
+        size = f"{seat['to_mm'] - seat['from_mm']:.1f} mm wide and {seat['thickness_mm']:g} mm thick for the seat"
+        yield Supply("polyimide tape for the seat", "turn of polyimide tape", size)
+    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
+    if is_folded or passes:
+        yield Supply(ADHESIVE, ADHESIVE, "alkoxy; none that smells of vinegar, none with tin")
+    if is_folded:
+        yield Supply("insulating varnish", "thin varnish")
+        yield Supply("syringe for washing", "with a syringe", "", 1)
+        yield Supply("plastic film, such as of a bag", "plastic film", "a strip as wide as the sensor's tail")
+    elif passes and seat:
+        yield Supply("baking paper", "baking paper")
+    if data["joint"]:
+        yield Supply("epoxy for the pins", "epoxy")
+    if data["filling"]["syringe"]:
+        yield Supply("Luer cap for the syringe", "cap the nozzle", "", 1)
+        yield Supply(VENT_WIRE, VENT_WIRE)
+    if data["chaplet"]:
+        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", "", 1)
+
+
+def _list_tools(data: Data) -> Iterator[Supply]:
+    yield Supply("soldering iron with a fine tip", "older")
+    yield Supply(f"scale that reads {data['batch']['scale_g']:g} g or better", "Weigh")
+    yield Supply("hexagon keys or screwdriver for bolts and screws", "bolts")
+    yield Supply("thin flat screwdriver to pry", "screwdriver in the pry slots")
+    yield Supply("sharp knife", "sharp knife")
+    yield Supply("scraper, file and sandpaper", "scrape")
+    yield Supply("calipers", "calipers")
+    yield Supply("ohmmeter", "ohmmeter")
+    yield Supply("vise or stand", "vise")
+    if data["filling"]["syringe"]:  # a mold for pouring takes thin silicones alone, which lose their air by themselves
+        yield Supply("vacuum chamber, which helps and can be done without", "vacuum")
+    if chaplet := data["chaplet"]:
+        yield Supply("pin vise for the drills", "Drill the hole", "", 1)
+        for size in (chaplet["hole_mm"], chaplet["pilot_mm"]):
+            yield Supply("drill bit", "Drill the hole", f"{size:g} mm", 1)
+    if joint := data["joint"]:
+        yield Supply("reamer", "Ream the bore", f"{joint['pin_mm']:g} mm", 1)

@@ -27,5 +27,10 @@ def format_delay_band(delay_s: float) -> str:
     return f"{1000 * low_s:.1f}-{1000 * high_s:.1f} ms"
 
 
+ENCODER_NOTE = (
+    f"encoders at {ENCODER_HZ:g} Hz, as the article's, know when it moved to {1000 / ENCODER_HZ:g} ms: their delays "
+    "are up to so much shorter"
+)
+"""What a table says below delays since the robot moved."""
 BAND_LABEL = f"robot starts, known to {1000 / ENCODER_HZ:g} ms (encoders, {ENCODER_HZ:g} Hz)"
 """Name of the band in the legends of pictures."""

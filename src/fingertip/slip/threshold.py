@@ -43,4 +43,6 @@ class UsedThreshold:
         if not self.adapts:
             return f"threshold {1000 * self.highest_v:.3g} mV"
         span = f"{1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} mV"
-        return f"threshold {span}" + ("" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON")
+        return f"threshold {span}" + (
+            "" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON"
+        )

@@ -31,6 +31,10 @@ class Origin:
         return f"true slip ({'simulated' if self.is_simulated else 'column slip'})"
 
 
+UNKNOWN = Origin()
+"""Origin of a recording of which nothing is known."""
+
+
 def read_origin(path: Path) -> Origin:
     """Read what the set beside a trace says of it: a file that is listed there, and unchanged, is simulated.
 
@@ -38,7 +42,7 @@ def read_origin(path: Path) -> Origin:
     """
     manifest = read_manifest(path.parent)
     if manifest is None or manifest.kind != SIGNAL_FOLDER or manifest.files.get(path.name) != hash_file(path):
-        return Origin()
+        return UNKNOWN
     detection = path.parent / DETECTION
     if path.name != TRACE or DETECTION not in manifest.files or not detection.is_file():
         return Origin(is_simulated=True)

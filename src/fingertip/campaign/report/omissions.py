@@ -51,7 +51,7 @@ FIGURE_ASSUMPTIONS = {
     ),
     "table of the article's protocol": (
         "The phase of the encoders' readings is drawn for each trial. The article states neither its threshold, nor "
-        "its diode, nor the smallest motion that counts as the robot's start; its trials are repeated with forces drawn "
+        "its diode, nor the smallest motion that counts as the robot's start; here its trials have forces drawn "
         "evenly. Nothing was tuned to its figures."
     ),
     "table of accelerations": (

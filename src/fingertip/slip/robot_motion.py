@@ -31,6 +31,6 @@ ENCODER_NOTE = (
     f"encoders at {ENCODER_HZ:g} Hz, as the article's, know when it moved to {1000 / ENCODER_HZ:g} ms: their delays "
     "are up to so much shorter"
 )
-"""What a table says below delays since the robot moved."""
+"""Note of tables below delays since the robot moved."""
 BAND_LABEL = f"robot starts, known to {1000 / ENCODER_HZ:g} ms (encoders, {ENCODER_HZ:g} Hz)"
 """Name of the band in the legends of pictures."""

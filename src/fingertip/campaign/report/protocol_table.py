@@ -26,7 +26,7 @@ class ProtocolRow:
     ours: dict[str, str]
     """Device -> value; a device that the figure does not apply to is left out."""
     differs: str
-    """What differs, and why."""
+    """Difference between the two, and its reason."""
 
 
 def list_rows(study: ProtocolStudy) -> list[ProtocolRow]:

@@ -19,7 +19,7 @@ SIGNAL_FOLDER = "signal"
 
 @dataclass(frozen=True)
 class Origin:
-    """What is known of a trace beside its columns."""
+    """Facts about a trace beside its columns."""
 
     is_simulated: bool = False
     motion_s: float | None = None

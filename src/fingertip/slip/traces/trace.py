@@ -43,7 +43,7 @@ class Trace:
     filtered_v: Array | None = None
     """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
     origin: Origin = UNKNOWN
-    """Whether the trace is simulated, and when the robot moved."""
+    """Origin: simulated or recorded, and the start of the robot's motion."""
 
     def __repr__(self) -> str:
         count = len(self.time_s)

@@ -24,6 +24,7 @@ SLIDE = TrapezoidalMove.with_speed(1.2345, 0.04, 0.04)
 
 def test_zero_is_the_first_reading_that_shows_the_motion() -> None:
     """At 1 m/s2, 10 um have passed after 4.5 ms and 100 um after 14.1 ms."""
+    assert find_encoder_zero_s(SLIDE, 0.0, 0.0) == pytest.approx(1.2345 + 0.01)  # nothing has moved at the start
     assert find_encoder_zero_s(SLIDE, 0.003, 0.0) == pytest.approx(1.2345 + 0.003)
     assert find_encoder_zero_s(SLIDE, 0.003, 1e-5) == pytest.approx(1.2345 + 0.013)
     assert find_encoder_zero_s(SLIDE, 0.005, 1e-5) == pytest.approx(1.2345 + 0.005)

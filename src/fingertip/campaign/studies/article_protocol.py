@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
 from fingertip.campaign.evaluate import TrialResult, evaluate, simulate_trace
 from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
@@ -98,7 +97,9 @@ def find_encoder_zero_s(slide: TrapezoidalMove, phase_s: float, moved_m: float) 
         Motion that must be exceeded [m].
     """
     first_s, next_s = encoder_band_s(slide.start_s)
-    readings: Array = slide.start_s + phase_s + (next_s - first_s) * np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ))
+    readings = np.asarray(
+        slide.start_s + phase_s + (next_s - first_s) * np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ)), dtype=np.float64
+    )
     return float(readings[np.argmax(slide.position_m(readings) > moved_m)])
 
 

@@ -60,8 +60,8 @@ def list_rows(study: ProtocolStudy) -> list[ProtocolRow]:
         ),
         row(
             "below 30 ms", "69 of 120, called 76.7 %", _below,
-            "69 of 120 are 57.5 %, and 76.7 % would be 92. Here gross slip begins some 13 ms after the robot starts. The "
-            "bare diode waits for strong vibration; without its dead zone the noise allows a low threshold",
+            "69 of 120 are 57.5 %, and 76.7 % would be 92. Here gross slip begins some 13 ms after the robot starts. "
+            "The bare diode waits for strong vibration; without its dead zone the noise allows a low threshold",
         ),
         *later,
         row(

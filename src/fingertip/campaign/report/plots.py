@@ -76,7 +76,7 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     highest = max((m + s for m, s in zip(means, deviations, strict=True)), default=0.0)
     bottom.set_ylim(0, max(70.0, 1.1 * highest))
     bottom.set_xticks(range(len(names)), names, rotation=20, ha="right")
-    top.set_title(f"{detector}: delay by surface and velocity ({NOTE})", loc="left", fontsize=10)
+    top.set_title(f"{detector}: delay from gross slip by surface and velocity ({NOTE})", loc="left", fontsize=10)
     for axes, label in ((top, "mean delay [ms]"), (bottom, "mean and standard deviation [ms]")):
         axes.set_ylabel(label)
         axes.legend(

@@ -35,8 +35,9 @@ def plot_delays(result: CampaignResult) -> bytes:
         if math.isfinite(median_s):
             low_s, high_s = encoder_delay_band_s(median_s)
             label = f"median since the robot moved, by encoders at {ENCODER_HZ:g} Hz"
-            axes.axvspan(1000 * low_s, 1000 * high_s, color=ORANGE, alpha=0.35, linewidth=1.0, label=label)
-            axes.legend(frameon=False, fontsize=9, loc="upper right")
+            axes.axvspan(1000 * low_s, 1000 * high_s, color=ORANGE, alpha=0.35, linewidth=1.0, zorder=0, label=label)
+            # Above the axes, where it covers no data
+            axes.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
         below = sum(d < 30 for d in ms)
         title = (
             f"{name}: {len(ms)} of {nominal.slips} slips found, {below} within 30 ms, median "

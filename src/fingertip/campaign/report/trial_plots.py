@@ -119,9 +119,6 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
-    envelope.legend(
-        frameon=False, ncols=3, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
-    )  # fmt: skip
     rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
     _draw_rows(on, trace, rows)
     for axes in (force, voltage, envelope):
@@ -136,7 +133,9 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     force.set_title(title, loc="left", fontsize=10)
     on.set_xlabel("time [s]")
     on.set_xlim(float(t[0]), float(t[-1]))
-    force.legend(frameon=False, fontsize=9, loc="upper right")
+    envelope.legend(
+        frameon=False, ncols=2, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
+    )  # fmt: skip
     figure.align_ylabels()
     return to_png(figure)
 
@@ -186,7 +185,7 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     voltage.set_ylabel("tactile voltage [V]")
     _shade_slip(voltage, example.trace)
     _shade_motion(voltage, example.trace)
-    voltage.legend(frameon=False, fontsize=9, loc="upper right")
+    voltage.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     rows = []
     for window_s in WINDOWS_S:
         flags = make_detector(WINDOW_DETECTOR, with_window(design, window_s)).process(example.trace.voltage_v).on

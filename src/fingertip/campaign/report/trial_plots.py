@@ -27,7 +27,6 @@ from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.intervals import intervals
 from fingertip.slip.plot import shade_encoder_band
-from fingertip.slip.robot_motion import BAND_LABEL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -171,8 +170,9 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         style_axes(axes)
     for axes in list(grid.flat)[len(examples) :]:
         axes.set_visible(False)
+    figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", frameon=False, fontsize=9)
     for axes in grid[-1]:
-        axes.set_xlabel(f"time [s]; shaded: slip; orange: {BAND_LABEL}; digital chain ({NOTE})", fontsize=9)
+        axes.set_xlabel(f"time [s]; shaded: slip; digital chain ({NOTE})", fontsize=9)
     return to_png(figure)
 
 

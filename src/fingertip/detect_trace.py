@@ -32,6 +32,7 @@ from fingertip.slip.noise_calibration import (
     select_quiet_part,
 )
 from fingertip.slip.rate_adaptation import adapt_detector
+from fingertip.slip.traces.origin import Origin, read_origin
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
@@ -79,6 +80,7 @@ def detect_file(
     adapt_to_file: bool | None = None,
     keep_threshold: bool | None = None,
     keep_window: bool = False,
+    origin: Origin | None = None,
     progress: Progress | None = None,
 ) -> FileDetection:
     """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
@@ -111,6 +113,8 @@ def detect_file(
         Whether the threshold remains the same when the design is adapted; by default if the design states one.
     keep_window
         Whether the number of samples in the window remains the same when the design is adapted.
+    origin
+        What is known of the recording beside its columns; by default what the manifest beside the file says.
     progress
         Called with each step of the progress.
 
@@ -141,7 +145,7 @@ def detect_file(
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and adapt_to_file:
         design = _adapt_to_file(design, raw, adapt, report)
-    trace = raw.validate(design.detector)
+    trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
     warnings = list(raw.notes)
     if column_map.in_volts:
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]

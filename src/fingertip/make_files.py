@@ -23,7 +23,8 @@ from fingertip.build_result import Build
 from fingertip.design import Design
 from fingertip.drawing.draw import PDF, draw_files, file_names
 from fingertip.page import PAGE
-from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
+from fingertip.sim.trace_export import encode_trace, signal_writer
+from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 
 if TYPE_CHECKING:
     from fingertip.detect_trace import FileDetection
@@ -142,23 +143,22 @@ def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[st
 def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     from fingertip.detect_trace import detect_file
-    from fingertip.sim import load_simulation
-    from fingertip.sim.simulation import Simulation
+    from fingertip.sim import SceneFile, load_simulation, run_scene
     from fingertip.slip.detectors.registry import find_second_column
     from fingertip.slip.format import as_data
 
     progress("simulating a trial")
     scene = load_simulation().scene
+    assert isinstance(scene, SceneFile)
     if second := find_second_column(design, DETECTOR):
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
-    simulation = Simulation(design, scene)
-    result = simulation.run()
+    result = run_scene(design, scene)
     contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
     progress("detecting slip in it")
     with tempfile.TemporaryDirectory() as temporary:
         path = Path(temporary) / TRACE
         path.write_bytes(contents[TRACE])
-        found = detect_file(path, design, DETECTOR)
+        found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
     data = as_data(found.detection, found.noise)
     contents[DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     if extras.is_installed("matplotlib"):

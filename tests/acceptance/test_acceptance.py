@@ -127,7 +127,7 @@ def test_page_states_the_data_and_every_failure_has_a_meaning(detection: Detecti
     for entry in data["weights"]:
         assert f"| {entry['mass_g']:g} g |" in page
         assert f"{entry['tactile_v']:.2f} V" in page
-    assert f"SLIP some {data['slide']['delay_ms']} ms after" in page
+    assert f"SLIP some {data['slide']['delay_ms']:g} ms after" in page
     rows = [line for line in page.splitlines() if line.startswith("| ")]
     assert all(cell.strip() for line in rows for cell in line.strip("|").split("|"))
     assert f"for {data['still_s']} s" in page

@@ -24,6 +24,7 @@ from fingertip.page.checks_section import render_verdict
 from fingertip.page.render import ARTICLE_DOI, render_page
 from fingertip.page.sources import read_sources
 from fingertip.page_files import write_page
+from fingertip.slip.robot_motion import BAND_LABEL, format_delay_band
 from tests.conftest import ROOT, run_fingertip
 from tests.page.conftest import DRAWING, Page
 
@@ -194,7 +195,18 @@ def test_states_the_delay_of_the_detection(page: Page, folder: Path) -> None:
     detection = json.loads((folder / "signal" / "detection.json").read_bytes())
     (delay,) = detection["delays_s"]
     assert f"{1000 * delay:.1f} ms" in page.text
-    assert f"threshold {1000 * detection['threshold_v']:.3g} mV" in page.text
+    low, high = (1000 * volts for volts in detection["threshold_range_v"])
+    used = f"threshold {low:.3g} to {high:.3g} mV, {1000 * detection['threshold_v']:.3g} at the first ON"
+    assert f"Detector fast, statistic of fast: {used}" in page.text
+    assert "threshold of analog and digital" in page.text  # the header's is of another quantity
+    assert "detector threshold" not in page.text
+
+
+def test_shows_when_encoders_know_the_motion(page: Page, folder: Path) -> None:
+    detection = json.loads((folder / "signal" / "detection.json").read_bytes())
+    (since_motion,) = detection["delays_since_motion_s"]
+    assert BAND_LABEL in page.text
+    assert f"{1000 * since_motion:.1f} ms after the robot moved ({format_delay_band(since_motion)}" in page.text
 
 
 def test_says_what_is_simulated(page: Page) -> None:

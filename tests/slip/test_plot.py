@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 from fingertip import Design, Trace, detect, simulate
 from fingertip.slip import plot
+from fingertip.slip.robot_motion import BAND_LABEL
+from fingertip.slip.traces.origin import Origin
 from tests.tools import require_module
 
 pytestmark = pytest.mark.slow
@@ -84,3 +87,15 @@ def test_without_truth_the_first_detection_is_enlarged(trace: Trace, drawn: list
     flat = Trace(trace.time_s, np.full_like(trace.voltage_v, 2.3))
     plot.draw(flat, detect(flat, Design()), "title")
     assert len(drawn[1].axes) == 3
+
+
+def test_the_encoders_band_is_drawn_where_the_motion_is_known(trace: Trace, drawn: list[Any]) -> None:
+    assert trace.origin.motion_s is not None
+    plot.draw(trace, detect(trace, Design()), "title")
+    for axes in (drawn[0].axes[0], drawn[0].axes[1], drawn[0].axes[3]):
+        (band,) = [patch for patch in axes.patches if patch.get_label() == BAND_LABEL]
+        assert (band.get_x(), band.get_width()) == pytest.approx((trace.origin.motion_s, 0.01))
+    assert BAND_LABEL in [text.get_text() for text in drawn[0].axes[1].get_legend().get_texts()]
+    unknown = replace(trace, origin=Origin(is_simulated=True))
+    plot.draw(unknown, detect(unknown, Design()), "title")
+    assert not [patch for axes in drawn[1].axes for patch in axes.patches if patch.get_label() == BAND_LABEL]

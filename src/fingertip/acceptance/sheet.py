@@ -65,11 +65,11 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
     }
 
 
-def _find_delay_ms(detection: Detection) -> int | None:
+def _find_delay_ms(detection: Detection) -> float | None:
     """Longest delay of the detector in the simulated trial [ms]; None if it missed a slip, or none is known."""
     delays = detection.score.delays_s if detection.score else ()
     found = [delay for delay in delays if delay is not None]
-    return round(1000 * max(found)) if found and len(found) == len(delays) else None
+    return round(1000 * max(found), 1) if found and len(found) == len(delays) else None
 
 
 def render_acceptance(data: dict[str, Any]) -> str:
@@ -77,7 +77,7 @@ def render_acceptance(data: dict[str, Any]) -> str:
     idle, wires, slide, ratio = data["idle"], data["wires"], data["slide"], data["drop_ratio"]
     plug = f"{wires['plug']} " if wires["plug"] else ""
     light, heavy = (f"{data['weights'][i]['mass_g']:g} g" for i in (0, -1))
-    when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']} ms after it begins to slide"
+    when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']:g} ms after it begins to slide"
     low, high = idle["tactile_v"] - idle["tolerance_v"], idle["tactile_v"] + idle["tolerance_v"]
     outlet = "window of the base" if data["tail"] == "folded" else "cable channel"
     before, after, when_to_test = _describe_stages(data["method"])

@@ -63,11 +63,12 @@ def run_closed_loop(
     detectors: Sequence[str] = ("analog", "fast"),
     repeats: int = 3,
     first_seed: int = FIRST_SEED,
+    uncontrolled: bool = True,
 ) -> list[ClosedLoopTrial]:
-    """Run every manipulation without control, then with each detector."""
+    """Run every manipulation without control, unless `uncontrolled` is false, then with each detector."""
     trials = []
     with compiled():
-        for detector in (NO_CONTROL, *detectors):
+        for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors):
             for scene, seed in plan_manipulations(repeats, first_seed):
                 controller = None
                 if detector != NO_CONTROL:

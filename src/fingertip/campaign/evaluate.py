@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.sim import run_scene
-from fingertip.sim.contact.pad import Pad
-from fingertip.sim.scene.timeline import build_timeline
 from fingertip.slip import DETECTORS, Trace, make_detector
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
 from fingertip.slip.intervals import INCIPIENT_S, Interval, intervals, score
@@ -40,7 +38,9 @@ class TrialResult:
     """Causes of the false alarms, one for each."""
     creep_s: float = 0.0
     """Time from the start of the robot's motion to the onset of the first slip [s]: the article counts delays from a
-    robot's motion, which its encoders show at 100 Hz."""
+    robot's motion, which its encoders show late (`fingertip.slip.robot_motion`)."""
+    motion_s: float | None = None
+    """Start of the robot's motion in the recording [s]; None if it does not move."""
 
     @property
     def motion_delays_s(self) -> tuple[float, ...]:
@@ -102,20 +102,11 @@ def evaluate(
             on = output.statistic_v > scale * output.threshold_v
         else:
             on = make_detector(detector, design, threshold_scale=scale).process(*inputs).on
-        results.append(_score_trial(case, trace, force_n, on, nominal.memory_s, _find_motion_s(design, case, force_n)))
+        results.append(_score_trial(case, trace, force_n, on, nominal.memory_s))
     return results
 
 
-def _find_motion_s(design: Design, case: Case, force_n: float) -> float | None:
-    """Moment at which the robot begins to slide [s]; None if it does not."""
-    pad = Pad.from_design(design, case.scene.contact.resonance_hz)
-    slide = build_timeline(case.scene, pad, force_n).slide
-    return slide.start_s if slide else None
-
-
-def _score_trial(
-    case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float, motion_s: float | None
-) -> TrialResult:
+def _score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
     assert trace.slip is not None
     scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
     # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
@@ -130,8 +121,9 @@ def _score_trial(
     alarms = [_find_cause(case, alarm, scored.slips) for alarm in separate_events(scored.false_intervals)]
     alarms += ["before slip"] * len(early)
     duration = float(trace.time_s[-1] - trace.time_s[0])
+    motion_s = trace.origin.motion_s
     creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
-    return TrialResult(case, duration, force_n, len(scored.slips), delays, on_share, tuple(alarms), creep)
+    return TrialResult(case, duration, force_n, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s)
 
 
 def separate_events(alarms: Iterable[Interval]) -> list[Interval]:

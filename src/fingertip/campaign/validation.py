@@ -16,6 +16,7 @@ from fingertip.campaign.run import CampaignResult, run_campaign
 from fingertip.campaign.studies.acceleration_sensitivity import study_accelerations
 from fingertip.campaign.studies.article_board import study_article_board
 from fingertip.campaign.studies.article_figures import compute_spectra, study_windows
+from fingertip.campaign.studies.article_protocol import study_article_protocol
 from fingertip.campaign.studies.assumption_sensitivity import study_assumptions
 from fingertip.campaign.studies.board_variants import study_board_variants
 from fingertip.campaign.studies.detection_bound import compute_bounds_s
@@ -130,6 +131,7 @@ def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
         "sampling rates": 0.2 * min(2 * STUDY_TRIALS, plan.trials),
         "boards": 5.0,
         "the article's board": 0.1 * cases,
+        "the article's protocol": 0.2 * plan.trials + 12.0,
         "motors and knocks": 5.0,
     }
 
@@ -181,7 +183,8 @@ def validate(
     mix = summarise_mix(run_detector(detector, design, generate_mix(design, mix_size, first_seed + MIX_SEED_OFFSET)))
     work.begin("closed loop")
     loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
-    manipulations = run_closed_loop(design, loop_detectors, 3 if plan.trials >= 12 else 1)
+    loop_repeats = 3 if plan.trials >= 12 else 1
+    manipulations = run_closed_loop(design, loop_detectors, loop_repeats)
     summaries = summarise(manipulations)
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
@@ -202,6 +205,8 @@ def validate(
     boards = study_board_variants(design, trials)
     work.begin("the article's board")
     article = study_article_board(design, plan, first_seed)
+    work.begin("the article's protocol")
+    protocol = study_article_protocol(design, plan.trials, loop_repeats, first_seed)
     work.begin("motors and knocks")
     motor, knocks = study_motor_discrimination(design, trials), study_knock_rejection(design)
     studies = StudyResults(
@@ -215,6 +220,7 @@ def validate(
         rates=rates,
         boards=boards,
         article=article,
+        protocol=protocol,
         motor=motor,
         knocks=knocks,
         closed_loop=summaries,

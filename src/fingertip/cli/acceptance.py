@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.options import DesignArgument
 
 
 @command
 def acceptance(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
+    design: DesignArgument,
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/acceptance.md by default.")] = None,
     force: ForceOption = False,
     changes: SetOption = None,

@@ -20,6 +20,7 @@ from fingertip.cli.console import (
     command,
     find_suffix_issues,
 )
+from fingertip.cli.options import OptionalDesignArgument
 from fingertip.errors import Issue
 
 if TYPE_CHECKING:
@@ -32,9 +33,7 @@ _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
 
 @command
 def board(
-    design: Annotated[
-        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
-    ] = None,
+    design: OptionalDesignArgument = None,
     out: Annotated[
         Path | None,
         typer.Option(

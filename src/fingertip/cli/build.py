@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
-from fingertip.silicones import SILICONES
+from fingertip.cli.options import DesignArgument, MaterialOption
 
 if TYPE_CHECKING:
     from fingertip.build_result import Build
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 @command
 def build(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
+    design: DesignArgument,
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
     parts: Annotated[
         str | None, typer.Option(help="Parts (bone, skin, ...), separated by commas; all by default.")
@@ -30,10 +29,7 @@ def build(
     tolerance_mm: Annotated[
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
     ] = 0.01,
-    material: Annotated[
-        str | None,
-        typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
-    ] = None,
+    material: MaterialOption = None,
     pictures: Annotated[
         bool, typer.Option("--pictures", help="Draw a picture of each casting step, for the casting sheet.")
     ] = False,

@@ -18,6 +18,7 @@ from fingertip.cli.console import (
     command,
     find_suffix_issues,
 )
+from fingertip.cli.options import CalibratedDesignOption
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate import Calibration
@@ -40,10 +41,7 @@ def printer(
     readings: Annotated[
         Path, typer.Argument(help="File of caliper readings, filled in from the one that `fingertip coupon` wrote.")
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."),
-    ] = None,
+    out: CalibratedDesignOption = None,
     keep: Annotated[
         list[str] | None,
         typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.options import CalibratedDesignOption
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate_sensor import SensorCalibration
@@ -27,10 +28,7 @@ def sensor(
         Path | None,
         typer.Argument(help="Design of the board that took the readings; the default design if left out."),
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."),
-    ] = None,
+    out: CalibratedDesignOption = None,
     scale: Annotated[float | None, typer.Option("--scale", help="Volts per count, if the readings are counts.")] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,

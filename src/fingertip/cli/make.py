@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.options import DesignArgument
 
 
 @command
 def make(
-    design: Annotated[Path, typer.Argument(help="Design file, or name of a bundled design, such as fsr400.")],
+    design: DesignArgument,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
     formats: Annotated[
         str | None,

@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.options import DesignArgument
 
 
 @command
 def page(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
+    design: DesignArgument,
     out: Annotated[
         Path | None, typer.Option(metavar="PATH", help="Folder of the design's files; out/NAME by default.")
     ] = None,

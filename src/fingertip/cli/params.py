@@ -9,13 +9,12 @@ from typing import Annotated
 import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.options import OptionalDesignArgument
 
 
 @command
 def params(
-    design: Annotated[
-        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
-    ] = None,
+    design: OptionalDesignArgument = None,
     changes: SetOption = None,
     toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
     schema: Annotated[

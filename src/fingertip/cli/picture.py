@@ -16,6 +16,7 @@ from fingertip.cli.console import (
     command,
     find_png_path_issues,
 )
+from fingertip.cli.options import DesignArgument
 
 MIN_WIDTH_PX = 400
 MAX_WIDTH_PX = 6000
@@ -23,7 +24,7 @@ MAX_WIDTH_PX = 6000
 
 @command
 def picture(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
+    design: DesignArgument,
     out: Annotated[
         Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png or filling.png by default.")
     ] = None,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command, find_suffix_issues
-from fingertip.silicones import SILICONES
+from fingertip.cli.options import DesignArgument, MaterialOption
 
 _MESH_TOLERANCE_MM = 0.01
 _SLICED_MESH_TOLERANCE_MM = 0.02
@@ -16,12 +16,9 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 
 @command
 def sheet(
-    design: Annotated[Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")],
+    design: DesignArgument,
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
-    material: Annotated[
-        str | None,
-        typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
-    ] = None,
+    material: MaterialOption = None,
     slicer: Annotated[
         bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
     ] = False,

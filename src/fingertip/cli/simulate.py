@@ -68,7 +68,8 @@ def simulate(
     from fingertip.errors import FingertipError, Issue
     from fingertip.files import open_atomic, write_file
     from fingertip.sim import load_simulation, summary
-    from fingertip.sim.trace_export import SIGNAL_FOLDER, find_path_issues, signal_writer, write_trace
+    from fingertip.sim.trace_export import find_path_issues, signal_writer, write_trace
+    from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
     console = Console(as_json, quiet)
     issues = [*(find_path_issues(out) if out else ()), *find_png_path_issues("--plot", plot)]

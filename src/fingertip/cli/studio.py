@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.options import OptionalDesignArgument
 
 
 @command
 def studio(
-    design: Annotated[
-        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
-    ] = None,
+    design: OptionalDesignArgument = None,
     port: Annotated[
         int | None, typer.Option(metavar="N", help="Port to listen on; 8350 by default, 0 for any free one.")
     ] = None,

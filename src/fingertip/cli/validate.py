@@ -17,13 +17,12 @@ from fingertip.cli.console import (
     VerboseOption,
     command,
 )
+from fingertip.cli.options import OptionalDesignArgument
 
 
 @command
 def validate(
-    design: Annotated[
-        Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
-    ] = None,
+    design: OptionalDesignArgument = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
     minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
     detector: Annotated[

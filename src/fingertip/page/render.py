@@ -14,9 +14,11 @@ from fingertip.page.parameters_section import render_parameters
 from fingertip.page.scene import Item, list_items
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
+from fingertip.slip.detectors.registry import DETECTORS, ENVELOPE_MEAN
 
 ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 _LEAD = "A sensorised prosthetic fingertip: printed bone and mold, silicone skin, filter board, slip detector."
+_ENVELOPE_DETECTORS = " and ".join(name for name, kind in DETECTORS.items() if kind.quantity == ENVELOPE_MEAN)
 _SECTIONS = (
     ("model", "Model"), ("checks", "Checks"), ("parameters", "Parameters"), ("casting", "Casting guide"),
     ("drawing", "Drawing"), ("board", "Board"), ("response", "Response"), ("trial", "Trial"), ("basis", "Basis"),
@@ -74,7 +76,10 @@ def _render_header(sources: Sources) -> Markup:
         ("skin", f"{skin.width_mm:g} mm wide, {skin.length_mm:g} mm long"),
         ("made by", "overmolding" if design.mold.method == "overmold" else "a sleeve, pulled over"),
         ("board", f"{design.board.variant}, {design.board.supply} supply"),
-        ("detector threshold", f"{1000 * design.detector.threshold_v:g} mV"),
+        (
+            f"threshold of {_ENVELOPE_DETECTORS}",
+            f"{1000 * design.detector.threshold_v:g} mV, {ENVELOPE_MEAN}; that of fast stands with the trial",
+        ),
     ]
     if strength:
         facts.append(("bone's safety factor", f"{strength['grip_safety_factor']:.1f} at the grip force"))

@@ -18,7 +18,7 @@ from fingertip.errors import Issue, OutputError
 from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.output_set.content import hash_content
-from fingertip.sim.trace_export import SIGNAL_FOLDER
+from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
 BOARD_FOLDER = "board"
 """Folder of the board within the output folder of a design."""

@@ -10,8 +10,9 @@ from fingertip.arrays import Array
 from fingertip.page.html import Markup, element, figure, join
 from fingertip.page.svg_plot import Axis, Frame, figure_svg, legend, line, text
 from fingertip.slip.detection import Detection
-from fingertip.slip.format import format_delay
+from fingertip.slip.format import DETECTED, describe_detector, format_delay, format_motion_delay
 from fingertip.slip.intervals import Interval
+from fingertip.slip.robot_motion import BAND_LABEL, encoder_band_s
 from fingertip.slip.traces.trace import Trace
 
 _WIDTH, _HEIGHT = 760.0, 420.0
@@ -39,7 +40,10 @@ def draw_onset(trace: Trace, detection: Detection) -> Markup | None:
     begin = max(float(trace.time_s[0]), onset_s - _BEFORE_S)
     end = min(float(trace.time_s[-1]), onset_s + max(_AFTER_S, 2 * delay_s))
     svg = _draw(trace, detection, begin, end, "Onset of the slip and its detection", onset=(onset_s, onset_s + delay_s))
-    caption = f"The onset at {onset_s:.4f} s, {format_delay(delay_s)}. Time on the axis is that of the trial."
+    said = format_delay(delay_s)
+    if trace.origin.motion_s is not None:
+        said += f", {format_motion_delay(onset_s + delay_s - trace.origin.motion_s)}"
+    caption = f"The onset at {onset_s:.4f} s, {said}. Time on the axis is that of the trial."
     return figure(svg, caption, "onset of the slip", "wide")
 
 
@@ -57,17 +61,21 @@ def _draw(
         62.0, 28.0, _WIDTH - 84.0, 120.0,
     )  # fmt: skip
     top = 1.15 * max(float(statistic.max()), 1.6 * float(threshold.max()))
-    lower = Frame(across, Axis(0.0, top, "statistic of the detector [mV]"), 62.0, 190.0, _WIDTH - 84.0, 110.0)
+    lower = Frame(across, Axis(0.0, top, f"{detection.threshold.quantity} [mV]"), 62.0, 190.0, _WIDTH - 84.0, 110.0)
     bars = Frame(across, Axis(0.0, 2.0, ""), 62.0, 316.0, _WIDTH - 84.0, 40.0)
     slips = detection.score.slips if detection.score else ()
     parts = [upper.axes(label_x=False, wanted_y=4), lower.axes(label_x=False, wanted_y=4)]
     for frame in (upper, lower):
         parts += [frame.span(s, e, "var(--slip)") for s, e in _clip(slips, begin, end)]
+    motion_s = trace.origin.motion_s
+    if motion_s is not None:
+        band = _clip([Interval(*encoder_band_s(motion_s))], begin, end)
+        parts += [frame.span(s, e, "var(--band)", 0.45) for frame in (upper, lower) for s, e in band]
     parts += [
         upper.line(_reduce(time, voltage), "var(--series-1)", 1.2),
         lower.line(_reduce(time, threshold), "var(--series-3)", 1.5, "6 4"),
         lower.line(_reduce(time, statistic), "var(--series-2)", 1.6),
-        _draw_bars(bars, slips, detection.intervals, begin, end),
+        _draw_bars(bars, slips, detection.intervals, trace.origin.truth, begin, end),
     ]
     if onset:
         parts += _mark_delay(upper, lower, *onset)
@@ -76,10 +84,12 @@ def _draw(
             280.0, 182.0,
             (
                 ("var(--series-2)", "", "statistic"), ("var(--series-3)", "6 4", "threshold"),
-                ("var(--slip)", "band", "true slip"),
+                ("var(--slip)", "band", trace.origin.truth),
             ),
         )
     )  # fmt: skip
+    if motion_s is not None:
+        parts.append(legend(280.0, 20.0, (("var(--band)", "band", BAND_LABEL),)))
     return figure_svg(_WIDTH, _HEIGHT, title, *parts)
 
 
@@ -96,12 +106,12 @@ def _mark_delay(upper: Frame, lower: Frame, onset_s: float, detected_s: float) -
 
 
 def _draw_bars(
-    frame: Frame, slips: Sequence[Interval], detected: Sequence[Interval], begin: float, end: float
+    frame: Frame, slips: Sequence[Interval], detected: Sequence[Interval], truth: str, begin: float, end: float
 ) -> Markup:
     """Draw the intervals of true slip above those of the detector, with the axis of time below both."""
     parts = []
     for row, (name, intervals, colour) in enumerate(
-        (("true slip", slips, "var(--slip)"), ("detected", detected, "var(--series-2)"))
+        ((truth.partition(" (")[0], slips, "var(--slip)"), (DETECTED, detected, "var(--series-2)"))
     ):
         y = frame.top + 20.0 * row
         parts.append(text(frame.left - 6, y + 12, name, "end"))
@@ -135,7 +145,7 @@ def _reduce(x: Array, y: Array) -> list[tuple[float, float]]:
 
 def _describe(detection: Detection) -> str:
     score = detection.score
-    said = f"Detector {detection.detector}, threshold {1000 * detection.threshold_v:.3g} mV."
+    said = f"Detector {describe_detector(detection)}."
     if score is None:
         return said
     delays = "; ".join(format_delay(delay) for delay in score.delays_s) or "no slip in this trial"

@@ -10,12 +10,11 @@ from fingertip.detect_trace import detect_file
 from fingertip.page.html import Markup, element, join
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.trial_plot import draw_onset, draw_trial
-from fingertip.sim.trace_export import DETECTION, SIGNAL_FOLDER, TRACE
+from fingertip.slip.traces.origin import DETECTION, SIGNAL_FOLDER, TRACE, parse_origin
 
 
-def _find_detector(sources: Sources) -> str:
+def _find_detector(detection: bytes | None) -> str:
     """Find the detector of the detection beside the trace; without one, the best there is."""
-    detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
     return str(json.loads(detection)["detector"]) if detection else "fast"
 
 
@@ -34,7 +33,8 @@ def render_trial(sources: Sources) -> Markup:
     with tempfile.TemporaryDirectory() as temporary:
         path = Path(temporary) / TRACE
         path.write_bytes(data)
-        found = detect_file(path, sources.design, _find_detector(sources))
+        detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
+        found = detect_file(path, sources.design, _find_detector(detection), origin=parse_origin(detection))
     onset = draw_onset(found.trace, found.detection)
     parts = [element("h3", "The onset of the slip"), onset] if onset else []
     warnings = [element("p", warning, class_="note") for warning in found.warnings]

@@ -17,11 +17,8 @@ from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.output_set import SetWriter, hash_parameters
 from fingertip.output_set.manifest import hash_file
+from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 
-TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
-"""Names of the files of a simulated trial."""
-SIGNAL_FOLDER = "signal"
-"""Folder of simulated traces within the output folder of a design."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
 bytes."""
@@ -29,7 +26,7 @@ bytes."""
 
 def signal_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of simulated traces of a design, and of what is made from them."""
-    return SetWriter(folder, "signal", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+    return SetWriter(folder, SIGNAL_FOLDER, design.name, hash_parameters(design.model_dump(mode="json")), force=force)
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
 from fingertip.slip.detectors.registry import make_detector, select_inputs
 from fingertip.slip.intervals import Interval, Score, intervals, score
+from fingertip.slip.threshold import UsedThreshold
 from fingertip.slip.traces.trace import Trace, find_issues
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ class Detection:
     """Result of detection on one trace, with the settings used."""
 
     detector: str
-    threshold_v: float
-    """Threshold in noise alone [V]."""
+    threshold: UsedThreshold
+    """Threshold that was used."""
     memory_s: float
     """Longest time that ON outlasts slip [s]."""
     noise: NoiseLevel | None
@@ -44,6 +45,21 @@ class Detection:
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
     trace: Trace
     """Trace that the detector was run on."""
+
+    @property
+    def threshold_v(self) -> float:
+        """Threshold where the detector turned ON first, or at the end if it stayed OFF [V]."""
+        first_v = self.threshold.first_on_v
+        return self.threshold.last_v if first_v is None else first_v
+
+    @property
+    def motion_delays_s(self) -> tuple[float | None, ...] | None:
+        """Delay of each slip since the robot moved [s], None if it was missed; None if the motion is not known."""
+        motion_s = self.trace.origin.motion_s
+        if self.score is None or motion_s is None:
+            return None
+        pairs = zip(self.score.slips, self.score.delays_s, strict=True)
+        return tuple(None if delay is None else slip.onset_s + delay - motion_s for slip, delay in pairs)
 
     def __repr__(self) -> str:
         found = f"{len(self.intervals)} interval{'' if len(self.intervals) == 1 else 's'} ON"
@@ -129,7 +145,6 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     if issues:
         raise TraceError(issues)
     instance = make_detector(detector, design, noise_v)
-    threshold_v = instance.threshold_v  # before the noise floor adapts
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
     scored = None
@@ -141,7 +156,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     confidences = _confidences(output, trace, detected)
     return Detection(
         detector,
-        threshold_v,
+        UsedThreshold.of(detector, output),
         instance.memory_s,
         level,
         output,

@@ -7,6 +7,10 @@ from typing import Any
 from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.intervals import INCIPIENT_S, Interval
+from fingertip.slip.robot_motion import ENCODER_HZ, format_delay_band
+
+DETECTED = "detected"
+"""Name of an interval in which the detector is ON."""
 
 
 def format_delay(delay_s: float | None) -> str:
@@ -29,15 +33,34 @@ def format_delay(delay_s: float | None) -> str:
 
 def as_text(detection: Detection) -> str:
     """Describe a detection: one line for each interval and, if the true slips are known, for each slip."""
-    lines = [f"ON   {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in detection.intervals] or ["never ON"]
-    score = detection.score
+    score, truth = detection.score, detection.trace.origin.truth
+    width = len(truth) if score else len(DETECTED)
+    lines = [f"detector {describe_detector(detection)}"]
+    lines += [f"{DETECTED:{width}} {_format_interval(i)}" for i in detection.intervals] or ["never ON"]
     if score is None:
         return "\n".join(lines)
-    for slip, delay in zip(score.slips, score.delays_s, strict=True):
-        lines.append(f"slip {slip.onset_s:9.4f} s to {slip.end_s:9.4f} s: {format_delay(delay)}")
+    since_motion = detection.motion_delays_s or (None,) * len(score.slips)
+    for slip, delay, moved in zip(score.slips, score.delays_s, since_motion, strict=True):
+        said = format_delay(delay) + ("" if moved is None else f", {format_motion_delay(moved)}")
+        lines.append(f"{truth:{width}} {_format_interval(slip)}: {said}")
     lines.append(f"false intervals: {len(score.false_intervals)}")
-    lines.extend(f"     {i.onset_s:9.4f} s to {i.end_s:9.4f} s" for i in score.false_intervals)
+    lines.extend(f"{'':{width}} {_format_interval(i)}" for i in score.false_intervals)
     return "\n".join(lines)
+
+
+def describe_detector(detection: Detection) -> str:
+    """Describe the detector of a detection and the threshold that it used."""
+    return f"{detection.detector}, {detection.threshold.quantity}: {detection.threshold.describe()}"
+
+
+def format_motion_delay(delay_s: float) -> str:
+    """Describe a delay since the robot moved, and the delays that encoders would show [s]."""
+    band = f"{format_delay_band(delay_s)} by encoders at {ENCODER_HZ:g} Hz"
+    return f"{1000 * delay_s:.1f} ms after the robot moved ({band})"
+
+
+def _format_interval(interval: Interval) -> str:
+    return f"{interval.onset_s:9.4f} s to {interval.end_s:9.4f} s"
 
 
 def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
@@ -50,7 +73,7 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
     noise
         Noise level that determines the noise-derived threshold.
     """
-    score = detection.score
+    score, moved = detection.score, detection.motion_delays_s
     return {
         "intervals": [
             _interval_data(i) | {"confidence": round(c, 4)}
@@ -58,14 +81,27 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
         ],
         "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
         "slips": None if score is None else [_interval_data(i) for i in score.slips],
-        "delays_s": None if score is None else [None if d is None else round(d, 7) for d in score.delays_s],
+        "delays_s": None if score is None else [_round_s(delay) for delay in score.delays_s],
+        "motion_s": _round_s(detection.trace.origin.motion_s),
+        "delays_since_motion_s": None if moved is None else [_round_s(delay) for delay in moved],
         "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
         "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
         "detector": detection.detector,
-        "threshold_v": round(detection.threshold_v, 6),
+        "threshold_v": _round_v(detection.threshold_v),
+        "threshold_range_v": [_round_v(detection.threshold.lowest_v), _round_v(detection.threshold.highest_v)],
+        "threshold_of": detection.threshold.quantity,
         "learned_noise_v": None if detection.learned_noise_v is None else round(detection.learned_noise_v, 7),
         "noise_threshold_v": round(noise.threshold_v, 6) if noise else None,
     }
+
+
+def _round_v(voltage_v: float) -> float:
+    """Round to 0.1 uV: thresholds of `fast` lie below a millivolt."""
+    return round(voltage_v, 7)
+
+
+def _round_s(time_s: float | None) -> float | None:
+    return None if time_s is None else round(time_s, 7)
 
 
 def _interval_data(interval: Interval) -> dict[str, float]:

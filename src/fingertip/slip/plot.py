@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.plot_style import BLUE, GRID_COLOUR, ORANGE, RED, REFERENCE, TEXT_COLOUR, TRUTH, new_figure, to_png
 from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.digital import ChainOutput
 from fingertip.slip.detectors.registry import DETECTORS
-from fingertip.slip.format import format_delay
+from fingertip.slip.format import DETECTED, format_delay, format_motion_delay
 from fingertip.slip.intervals import Interval, intervals
+from fingertip.slip.robot_motion import BAND_LABEL, encoder_band_s
 from fingertip.slip.traces.trace import Trace
 
 if TYPE_CHECKING:
@@ -50,9 +50,12 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     _draw_voltage(top, trace)
     _draw_statistic(middle, trace, detection)
+    if trace.origin.motion_s is not None:
+        for axes in (top, middle, *large):
+            shade_encoder_band(axes, trace.origin.motion_s)
     # Above the axes, where it covers no data
     middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=3, fontsize=9)
-    _draw_intervals(bottom, detection, slips)
+    _draw_intervals(bottom, trace, detection, slips)
     bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
     if onset is not None:
         _draw_onset(large[0], trace, detection, onset)
@@ -87,7 +90,8 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: _Onset) -
     _draw_statistic(axes, trace, detection)
     at = onset.begin_s if onset.begin_s is not None else onset.detected_s
     assert at is not None
-    low, high = at - _BEFORE_S, at + _AFTER_S
+    begin_s = at if trace.origin.motion_s is None else min(at, trace.origin.motion_s)
+    low, high = begin_s - _BEFORE_S, at + _AFTER_S
     if onset.detected_s is not None and onset.detected_s > high:
         high = onset.detected_s + _BEFORE_S
     axes.set_xlim(max(low, float(trace.time_s[0])), min(high, float(trace.time_s[-1])))
@@ -142,23 +146,23 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     axes.plot(trace.time_s, 1000 * output.statistic_v, color=RED, linewidth=1.4, label=label)
     axes.plot(
         trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1,
-        label=_describe_threshold(output.threshold_v),
+        label=detection.threshold.describe(),
     )  # fmt: skip
     # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
     axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
-    axes.set_ylabel(f"{detection.detector} [mV]" if envelope is None else "envelope [mV]")
+    axes.set_ylabel(f"{detection.threshold.quantity} [mV]" if envelope is None else "envelope [mV]")
 
 
-def _describe_threshold(threshold_v: Array) -> str:
-    """Describe the threshold that is drawn: one level, or its range where the detector adapts it."""
-    low, high = 1000 * float(np.nanmin(threshold_v)), 1000 * float(np.nanmax(threshold_v))
-    return f"threshold {high:.3g} mV" if high - low <= 1e-9 * high else f"threshold {low:.3g} to {high:.3g} mV"
+def shade_encoder_band(axes: Axes, motion_s: float) -> None:
+    """Shade when encoders show that the robot moves; an edge keeps the band visible where it is narrow."""
+    begin_s, end_s = encoder_band_s(motion_s)
+    axes.axvspan(begin_s, end_s, color=ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
 
 
-def _draw_intervals(axes: Axes, detection: Detection, slips: Sequence[Interval] | None) -> None:
-    rows = [("detected", detection.intervals, RED)]
+def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:
+    rows = [(DETECTED, detection.intervals, RED)]
     if slips is not None:
-        rows.append(("true slip", tuple(slips), TRUTH))
+        rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), TRUTH))
     for row, (_, parts, color) in enumerate(rows):
         axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
@@ -168,6 +172,7 @@ def _draw_intervals(axes: Axes, detection: Detection, slips: Sequence[Interval] 
     axes.grid(True, axis="x", color=GRID_COLOUR, linewidth=0.7)
     axes.set_axisbelow(True)
     if detection.score is not None:
-        phrases = [format_delay(delay) for delay in detection.score.delays_s]
+        phrases = [f"detector {detection.detector}", *(format_delay(delay) for delay in detection.score.delays_s)]
+        phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
         phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
         axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=TEXT_COLOUR)

@@ -152,6 +152,8 @@ def compute_detection(context: PointContext) -> OutputValues:
     return {
         "delay_ms": 1e3 * pooled.delay_s(0.5),
         "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
+        "motion_delay_ms": 1e3 * pooled.motion_delay_s(0.5),
+        "motion_delay_p90_ms": 1e3 * pooled.motion_delay_s(0.9),
         "found_share": pooled.found_share,
         "false_alarms_per_min": sum(pooled.alarms().values()) / minutes,
         "slips": pooled.slips,

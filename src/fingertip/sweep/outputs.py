@@ -174,6 +174,10 @@ OUTPUTS = {
         SweepOutput("min_threshold_v", "noise", "noise_level_v plus six standard deviations (the article's rule)"),
         SweepOutput("delay_ms", "detection", "median detection delay of all slips; inf: fewer than half detected"),
         SweepOutput("delay_p90_ms", "detection", "90th percentile of the delay; inf: fewer than 90 % detected"),
+        SweepOutput(
+            "motion_delay_ms", "detection", "median delay since the robot moved; encoders at 100 Hz: 0-10 less"
+        ),
+        SweepOutput("motion_delay_p90_ms", "detection", "90th percentile of that delay; inf: fewer than 90 % detected"),
         SweepOutput("found_share", "detection", "share of the slips that were detected, 0 to 1"),
         SweepOutput("false_alarms_per_min", "detection", "alarms without slip per simulated minute"),
         SweepOutput("slips", "detection", "number of slips in the trials"),

@@ -49,6 +49,11 @@ FIGURE_ASSUMPTIONS = {
         "grid, ahead of the filter. The noise of the ADC is added behind the board. False alarms are counted in 2 "
         "minutes without slip."
     ),
+    "table of the article's protocol": (
+        "The phase of the encoders' readings is drawn for each trial. The article states neither its threshold, nor "
+        "its diode, nor the smallest motion that counts as the robot's start; here its trials have forces drawn "
+        "evenly. Nothing was tuned to its figures."
+    ),
     "table of accelerations": (
         "The article gives no acceleration; 4 cm at 4 cm/s in one second is compatible with all of these."
     ),

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from fingertip.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.campaign.studies.article_figures import Spectrum, WindowResult
 from fingertip.plot_style import BLUE, ORANGE, PURPLE, RED, SHADES, TEAL, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.slip.robot_motion import ENCODER_HZ, encoder_delay_band_s
 
 COLOURS = {"analog": BLUE, "digital": TEAL, "fft": ORANGE, "fast": RED}
 """Colour of each detector."""
@@ -30,6 +31,13 @@ def plot_delays(result: CampaignResult) -> bytes:
             at = min(5 * math.floor(d / 5 + 0.5), 155)
             counts[at] = counts.get(at, 0) + 1
         axes.bar(list(counts), list(counts.values()), width=4.4, color=COLOURS.get(name, OTHER_COLOUR))
+        median_s = nominal.motion_delay_s(0.5)
+        if math.isfinite(median_s):
+            low_s, high_s = encoder_delay_band_s(median_s)
+            label = f"median since the robot moved, by encoders at {ENCODER_HZ:g} Hz"
+            axes.axvspan(1000 * low_s, 1000 * high_s, color=ORANGE, alpha=0.35, linewidth=1.0, zorder=0, label=label)
+            # Above the axes, where it covers no data
+            axes.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
         below = sum(d < 30 for d in ms)
         title = (
             f"{name}: {len(ms)} of {nominal.slips} slips found, {below} within 30 ms, median "
@@ -40,7 +48,7 @@ def plot_delays(result: CampaignResult) -> bytes:
         axes.set_ylabel("trials")
         style_axes(axes)
     rows[-1].set_xlim(-2.5, 160)
-    rows[-1].set_xlabel(f"delay [ms]; the last bin contains all longer delays ({NOTE})")
+    rows[-1].set_xlabel(f"delay from gross slip [ms]; the last bin contains all longer delays ({NOTE})")
     return to_png(figure)
 
 
@@ -69,7 +77,7 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     highest = max((m + s for m, s in zip(means, deviations, strict=True)), default=0.0)
     bottom.set_ylim(0, max(70.0, 1.1 * highest))
     bottom.set_xticks(range(len(names)), names, rotation=20, ha="right")
-    top.set_title(f"{detector}: delay by surface and velocity ({NOTE})", loc="left", fontsize=10)
+    top.set_title(f"{detector}: delay from gross slip by surface and velocity ({NOTE})", loc="left", fontsize=10)
     for axes, label in ((top, "mean delay [ms]"), (bottom, "mean and standard deviation [ms]")):
         axes.set_ylabel(label)
         axes.legend(

@@ -9,12 +9,13 @@ from typing import Any
 
 from fingertip.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
-from fingertip.campaign.report import robustness, wider_mix_table
+from fingertip.campaign.report import protocol_table, robustness, wider_mix_table
 from fingertip.campaign.requirements import Requirement
 from fingertip.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.campaign.studies.acceleration_sensitivity import ASSUMED_M_S2, AccelerationResult
 from fingertip.campaign.studies.article_board import ArticleBoardResult
 from fingertip.campaign.studies.article_figures import Spectrum, WindowResult
+from fingertip.campaign.studies.article_protocol import ProtocolStudy
 from fingertip.campaign.studies.assumption_sensitivity import VariationResult
 from fingertip.campaign.studies.board_variants import BoardResult
 from fingertip.campaign.studies.knock_rejection import KnockResult
@@ -22,6 +23,7 @@ from fingertip.campaign.studies.motor_discrimination import DiscriminationResult
 from fingertip.campaign.studies.sampling_rates import SamplingRateResult
 from fingertip.campaign.studies.step_sensitivity import StepSensitivity
 from fingertip.campaign.wider_mix.mix import MixSummary
+from fingertip.slip.robot_motion import ENCODER_HZ, ENCODER_NOTE, encoder_delay_band_s, format_delay_band
 
 BOUND_LABEL = (
     "estimate for the energy of one band alone (asymptotic); a detector that sees the slow force may be sooner"
@@ -71,6 +73,8 @@ class StudyResults:
     """Detector analog by board variant."""
     article: Sequence[ArticleBoardResult]
     """The same finger on the article's board and converter; empty if the design has them."""
+    protocol: ProtocolStudy
+    """The same finger under the article's own protocol."""
     motor: Sequence[DiscriminationResult]
     """Discrimination of slip from a motor, by length of the segment."""
     knocks: Sequence[KnockResult]
@@ -133,6 +137,7 @@ def as_data(
         "sampling_rates": [_fields(row) for row in studies.rates],
         "board_variants": [_fields(row) for row in studies.boards],
         "article_board": [_fields(row) for row in studies.article],
+        "article_protocol": protocol_table.as_data(studies.protocol),
         "motor_discrimination": [_fields(row) for row in studies.motor],
         "knock_rejection": [_fields(row) for row in studies.knocks],
         "closed_loop": [
@@ -180,6 +185,7 @@ def _summary(result: DetectorResult) -> dict[str, Any]:
         "worst_s": _number(result.worst_s),
         "median_since_motion_s": _number(result.motion_delay_s(0.5)),
         "p90_since_motion_s": _number(result.motion_delay_s(0.9)),
+        "p90_since_motion_by_encoders_s": [_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
         "on_share": round(result.on_share, 4),
         "alarms_per_minute": round(result.alarms_per_minute, 4),
         "alarms_per_minute_95": [_number(rate) for rate in result.alarm_interval],
@@ -211,18 +217,23 @@ def _ms(seconds: float) -> str:
     return f"{1000 * seconds:6.1f} ms" if math.isfinite(seconds) else "  missed "
 
 
+def _band(delay_s: float) -> str:
+    return format_delay_band(delay_s) if math.isfinite(delay_s) else "missed"
+
+
 def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str:
     """Format the details of the results as text: detectors, bound and studies."""
     lines = [
-        f"{'':17}{'since gross slip':>27} {'since motion':>21}",
-        f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'median':>9} {'p90':>9} {'< 30 ms':>7}",
+        f"{'':17}{'since gross slip':>27} {'since motion':>21} {'p90 since motion,':>18}",
+        f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'median':>9} {'p90':>9} "
+        f"{f'encoders {ENCODER_HZ:g} Hz':>18} {'< 30 ms':>7}",
     ]
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
         lines.append(
             f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} {_ms(nominal.delay_s(0.9))} "
             f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(nominal.motion_delay_s(0.9))} "
-            f"{100 * nominal.share_within_30_ms:6.1f}%"
+            f"{_band(nominal.motion_delay_s(0.9)):>18} {100 * nominal.share_within_30_ms:6.1f}%"
         )
     lines.append(
         f"{'bound':8} {'':7} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms {BOUND_LABEL}"
@@ -230,7 +241,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
     lines += [
         "found, median, p90, worst: slips found, percentiles of the delay, longest found.",
         "Since gross slip: the pad slides at 1 mm/s. Since motion: the robot moved;",
-        "encoders read at 100 Hz, as the article's, know this moment to 10 ms.",
+        f"{ENCODER_NOTE}.",
         "< 30 ms: slips found within 30 ms of gross slip.",
         "",
         f"{'detector':8} {'ON':>7} {'alarms/min (95 %)':>20}   " + "   ".join(REPORTED_SEPARATELY),
@@ -286,7 +297,8 @@ def _study_tables(studies: StudyResults) -> list[str]:
     if studies.article:
         lines += [
             "",
-            "the same finger on the article's board and converter (fingertip validate article has the details):",
+            "the same finger on the article's board and converter (fingertip validate article has the details);",
+            f"{ENCODER_NOTE}:",
             f"{'detector':10} {'found':>8} {'median':>10} {'p90':>10} {'p90 from motion':>16} {'alarms/min':>12}",
         ]
     lines += [
@@ -294,6 +306,7 @@ def _study_tables(studies: StudyResults) -> list[str]:
         f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
         for a in studies.article
     ]
+    lines += protocol_table.as_lines(studies.protocol)
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
     lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
     lines.append(f"bound: {BOUND_LABEL}:")

@@ -26,6 +26,7 @@ from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.intervals import intervals
+from fingertip.slip.plot import shade_encoder_band
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -117,13 +118,11 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
-    envelope.legend(
-        frameon=False, ncols=3, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
-    )  # fmt: skip
     rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
     _draw_rows(on, trace, rows)
     for axes in (force, voltage, envelope):
         _shade_slip(axes, trace)
+        _shade_motion(axes, trace)
         style_axes(axes)
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
@@ -133,6 +132,9 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     force.set_title(title, loc="left", fontsize=10)
     on.set_xlabel("time [s]")
     on.set_xlim(float(t[0]), float(t[-1]))
+    envelope.legend(
+        frameon=False, ncols=2, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
+    )  # fmt: skip
     figure.align_ylabels()
     return to_png(figure)
 
@@ -159,6 +161,7 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         twin.set_ylabel("envelope [mV]", color=_ENVELOPE)
         twin.spines["top"].set_visible(False)
         _shade_slip(axes, trace)
+        _shade_motion(axes, trace)
         spans = [(i.onset_s, i.end_s - i.onset_s) for i in intervals(t, chain.on)]
         axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLOURS["digital"], linewidth=0)
         axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
@@ -167,6 +170,7 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         style_axes(axes)
     for axes in list(grid.flat)[len(examples) :]:
         axes.set_visible(False)
+    figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", frameon=False, fontsize=9)
     for axes in grid[-1]:
         axes.set_xlabel(f"time [s]; shaded: slip; digital chain ({NOTE})", fontsize=9)
     return to_png(figure)
@@ -180,6 +184,8 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
     voltage.set_ylabel("tactile voltage [V]")
     _shade_slip(voltage, example.trace)
+    _shade_motion(voltage, example.trace)
+    voltage.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     rows = []
     for window_s in WINDOWS_S:
         flags = make_detector(WINDOW_DETECTOR, with_window(design, window_s)).process(example.trace.voltage_v).on
@@ -294,6 +300,11 @@ def _draw_rows(
     axes.set_yticks(range(len(named)), [name for name, _ in named])
     axes.set_ylim(len(named) - 0.4, -0.6)
     style_axes(axes, "x")
+
+
+def _shade_motion(axes: Axes, trace: Trace) -> None:
+    if trace.origin.motion_s is not None:
+        shade_encoder_band(axes, trace.origin.motion_s)
 
 
 def _shade_slip(axes: Axes, trace: Trace) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from fingertip.campaign.poisson import poisson_interval
 from fingertip.campaign.run import DetectorResult
 from fingertip.campaign.wider_mix.mix import MixSummary
+from fingertip.slip.robot_motion import ENCODER_NOTE
 
 
 def format_rate(result: DetectorResult) -> str:
@@ -65,7 +66,8 @@ def as_lines(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], de
         f"alarms of {detector} over {len(ranges)} ranges of seeds: {counts};",
         f"together {alarms} in {minutes:.1f} min, with 95 % probability {low:.3f} to {high:.3f} per minute",
         "",
-        f"{detector} on the wider mix; delays since gross slip, p90 also since motion; disturbed: events with alarm:",
+        f"{detector} on the wider mix; delays since gross slip, p90 also since motion; disturbed: events with alarm;",
+        f"{ENCODER_NOTE}:",
         f"{'':26} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'p90 motion':>10} {'disturbed':>12} "
         f"{'alarms/min':>10}",
     ]

@@ -36,9 +36,8 @@ def simulate_scene(
     trace = result.trace
     assert trace.slip is not None
     slips = merge(intervals(trace.time_s, trace.slip), STICK_S)
-    slides = tuple(
-        Slide(timeline.slide.start_s if timeline.slide else slip.onset_s, slip.onset_s, slip.end_s) for slip in slips
-    )
+    motion_s = trace.origin.motion_s
+    slides = tuple(Slide(slip.onset_s if motion_s is None else motion_s, slip.onset_s, slip.end_s) for slip in slips)
     held, events = timeline.held_s, []
     if scene.load_change.by_n:
         start = held + scene.load_change.at_s

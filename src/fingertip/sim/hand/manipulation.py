@@ -36,6 +36,7 @@ from fingertip.sim.scene.run import find_filtered_issues
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, intervals
+from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
 
 MAX_CLOSING_M = 0.5
@@ -129,8 +130,9 @@ class ManipulationResult:
         if signals.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         return Trace(
-            self.time_s, signals.voltage_v, signals.force_n, signals.slip, filtered_v=signals.sampled_filtered_v
-        )
+            self.time_s, signals.voltage_v, signals.force_n, signals.slip, filtered_v=signals.sampled_filtered_v,
+            origin=Origin(is_simulated=True),
+        )  # fmt: skip
 
 
 def run_manipulation(

@@ -45,6 +45,7 @@ from fingertip.sim.scene.timeline import Timeline, build_timeline
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, SlipCollector
+from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
 
 COMPILE_FROM_S = 3.0
@@ -72,6 +73,8 @@ class SceneRecord:
     stages: tuple[StageCost, ...]
     """Stages that ran, with their cost."""
     sample_rate_hz: float
+    motion_s: float | None = None
+    """Moment at which the robot begins to slide [s]; None if it does not."""
 
     @property
     def duration_s(self) -> float:
@@ -135,8 +138,9 @@ class SceneResult:
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         return Trace(
-            found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v, found.sampled_filtered_v
-        )
+            found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v,
+            found.sampled_filtered_v, Origin(True, self.record.motion_s),
+        )  # fmt: skip
 
 
 def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:
@@ -372,8 +376,9 @@ def stream_scene(
                 slips.add(chunk.time_s, chunk.slip)
             take(chunk)
             done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
-    rate = design.detector.sample_rate_hz
-    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate)
+    rate, slide = design.detector.sample_rate_hz, run.timeline.slide
+    motion_s = slide.start_s if slide else None
+    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate, motion_s)
 
 
 def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[Issue]:

@@ -25,6 +25,8 @@ class DetectorType:
     label: str
     input_column: str
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
+    quantity: str
+    """Quantity that its threshold applies to. The design's threshold applies to the mean of the envelope."""
     make: Callable[[Design, float | None, float], Detector]
     """Factory. It takes a design, the noise of the input [V] (None: the design's), and a factor of the threshold."""
     second_column: str | None = None
@@ -57,13 +59,18 @@ def _make_fast(design: Design, noise_v: float | None, threshold_scale: float) ->
     return FastDetector(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
 
+ENVELOPE_MEAN = "mean of the envelope"
+"""Quantity that the design's threshold applies to."""
 DETECTORS: dict[str, DetectorType] = {
-    "analog": DetectorType("window mean of the analog board's envelope output", "envelope_v", _make_analog),
-    "digital": DetectorType("the article's chain in digital filters", "voltage_v", _make_digital),
-    "fft": DetectorType("spectrum of 64 ms", "voltage_v", _make_fft),
+    "analog": DetectorType(
+        "window mean of the analog board's envelope output", "envelope_v", ENVELOPE_MEAN, _make_analog
+    ),
+    "digital": DetectorType("the article's chain in digital filters", "voltage_v", ENVELOPE_MEAN, _make_digital),
+    "fft": DetectorType("spectrum of 64 ms", "voltage_v", "statistic of fft", _make_fft),
     "fast": DetectorType(
         "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees",
         "voltage_v",
+        "statistic of fast",
         _make_fast,
         second_column="filtered_v",
     ),

@@ -14,6 +14,7 @@ from fingertip.arrays import Array
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.display import Picture, html_table, to_dataframe
 from fingertip.errors import Issue, TraceError
+from fingertip.slip.traces.origin import UNKNOWN, Origin
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ class Trace:
     """Output of the filter board [V], which the detector `analog` takes."""
     filtered_v: Array | None = None
     """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
+    origin: Origin = UNKNOWN
+    """Origin: simulated or recorded, and the start of the robot's motion."""
 
     def __repr__(self) -> str:
         count = len(self.time_s)

@@ -9,7 +9,6 @@ made last, from what was written.
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ from fingertip.build_files import Build, build, parts_writer
 from fingertip.design import Design
 from fingertip.page import PAGE
 from fingertip.sim.trace_export import DETECTION, PLOT, SIGNAL_FOLDER, TRACE, encode_trace, signal_writer
+from fingertip.temporary import TemporaryFolder
 
 if TYPE_CHECKING:
     from fingertip.detect_trace import FileDetection
@@ -138,8 +138,8 @@ def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tupl
     result = simulation.run()
     contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
     progress("detecting slip in it")
-    with tempfile.TemporaryDirectory() as temporary:
-        path = Path(temporary) / TRACE
+    with TemporaryFolder() as temporary:
+        path = temporary / TRACE
         path.write_bytes(contents[TRACE])
         found = detect_file(path, design, DETECTOR)
     data = as_data(found.detection, found.noise)

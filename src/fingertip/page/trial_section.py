@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import tempfile
-from pathlib import Path
 
 from fingertip.detect_trace import detect_file
 from fingertip.page.html import Markup, element, join
 from fingertip.page.sources import Sources
 from fingertip.page.trial_plot import draw_onset, draw_trial
 from fingertip.sim.trace_export import DETECTION, SIGNAL_FOLDER, TRACE
+from fingertip.temporary import TemporaryFolder
 
 
 def _find_detector(sources: Sources) -> str:
@@ -27,8 +26,8 @@ def render_trial(sources: Sources) -> Markup:
     if data is None:
         remedy = (f"{SIGNAL_FOLDER}/{TRACE} is missing; ", element("code", "fingertip make DESIGN"), " makes it.")
         return element("p", *remedy, class_="note")
-    with tempfile.TemporaryDirectory() as temporary:
-        path = Path(temporary) / TRACE
+    with TemporaryFolder() as temporary:
+        path = temporary / TRACE
         path.write_bytes(data)
         found = detect_file(path, sources.design, _find_detector(sources))
     onset = draw_onset(found.trace, found.detection)

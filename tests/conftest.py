@@ -9,12 +9,17 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+import hypothesis
 import pytest
 from typer.testing import CliRunner
 
 from fingertip.build_files import Build, build
 from fingertip.cli import app
 from fingertip.design import Design
+
+# How long an example takes depends on the machine; no test asserts it. `benchmarks/` measures.
+hypothesis.settings.register_profile("fingertip", deadline=None)
+hypothesis.settings.load_profile("fingertip")
 
 ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact")

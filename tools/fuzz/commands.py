@@ -14,8 +14,6 @@ outputs = ["q", "cutoff_3db_hz", "gain"]
 board.cutoff_hz = { low = 20, high = 2000, steps = 400, spacing = "logarithmic" }
 board.series = ["E12", "E24", "E96"]
 """
-INPUTS = Path("inputs")
-"""Folder of the inputs, beside the folder that a command runs in."""
 
 
 @dataclass(frozen=True)
@@ -42,26 +40,24 @@ def _of_design(name: str, share: int, *options: str, change: str = "board.cutoff
 
 
 _BUILD = ("build", "fsr400", "--formats", "stl", "--set", "board.cutoff_hz=80")
+_TRACE = "../../../inputs/trace.csv"
+"""A command works three folders below the one with the inputs."""
+_PLOTTED = ("detect", _TRACE, "--plot", "out/slip.png")
+_CALIBRATED = ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", "out/mine.toml")
 _SWEEP = ("sweep", "../../../inputs/sweep.toml", "--out", "out/boards", "--jobs", "2")
 COMMANDS = (
     _of_design("make", 3, "--formats", "stl"),
     _of_design("build", 4, "--formats", "stl,step", "--parts", "lid,skin", change="skin.width_mm=18"),
     _of_design("board", 15),
     Command("simulate", ("simulate", "fsr400"), ("simulate", "fsr400", "--seed", "3"), 12),
-    Command(
-        "detect", ("detect", "../../../inputs/trace.csv", "--plot", "out/slip.png"),
-        ("detect", "../../../inputs/trace.csv", "--plot", "out/slip.png", "--detector", "fast"), 13,
-    ),  # fmt: skip
+    Command("detect", _PLOTTED, (*_PLOTTED, "--detector", "fast"), 13),
     _of_design("validate", 2, "--trials", "2", "--minutes", "0.5"),
     Command("sweep", _SWEEP, (), 16, next=(*_SWEEP, "--resume"), is_sweep=True),
     Command("page", ("page", "fsr400"), _BUILD, 4),
     _of_design("firmware", 13),
-    Command(
-        "calibrate", ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", "out/mine.toml"),
-        ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", "out/mine.toml", "--set", "board.passband_gain=60"), 9,
-    ),  # fmt: skip
+    Command("calibrate", _CALIBRATED, (*_CALIBRATED, "--set", "board.passband_gain=60"), 9),
     Command("new", ("new", "tip", "--out", "out/tip.toml"), (), 9, keeps_file=True),
-)  # fmt: skip
+)
 
 
 def write_inputs(folder: Path) -> None:

@@ -64,8 +64,6 @@ class Tally:
     ends: Counter[tuple[str, str, str]] = field(default_factory=Counter)
     """Number of cases by command, signal and how they ended."""
     faults: list[dict[str, object]] = field(default_factory=list)
-    side_by_side: int = 0
-    """Number of interruptions that left sets of two designs side by side, each of them whole."""
 
     def add(self, command: Command, seed: int, kind: str, detail: object) -> None:
         """Add a fault."""
@@ -135,7 +133,6 @@ def run_batch(command: Command, reference: Reference, top: Path, seed: int, coun
     if reference.prior and (not empty or command.name == "page"):
         shutil.copytree(reference.prior, place.work, dirs_exist_ok=True)
     (place.work / "out").mkdir(exist_ok=True)
-    ok = True
     before = len(tally.faults)
     for _ in range(count):
         number = rng.choice(SIGNALS)
@@ -152,8 +149,7 @@ def run_batch(command: Command, reference: Reference, top: Path, seed: int, coun
     if done.code != reference.code:
         tally.add(command, seed, "next run", f"exit code {done.code}: {done.stderr}")
     _compare_end(command, reference, place, seed, tally)
-    ok = len(tally.faults) == before
-    if ok:
+    if len(tally.faults) == before:
         shutil.rmtree(place.top, ignore_errors=True)
 
 
@@ -177,8 +173,6 @@ def _judge_end(
             return "at the start"
         tally.add(command, seed, "traceback", f"{number.name}, exit code {done.code}: {done.stderr}")
         return "traceback"
-    if done.code == reference.code and number != signal.SIGKILL:
-        return "finished"
     if done.code == reference.code:
         return "finished"
     if done.code == (-number if number == signal.SIGKILL else 128 + number):
@@ -202,7 +196,6 @@ def _look(command: Command, reference: Reference, place: Place, seed: int, tally
             tally.add(command, seed, "rows", f"{len(rows)} rows, {len(set(rows) - set(reference.rows))} of them wrong")
         return
     mixed = []
-    designs: set[str] = set()
     for folder in {path.parent for path in place.work.rglob("*")}:
         hidden = any(part.startswith(".") for part in folder.relative_to(place.work).parts)
         if hidden or (folder / ".fingertip-commit").exists():
@@ -216,7 +209,6 @@ def _look(command: Command, reference: Reference, place: Place, seed: int, tally
         with contextlib.suppress(OSError):
             manifest = json.loads((folder / "manifest.json").read_bytes())
             mixed += [f"{name}/{file}" for file, digest in manifest["files"].items() if tree.get(file) != digest]
-            designs.add(manifest["parameters"] if manifest["kind"] == "parts" else "")
     if mixed:
         tally.add(command, seed, "mixed set", sorted(set(mixed)))
 
@@ -253,9 +245,9 @@ def print_summary(tally: Tally) -> None:
                 print(f"{command.name:12}{number.name:9}{row}{other:8d}")
     kinds = Counter(str(fault["kind"]) for fault in tally.faults)
     print(f"{tally.ends.total()} interruptions, {len(tally.faults)} faults")
-    for kind, number in sorted(kinds.items()):
+    for kind, count in sorted(kinds.items()):
         seeds = sorted({f"{fault['command']} {fault['seed']}" for fault in tally.faults if fault["kind"] == kind})
-        print(f"{number:6d}  {kind}: {', '.join(seeds)[:300]}")
+        print(f"{count:6d}  {kind}: {', '.join(seeds)[:300]}")
 
 
 def run_cases(

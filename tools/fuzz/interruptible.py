@@ -50,7 +50,13 @@ class Place:
         return {MARK: self.mark, "TMPDIR": str(self.temporary), "OPENBLAS_NUM_THREADS": "1"}
 
     def run(
-        self, words: tuple[str, ...], interruption: Interruption | None, *, fresh: bool, limit_s: float, modules: Path | None = None
+        self,
+        words: tuple[str, ...],
+        interruption: Interruption | None,
+        *,
+        fresh: bool,
+        limit_s: float,
+        modules: Path | None = None,
     ) -> Run:
         """Run a command, interrupt it after a while, and wait for its end."""
         start_s = time.monotonic()

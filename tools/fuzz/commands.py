@@ -42,7 +42,7 @@ def _of_design(name: str, share: int, *options: str, change: str = "board.cutoff
 _BUILD = ("build", "fsr400", "--formats", "stl", "--set", "board.cutoff_hz=80")
 _TRACE = "../../../inputs/trace.csv"
 """A command works three folders below the one with the inputs."""
-_PLOTTED = ("detect", _TRACE, "--plot", "out/slip.png")
+_PLOTTED = ("detect", _TRACE, "--scale", "0.5", "--plot", "out/slip.png")
 _CALIBRATED = ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", "out/mine.toml")
 _SWEEP = ("sweep", "../../../inputs/sweep.toml", "--out", "out/boards", "--jobs", "2")
 COMMANDS = (

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import signal
 import sys
-import threading
 from collections.abc import Iterator
 from types import FrameType
 
@@ -28,6 +27,7 @@ class Interruption(BaseException):
 INTERRUPTIONS = (KeyboardInterrupt, Interruption)
 """What an interruption raises: within the command line, and where Python's own handler is in place."""
 _received: int | None = None
+_holding = False
 
 
 def raise_interruptions() -> None:
@@ -77,18 +77,22 @@ def report(error: BaseException) -> int:
 
 @contextlib.contextmanager
 def hold_interruptions() -> Iterator[None]:
-    """Hold back the signals until the block ends, for code that an exception within would abort."""
-    if not hasattr(signal, "pthread_sigmask") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    """Hold back the exceptions until the block ends, for code that one within would abort.
+
+    A mask of signals would not do: a thread of a library without that mask receives them.
+    """
+    global _holding
+    _holding = True
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        _holding = False
+        if _received is not None:
+            raise Interruption(_received)
 
 
 def _raise(number: int, frame: FrameType | None) -> None:
     global _received
     _received = number
-    raise Interruption(number)
+    if not _holding:
+        raise Interruption(number)

@@ -47,7 +47,7 @@ _CALIBRATED = ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", 
 _SWEEP = ("sweep", "../../../inputs/sweep.toml", "--out", "out/boards", "--jobs", "2")
 COMMANDS = (
     _of_design("make", 3, "--formats", "stl"),
-    _of_design("build", 4, "--formats", "stl,step", "--parts", "lid,skin", change="skin.width_mm=18"),
+    _of_design("build", 4, "--formats", "stl,step", "--parts", "bone,skin", change="skin.width_mm=18"),
     _of_design("board", 15),
     Command("simulate", ("simulate", "fsr400"), ("simulate", "fsr400", "--seed", "3"), 12),
     Command("detect", _PLOTTED, (*_PLOTTED, "--detector", "fast"), 13),

@@ -17,6 +17,7 @@ import contextlib
 import hashlib
 import json
 import random
+import re
 import shutil
 import signal
 import tempfile
@@ -167,9 +168,9 @@ def _judge_end(
     if done.code is None:
         tally.add(command, seed, "hang", f"{number.name}: no end")
         return "hang"
-    is_start = "fingertip" not in done.stderr.replace("-m fingertip", "")
+    is_start = done.code == -number and not re.search(r"__main__\.py.*, in main", done.stderr)
     if "Traceback" in done.stderr or "Fatal Python error" in done.stderr or "Exception ignored" in done.stderr:
-        if is_start:  # within the start of Python itself, before this program has begun
+        if is_start:  # within the start of Python, before the first function of this program runs
             return "at the start"
         tally.add(command, seed, "traceback", f"{number.name}, exit code {done.code}: {done.stderr}")
         return "traceback"

@@ -1,5 +1,6 @@
 """`python -m fingertip` is the `fingertip` command."""
 
+import os
 import sys
 
 from fingertip import interruption
@@ -10,11 +11,24 @@ def main() -> None:
     interruption.raise_interruptions()
     try:
         try:
+            _open_missing_streams()
             _run()
         finally:
             interruption.end_by_default()
     except interruption.INTERRUPTIONS as error:
         raise SystemExit(interruption.report(error)) from None
+
+
+def _open_missing_streams() -> None:
+    """Open the null device in the place of closed standard streams, for which the next file would be taken."""
+    while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(handle)
+    # Standard input stays None: `detect -` says that it is closed.
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 (open until the process ends)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
 
 
 def _run() -> None:

@@ -21,7 +21,7 @@ from tests.conftest import ROOT, run_python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE")
 
-SOME = {"board": 12, "new": 8}
+SOME = {"board": 8, "new": 4}
 """Commands that `tools.fuzz.interrupt` interrupts here, and how often; it takes all of them."""
 WAIT_S = 120.0
 

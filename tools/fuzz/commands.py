@@ -39,7 +39,7 @@ def _of_design(name: str, share: int, *options: str, change: str = "board.cutoff
     return Command(name, words, (*words, "--set", change), share)
 
 
-_BUILD = ("build", "fsr400", "--formats", "stl", "--set", "board.cutoff_hz=80")
+_BUILD = ("build", "fsr400", "--formats", "stl")
 _TRACE = "../../../inputs/trace.csv"
 """A command works three folders below the one with the inputs."""
 _PLOTTED = ("detect", _TRACE, "--scale", "0.5", "--plot", "out/slip.png")

@@ -25,7 +25,7 @@ class Interruption(BaseException):
 
 
 INTERRUPTIONS = (KeyboardInterrupt, Interruption)
-"""What an interruption raises: within the command line, and where Python's own handler is in place."""
+"""Exceptions of an interruption: where Python's own handler is in place, and within the command line."""
 _received: int | None = None
 _holding = False
 

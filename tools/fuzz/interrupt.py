@@ -46,7 +46,7 @@ Tree = dict[str, str]
 
 @dataclass
 class Reference:
-    """What a command writes without interruptions."""
+    """Files and rows of a command without interruptions."""
 
     prior: Path | None
     """Folder with the files of the earlier run."""

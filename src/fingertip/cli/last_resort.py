@@ -48,9 +48,7 @@ def describe_path_error(error: OSError) -> FingertipError | None:
     if error.errno in _FULL_DISK:
         reason = error.strerror or type(error).__name__
         place = str(error.filename or "disk")
-        message = (
-            f"cannot be written ({reason}); free some space there, and in the folder for temporary files (TMPDIR)."
-        )
+        message = f"cannot be written ({reason}); free some space there, and in TMPDIR."
         return FingertipError(Issue(place, message))
     if error.filename is None or error.errno in _MACHINE_ERRORS:
         return None

@@ -274,7 +274,7 @@ def run_cases(
             reference = reference or prepare(command, top)
             run_batch(command, reference, top, seed * 10_000 + batch, min(BATCH, wanted - first), tally)
         if reference:
-            print(f"{command.name}: {wanted} cases after {time.monotonic() - begun:.0f} s", flush=True)
+            print(f"{command.name}: ended after {time.monotonic() - begun:.0f} s", flush=True)
 
 
 def main() -> int:

@@ -44,7 +44,7 @@ class Place:
         self.top, self.work, self.temporary = top, top / "work", top / "tmp"
         self.work.mkdir(parents=True)
         self.temporary.mkdir()
-        self.mark = top.name
+        self.mark = str(top)
 
     def _environment(self) -> dict[str, str]:
         return {MARK: self.mark, "TMPDIR": str(self.temporary), "OPENBLAS_NUM_THREADS": "1"}

@@ -90,7 +90,6 @@ def test_random_designs_that_break_a_rule_are_rejected_after_few_trials(monkeypa
             rejected.append(error)
     assert all(len(issue.message) > 20 for error in rejected for issue in error.issues)
     counts = sorted(tried[i] for i in range(len(rejected)))
-    print(counts[100], counts[180], counts[-1])
     assert counts[180] < 150
     assert counts[-1] < 1000
 

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+import hypothesis
 import pytest
 from typer.testing import CliRunner
 
@@ -16,6 +17,10 @@ from fingertip.build_files import build
 from fingertip.build_result import Build
 from fingertip.cli import app
 from fingertip.design import Design
+
+# How long an example takes depends on the machine; no test asserts it. `benchmarks/` measures.
+hypothesis.settings.register_profile("fingertip", deadline=None)
+hypothesis.settings.load_profile("fingertip")
 
 ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact")

@@ -137,16 +137,29 @@ class CompiledLoop:
     def _run_compiled(self, arguments: tuple[Any, ...]) -> None:
         first_output = len(arguments) - self.outputs
         arrays = [_as_compiled(a, copy=i < first_output) for i, a in enumerate(arguments)]
-        self._load()(*arrays)
+        if self._compiled is None:
+            self._run_first(arrays)
+        else:
+            self._compiled(*arrays)
         for argument, values in list(zip(arguments, arrays, strict=True))[-self.outputs :]:
             if argument is not values:
                 argument[:] = values.tolist()
 
-    def _load(self) -> Function:
-        if self._compiled is None:
-            _report_loading()
-            self._compiled = _compile_cached(self.plain, *self._helpers)
-        return self._compiled
+    def _run_first(self, arrays: list[Any]) -> None:
+        """Load the loop, and run it: numba reads and writes its cache at the first call, before the loop begins.
+
+        A damaged cache, or a full disk, must not end the command: the loop is then compiled for this process.
+        """
+        _report_loading()
+        loop = _compile_cached(self.plain, *self._helpers)
+        try:
+            loop(*arrays)
+        except Exception:  # what a damaged file raises depends on the damage
+            with contextlib.suppress(Exception):
+                loop._cache.flush()  # type: ignore[attr-defined]  # the next process writes it anew
+            loop = importlib.import_module("numba").njit(error_model="numpy")(self.plain)
+            loop(*arrays)
+        self._compiled = loop
 
 
 def _as_compiled(argument: Any, copy: bool) -> Any:

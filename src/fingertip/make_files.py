@@ -9,7 +9,6 @@ that shows them all is made last, from what was written.
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from fingertip.drawing.draw import PDF, draw_files, file_names
 from fingertip.page import PAGE
 from fingertip.sim.trace_export import encode_trace, signal_writer
 from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
+from fingertip.temporary import TemporaryFolder
 
 if TYPE_CHECKING:
     from fingertip.detect_trace import FileDetection
@@ -155,8 +155,8 @@ def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tupl
     result = run_scene(design, scene)
     contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
     progress("detecting slip in it")
-    with tempfile.TemporaryDirectory() as temporary:
-        path = Path(temporary) / TRACE
+    with TemporaryFolder() as temporary:
+        path = temporary / TRACE
         path.write_bytes(contents[TRACE])
         found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
     data = as_data(found.detection, found.noise)

@@ -7,6 +7,7 @@ matplotlib only where they use it, so that the plots can be listed without it.
 from __future__ import annotations
 
 import io
+import logging
 from typing import TYPE_CHECKING, Literal
 
 from fingertip import extras
@@ -56,6 +57,8 @@ def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = Tr
     MissingLibraryError
         If matplotlib is not installed.
     """
+    # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     module = extras.load("matplotlib.figure", "plot")
     layout = "constrained" if automatic_layout else None
     figure: Figure = module.Figure(figsize=(width_in, height_in), dpi=DPI, layout=layout)

@@ -7,7 +7,7 @@ import math
 from typing import get_args
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.amplifiers import AmplifierName
@@ -108,7 +108,6 @@ AMPLIFIERS = st.sampled_from(get_args(AmplifierName))
 
 
 @pytest.mark.slow
-@settings(deadline=None)
 @given(
     decades(-2.0, 4.0), PREFERRED_UF, decades(-2.0, 3.0).map(lambda g: 1.0 + g), decades(3.0, 7.0),
     decades(-2.0, 4.0), PREFERRED_UF, AMPLIFIERS, st.sampled_from(["E12", "E24", "E96"]),

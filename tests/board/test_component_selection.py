@@ -28,7 +28,7 @@ def preferred_values(series: str, low: float, high: float) -> list[float]:
     return [v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9)]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(5.0, 500.0), capacitor_series, st.sampled_from(["E12", "E24"]))
 def test_no_combination_of_components_is_better_than_the_selected_one(
     cutoff: float, capacitors: str, resistors: str

@@ -150,7 +150,7 @@ def test_remedies_pass_and_their_boards_meet_every_required_condition(changes: t
 # Conditions against closed forms
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.sampled_from(sorted(BOARD_CONFIGURATIONS)), st.floats(2.0, 200.0), st.sampled_from([2e3, 2e4, 1e5, 1e6]))
 def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_ohm: float) -> None:
     """The rule has ideal values, the circuit preferred ones of series E24 and a C20 of series E6."""

@@ -45,7 +45,7 @@ def test_no_combination_of_a_wide_search_is_better(series: str, ratio: float, cu
     assert compute_deviation_db(chosen, ideal) == pytest.approx(found, abs=1e-6)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.floats(1.0, 1000.0), st.sampled_from(["E12", "E24", "E96"]))
 def test_resistors_chosen_together_are_never_worse_than_apart(cutoff: float, series: str) -> None:
     ohm, ideal = ideal_ohm(cutoff)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import random
-import time
+from collections import Counter
 from collections.abc import Iterator
 
 import pytest
@@ -19,6 +19,9 @@ from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
 from fingertip.design.new_design import PRESETS
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules.ruleset import Rule
+from fingertip.design.rules.search import Search
 from fingertip.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
@@ -66,24 +69,29 @@ def test_random_design_passes_every_mesh_check(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_random_designs_that_break_a_rule_are_rejected_quickly() -> None:
-    """Each is rejected by a `DesignError` with messages, before any geometry is made: nine of ten within 0.2 s.
+def test_random_designs_that_break_a_rule_are_rejected_after_few_trials(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is rejected by a `DesignError` with messages, before any geometry is made.
 
-    The limit of the slowest only reveals a search that does not end: other work on the machine lengthens CPU time too.
+    The search for a remedy tries some fifty designs in nine cases of ten.
     """
-    rng, times_s = random.Random(7), []
+    rng, tried, passes = random.Random(7), Counter[int](), Search.passes
+
+    def count(self: Search, tables: DesignTables, only: Rule | None = None) -> bool:
+        tried[len(rejected)] += 1
+        return passes(self, tables, only)
+
+    monkeypatch.setattr(Search, "passes", count)
     rejected: list[DesignError] = []
     while len(rejected) < 200:
         changes = [f"{path}={(10 ** rng.uniform(-3, 3)):g}" for path in rng.sample(VARIED, rng.randint(2, 8))]
-        start = time.process_time()
         try:
             Design.load(design_file(rng.choice(DESIGNS)), changes=changes)
         except DesignError as error:
-            times_s.append(time.process_time() - start)
             rejected.append(error)
     assert all(len(issue.message) > 20 for error in rejected for issue in error.issues)
-    assert sorted(times_s)[180] < 0.2
-    assert max(times_s) < 2.0
+    counts = sorted(tried[i] for i in range(len(rejected)))
+    assert counts[180] < 150
+    assert counts[-1] < 1000
 
 
 @pytest.mark.slow

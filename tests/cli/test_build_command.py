@@ -321,7 +321,7 @@ def test_interrupt_says_so_and_leaves_no_file(tmp_path: Path) -> None:
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert process.stderr is not None
-    # The first part is meshed. Before, while manifold3d is imported, an interrupt ends the process with a traceback.
+    # The first part is meshed. `tests/environment` interrupts the start and the imports.
     first = process.stderr.readline()
     process.send_signal(signal.SIGINT)
     errors = process.communicate(timeout=60)[1]

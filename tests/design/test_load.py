@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
@@ -137,7 +137,6 @@ def test_the_constructor_raises_the_same_error() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None)  # refusals search for a remedy
 @given(
     key=st.sampled_from([p.path for p in list_parameters() if p.unit == "mm"]),
     value=st.floats(allow_nan=True, allow_infinity=True),

@@ -1,7 +1,6 @@
 """Prediction on the designs: volumes, errors against finer grids, trapped air, and forces."""
 
 import math
-import time
 from functools import cache
 
 import numpy as np
@@ -202,16 +201,12 @@ def test_symmetric_gate_gives_a_symmetric_filling() -> None:
     assert abs(found.side_force_direction[0]) < 1e-3
 
 
-def test_prediction_is_quick_and_repeats_itself() -> None:
+def test_prediction_repeats_itself() -> None:
+    """`benchmarks/filling.py` measures its time."""
     design = load("fsr400")
     first = predict(design, build_skin_grid(design))
-    times = []
-    for _ in range(3):
-        start = time.process_time()
-        again = predict(design, build_skin_grid(design))
-        times.append(time.process_time() - start)
+    again = predict(design, build_skin_grid(design))
     assert np.array_equal(first.arrival_mm3, again.arrival_mm3, equal_nan=True)
-    assert min(times) < 0.35
 
 
 def test_forces_are_the_largest_over_all_fronts() -> None:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import DesignError, TraceError
+from fingertip.errors import DesignError, SweepError, TraceError
 from fingertip.sim import ManipulationFile, SceneFile
-from fingertip.sweep.axes import round_significant
+from fingertip.sweep import axes
+from fingertip.sweep.axes import Axis, round_significant
+from fingertip.sweep.plan import SweepPlan
 from tests.conftest import run_fingertip
 from tools.fuzz import originals
 
@@ -88,3 +91,42 @@ def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
         SceneFile(tap=taps)
     most = float(str(caught.value).rpartition("at most ")[2].removesuffix(" s."))
     SceneFile(tap=taps | {"interval_s": most})
+
+
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        ([10**400], "is beyond every float; list smaller numbers"),
+        ({"low": 14, "high": 10**400, "steps": 3}, "is not a finite number"),
+    ],
+)
+def test_an_axis_with_an_integer_beyond_every_float(axis: object, message: str) -> None:
+    with pytest.raises(SweepError, match=message):
+        SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": axis}})
+
+
+def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[str] = []
+    monkeypatch.setattr(Axis, "values", property(lambda axis: made.append(axis.name) or ()))
+    steps = {"low": 14.0, "high": 14.5, "steps": 100_000}
+    tables = {"outputs": [], "axes": {name: steps for name in ("skin.width_mm", "skin.length_mm", "mold.wall_mm")}}
+    with pytest.raises(SweepError, match=r"make a grid of 1000000000000000 points; give at most 100000000"):
+        SweepPlan.from_tables(tables)
+    assert made == []
+
+
+def test_the_bounds_of_a_long_list_are_checked_at_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    checked: list[object] = []
+    check = axes._check_value
+
+    def count(*arguments: Any) -> Any:
+        checked.append(arguments[3])
+        return check(*arguments)
+
+    monkeypatch.setattr(axes, "_check_value", count)
+    listed = [14.0 + 1e-5 * i for i in range(100_000)]
+    axis, issues = axes.read_axis("skin.width_mm", [*listed, 900.0], False)
+    assert axis is None or issues
+    _, issues = axes.read_axis("skin.width_mm", [*listed[:-1], 900.0], False)
+    assert "900.0 mm is too large" in issues[0].message
+    assert checked == [14.0, 900.0]

@@ -75,7 +75,7 @@ def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tm
 
 
 @pytest.mark.slow
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(sizes=st.lists(st.integers(0, 400), max_size=6))
 def test_a_simulated_board_gives_the_same_bits_in_any_chunks_even_if_pickled(sizes):
     design = Design(board={"variant": "precision"})

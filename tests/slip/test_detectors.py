@@ -52,7 +52,7 @@ def assert_equal_to_whole(name: str, parts: list) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(sizes=st.lists(st.integers(0, 499), max_size=12))
 def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(name, sizes):
     whole = make_full_input(name)
@@ -78,7 +78,7 @@ def test_sample_by_sample_gives_the_same_flags(name):
 
 @pytest.mark.parametrize("name", NAMES)
 @given(cut=st.integers(1, 1699))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_output_is_causal(name, cut):
     whole = make_full_input(name)
     other = np.concatenate((whole[:cut], make_signal(1700 - cut, 9)))

@@ -77,9 +77,7 @@ def test_point_whose_worker_crashes_once_is_computed_at_the_second_attempt(
 
 @pytest.mark.slow
 def test_sleeping_point_times_out(tmp_path: Path) -> None:
-    start = time.perf_counter()
     assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.sleep), "timeout", "longer than 0.4 s")
-    assert time.perf_counter() - start < 30
 
 
 @pytest.mark.slow

@@ -39,7 +39,7 @@ COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.f
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(COLUMNS, st.integers(2, 9), st.sampled_from([bin_by_count, bin_by_value]))
 def test_bins_cover_a_column_without_overlap(
     values: list[float], maximum: int, divide: Callable[[Column, int], Bins]
@@ -70,7 +70,7 @@ def test_logarithmic_scale_is_chosen_by_the_distribution_of_the_values() -> None
     assert not suits_log_scale(np.array([-1.0, 10.0, 100.0]))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(COLUMNS)
 def test_ranks_equal_those_of_scipy(values: list[float]) -> None:
     assert compute_ranks(np.array(values)).tolist() == stats.rankdata(values).tolist()
@@ -145,7 +145,7 @@ def is_dominated(costs: NDArray[np.float64], row: int) -> bool:
     return any(np.all(other <= costs[row]) and np.any(other < costs[row]) for other in costs)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.integers(1, 4), st.integers(1, 40), st.integers(1, 6), st.integers(0, 10**6))
 def test_pareto_front_equals_brute_force(objectives: int, points: int, levels: int, seed: int) -> None:
     costs = np.random.default_rng(seed).integers(0, levels, (points, objectives)).astype(float)

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.cad.printing.settings import FIRST_LAYER_MM, LAYER_MM
 from fingertip.design import Design
 from fingertip.errors import GeometryError, Issue
+from fingertip.temporary import TemporaryFolder
 
 PROGRAM = "prusa-slicer"
 HOW_TO_INSTALL = "on Debian or Ubuntu: apt-get install prusa-slicer"
@@ -62,8 +62,8 @@ def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer
         If the slicer fails, or takes longer than `TIME_LIMIT_S`.
     """
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
-    with tempfile.TemporaryDirectory(prefix="fingertip-slice-") as folder:
-        part, gcode = Path(folder) / f"{name}.3mf", Path(folder) / f"{name}.gcode"
+    with TemporaryFolder() as folder:
+        part, gcode = folder / f"{name}.3mf", folder / f"{name}.gcode"
         part.write_bytes(plate)
         command = [str(program), "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}"]
         command += ["--layer-height", f"{layer_mm:g}", "--first-layer-height", f"{max(layer_mm, FIRST_LAYER_MM):g}"]

@@ -7,6 +7,7 @@ import os
 
 import typer
 
+from fingertip import interruption
 from fingertip._version import __version__
 from fingertip.cli.acceptance import acceptance
 from fingertip.cli.bench import bench
@@ -86,5 +87,7 @@ def main() -> None:
     try:
         app()
     except Exception as error:  # outside of a command, such as in the parsing of its options
+        if interruption.find_signal(error) is not None:
+            raise SystemExit(interruption.report(error)) from None
         Console(False, False).print_issues(describe_fault(error))
         raise SystemExit(FAULT) from None

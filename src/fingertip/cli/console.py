@@ -1,7 +1,7 @@
 """Output conventions of all commands: results on stdout; messages, progress and errors on stderr; exit codes.
 
-Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 70 for a fault of the program, 130 for an interrupted
-run with a partial result, 141 where the reader of the output has closed its pipe.
+Exit codes: 0 for success, 1 for a failed check, 2 for bad input, 70 for a fault of the program, 130 after Ctrl-C, 143
+after SIGTERM, 129 after SIGHUP, 141 where the reader of the output has closed its pipe.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, ParamSpec
+from typing import Annotated, Any, NoReturn, ParamSpec
 
 import typer
 
+from fingertip import interruption
 from fingertip.cli.last_resort import FAULT, describe_fault, describe_path_error
 from fingertip.cli.progress import ProgressDisplay
 from fingertip.errors import FingertipError, Issue, OutputError, escape_control
@@ -30,7 +31,6 @@ P = ParamSpec("P")
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
-INTERRUPTED = 130
 PIPE_CLOSED = 141
 _MAX_PRINTED = 200
 """Maximum number of issues that are printed to stderr."""
@@ -185,8 +185,13 @@ def _discard_stdout() -> None:
         os.close(null)
 
 
+def _end_interrupted(error: BaseException) -> NoReturn:
+    ProgressDisplay().clear()
+    raise typer.Exit(interruption.report(error)) from None
+
+
 def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or with `INTERRUPTED` at Ctrl-C.
+    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or at an interruption with its code.
 
     What no command expects ends with `FAULT`: never with the exit code of a failed check, as a traceback would.
     """
@@ -200,19 +205,20 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         try:
             function(*args, **kwargs)
         except FingertipError as error:
+            if interruption.find_signal(error) is not None:
+                _end_interrupted(error)
             Console(bool(kwargs.get("as_json")), False).print_issues(error)
             raise typer.Exit(BAD_INPUT) from None
-        except KeyboardInterrupt:
-            ProgressDisplay().clear()
-            # Sets of files are swapped in whole, so an interrupted command leaves the former set or the new one.
-            print("interrupted; no file is half-written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+        except interruption.INTERRUPTIONS as error:
+            _end_interrupted(error)
         except BrokenPipeError:
             _discard_stdout()
             raise typer.Exit(PIPE_CLOSED) from None
         except (typer.Exit, typer.Abort, typer.BadParameter):
             raise
         except Exception as error:
+            if interruption.find_signal(error) is not None:
+                _end_interrupted(error)
             refusal = describe_path_error(error) if isinstance(error, OSError) else None
             Console(bool(kwargs.get("as_json")), False).print_issues(refusal or describe_fault(error))
             raise typer.Exit(BAD_INPUT if refusal else FAULT) from None

@@ -17,6 +17,8 @@ FAULT = 70
 _MAX_REASON = 200
 _MACHINE_ERRORS = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOMEM})
 """Errors that blame the machine, whatever path they meet."""
+_FULL_DISK = frozenset(getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name))
+"""Errors of a disk, which name no file when they meet one that is open."""
 _REPORT = "report it, with that file, by the form for bugs of the project's issue tracker"
 
 
@@ -41,11 +43,26 @@ def describe_path_error(error: OSError) -> FingertipError | None:
 
     A path that is too long, or a folder that may not be read, is no fault of the program, wherever it is met.
     """
+    if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
+        return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
+    if error.errno in _FULL_DISK:
+        reason = error.strerror or type(error).__name__
+        place = str(error.filename or "disk")
+        message = f"cannot be written ({reason}); free some space there, and in TMPDIR."
+        return FingertipError(Issue(place, message))
     if error.filename is None or error.errno in _MACHINE_ERRORS:
         return None
     path = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else str(error.filename)
     reason = error.strerror or type(error).__name__
     return FingertipError(Issue(path, f"cannot be used ({reason}); give another path, or change its mode."))
+
+
+def _is_working_folder_gone() -> bool:
+    try:
+        os.getcwd()
+    except OSError:
+        return True
+    return False
 
 
 def _write_details(error: BaseException) -> str | None:

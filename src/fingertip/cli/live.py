@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.cli.console import BAD_INPUT, INTERRUPTED, Console
+from fingertip.cli.console import BAD_INPUT, Console
+from fingertip.interruption import INTERRUPTIONS, exit_code
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -67,7 +68,7 @@ def detect_standard_input(
         message = "is not UTF-8 text; save it in a file, which may be UTF-16."
         console.print_issues(TraceError(Issue(NAME, message)), data)
         raise typer.Exit(BAD_INPUT) from None
-    except KeyboardInterrupt:
+    except INTERRUPTIONS as error:
         console.result(data, "" if any_on else "never ON")
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(exit_code(error)) from None
     console.result(data, "" if any_on else "never ON")

@@ -80,4 +80,10 @@ def format_state(state: RunState) -> str:
     parts = [f"{state.done} of {state.size} points", f"{state.points_per_s:.3g} points/s"]
     if state.written >= MIN_ROWS_FOR_ESTIMATE and state.remaining_s < math.inf:
         parts.append(f"{format_duration(state.remaining_s)} left")
-    return ", ".join([*parts, f"{state.refused} refused", f"{state.failures} failed"])
+    parts += [f"{state.refused} refused", f"{state.failures} failed"]
+    if state.silent_s >= state.hang_s:
+        parts.append(
+            f"no worker has answered for {format_duration(state.silent_s)}: one may hang; Ctrl-C keeps the rows, and "
+            "--resume continues"
+        )
+    return ", ".join(parts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, BinaryIO
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command, find_png_path_issues
+from fingertip.temporary import TemporaryFolder
 
 if TYPE_CHECKING:
     from fingertip.sim import ManipulationResult, SceneRecord, Simulation
@@ -101,8 +101,8 @@ def simulate(
     path = out or Path("out") / simulation.design.name / SIGNAL_FOLDER / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
         signal_writer(simulation.design, path.parent, force).check((path.name,))
-    with tempfile.TemporaryDirectory() as folder:
-        finished = Path(folder) / path.name
+    with TemporaryFolder() as folder:
+        finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
             record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)
         if out is None:

@@ -26,12 +26,13 @@ def studio(
     import webbrowser
 
     from fingertip.cli.load import load_design
+    from fingertip.interruption import INTERRUPTIONS
     from fingertip.studio.server import DEFAULT_PORT, StudioServer
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes, console.progress)
     with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
-        with contextlib.suppress(KeyboardInterrupt):  # the way to end it, no failure
+        with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
             console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
             console.progress("Ctrl-C ends it")
             if not no_browser and not webbrowser.open(server.url):

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingertip import interruption
 from fingertip.cli.console import (
     CHECK_FAILED,
-    INTERRUPTED,
     Console,
     JsonOption,
     QuietOption,
@@ -153,18 +153,19 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     plan, folder = database.plan, database.folder
     workers = f"{engine.workers} {engine.description}"
     console.progress(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {workers}")
-    interrupted, start_s = False, time.perf_counter()
+    interrupted, start_s = None, time.perf_counter()
     with sweep_progress(console, plan.size) as show_progress:
         try:
             state = run_sweep(plan, database, engine, show_progress)
-        except KeyboardInterrupt:
-            interrupted = True
+        except interruption.INTERRUPTIONS as error:
+            interrupted = interruption.exit_code(error)
+            interruption.forget_signal()
     counts = database.count_by_status()
     rows = sum(counts.values())
     if interrupted:
         console.progress(f"interrupted with {rows} of {plan.size} points in {folder}; continue with --resume")
         console.result({"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}, "")
-        return INTERRUPTED
+        return interrupted
     data: dict[str, Any] = {
         "name": plan.file.name,
         "folder": folder.as_posix(),

@@ -5,12 +5,11 @@ from __future__ import annotations
 import pickle
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
 from fingertip import errors
 from fingertip.drawing.projection_worker import ANSWER_FILE, Failure, Job, PartViews
 from fingertip.errors import GeometryError, Issue
+from fingertip.temporary import TemporaryFolder
 
 TIME_LIMIT_S = 180.0
 """Time after which the process is stopped [s]."""
@@ -26,8 +25,8 @@ def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
     MissingLibraryError
         If cadquery cannot be loaded. The message names the packages to install.
     """
-    with tempfile.TemporaryDirectory(prefix="fingertip-drawing-") as folder:
-        command = [sys.executable, "-m", "fingertip.drawing.projection_worker", folder]
+    with TemporaryFolder() as folder:
+        command = [sys.executable, "-m", "fingertip.drawing.projection_worker", str(folder)]
         try:
             done = subprocess.run(
                 command,
@@ -40,7 +39,7 @@ def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
         except subprocess.TimeoutExpired:
             message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."
             raise GeometryError(Issue("drawing", message)) from None
-        answer_file = Path(folder) / ANSWER_FILE
+        answer_file = folder / ANSWER_FILE
         if not answer_file.exists():
             last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
             raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({last[0]}); check the design with build."))

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from fingertip.cad.solids import Solid
+from fingertip.child_process import end_with_parent
 from fingertip.drawing.views import PROJECTIONS, ProjectedView, ViewName
 from fingertip.errors import FingertipError, Issue
 
@@ -42,6 +43,7 @@ def run_job(job: Job) -> PartViews:
 
 def main() -> None:
     """Run the job on stdin and write its result or its error."""
+    end_with_parent()
     answer: PartViews | Failure
     try:
         answer = run_job(pickle.load(sys.stdin.buffer))

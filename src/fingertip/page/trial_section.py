@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import tempfile
-from pathlib import Path
 
 from fingertip.detect_trace import detect_file
 from fingertip.page.html import Markup, element, join
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.trial_plot import draw_onset, draw_trial
 from fingertip.slip.traces.origin import DETECTION, SIGNAL_FOLDER, TRACE, parse_origin
+from fingertip.temporary import TemporaryFolder
 
 
 def _find_detector(detection: bytes | None) -> str:
@@ -30,8 +29,8 @@ def render_trial(sources: Sources) -> Markup:
             " makes it.",
         )
         return element("p", *remedy, class_="note")
-    with tempfile.TemporaryDirectory() as temporary:
-        path = Path(temporary) / TRACE
+    with TemporaryFolder() as temporary:
+        path = temporary / TRACE
         path.write_bytes(data)
         detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
         found = detect_file(path, sources.design, _find_detector(detection), origin=parse_origin(detection))

@@ -47,6 +47,11 @@ class Axis:
     integer: bool = False
     """True if the parameter is an integer."""
 
+    @property
+    def count(self) -> int:
+        """Number of values of a list or of a stepped range, without making them; 0 for an interval."""
+        return len(self.listed) or self.steps
+
     @cached_property
     def values(self) -> tuple[Value, ...]:
         """Every value of a list or of a stepped range; empty for an interval."""
@@ -164,8 +169,10 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[I
     axis, issues = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
     if axis is None or issues:
         return None, issues
-    # A parameter's own bounds hold between the ends of a range if they hold there.
+    # A parameter's own bounds hold between the ends of a range, or of a list of numbers, if they hold there.
     values = axis.listed or (axis.low, axis.high)
+    if all(type(value) in (float, int) and _is_finite(value) for value in axis.listed) and axis.listed:
+        values = (min(axis.listed), max(axis.listed), *(v for v in axis.listed if type(v) is not type(axis.listed[0])))
     if axis.integer and not axis.listed:
         values = tuple(int(value) for value in values)
     # Many values break the same bound: each message is reported once.
@@ -181,6 +188,8 @@ def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: An
             return None, [Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range.")]
         if (nested := next((value for value in entry if not isinstance(value, get_args(Value))), None)) is not None:
             return None, [Issue(field, f"{quote_value(nested)} is no value of a parameter; list numbers or texts.")]
+        if (huge := next((value for value in entry if type(value) is int and not _is_finite(value)), None)) is not None:
+            return None, [Issue(field, f"{quote_value(huge)} is beyond every float; list smaller numbers.")]
         seen = set[Value]()
         for value in entry:
             if value in seen:
@@ -215,7 +224,7 @@ def _parse_range(
     for key, value in (("low", low), ("high", high)):
         if key not in entry:
             issues.append(Issue(f"{field}.{key}", f"is missing; give the {key} end of the range."))
-        elif type(value) not in (float, int) or not math.isfinite(value or 0):
+        elif type(value) not in (float, int) or not _is_finite(value):
             problem = f"{quote_value(value)} is not a finite number; give the {key} end of the range."
             issues.append(Issue(f"{field}.{key}", problem))
     steps, spacing = entry.get("steps", 0), entry.get("spacing", "linear")
@@ -242,13 +251,23 @@ def _parse_range(
     if spacing == "logarithmic" and low <= 0:
         problem = f"{low:g} is not above 0, which a logarithmic spacing requires"
         return None, [Issue(f"{field}.low", f'{problem}; give more than 0, or spacing = "linear".')]
-    axis = Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int)
-    if len(set(axis.values)) < len(axis.values):
-        maximum = int(high) - int(low) + 1
-        return None, [
-            Issue(f"{field}.steps", f"{steps} steps repeat a whole number; give at most {maximum}, or list the values.")
-        ]
-    return axis, []
+    return Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int), []
+
+
+def find_repeats(axis: Axis) -> list[Issue]:
+    """Find an axis of whole numbers whose range has fewer of them than steps. Makes its values."""
+    if axis.listed or len(set(axis.values)) == len(axis.values):
+        return []
+    maximum = int(axis.high) - int(axis.low) + 1
+    message = f"{axis.steps} steps repeat a whole number; give at most {maximum}, or list the values."
+    return [Issue(f"axes.{axis.name}.steps", message)]
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond every float
+        return False
 
 
 def _load_scene_model() -> type[BaseModel]:

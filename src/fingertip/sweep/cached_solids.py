@@ -14,7 +14,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold
 from fingertip.cad.solids import Solid
 from fingertip.sweep.cache import LruCache
 
@@ -53,6 +53,7 @@ def restrict_kernel_to_one_thread() -> None:
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})
     try:
+        load_manifold()
         from manifold3d import Manifold
 
         cube = Manifold.cube((1.0, 1.0, 1.0))

@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 import logging
 import socket
+import sys
 import time
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
@@ -15,6 +17,8 @@ from fingertip.errors import Issue, SweepError
 
 _CONNECT_TIMEOUT_S = 4.0
 """Time allowed for the scheduler to answer, and for the first worker to appear [s]."""
+_ANSWER_TIMEOUT_S = 20.0
+"""Time allowed for all workers to tell their versions [s]."""
 _RECONNECT_TIMEOUT_S = 10.0
 """Time for which a lost scheduler is searched for [s]."""
 _COUNT_INTERVAL_S = 2.0
@@ -29,7 +33,8 @@ class DaskEngine:
     MissingLibraryError
         If `distributed` is not installed.
     SweepError
-        If nothing answers at the address, there is no worker, or a worker has another version of fingertip.
+        If nothing answers at the address, there is no worker, or a worker does not answer or has another version of
+        fingertip, Python or numpy.
     """
 
     def __init__(self, address: str) -> None:
@@ -79,7 +84,7 @@ class DaskEngine:
         self._client.close()
 
     def _check_workers(self, address: str) -> None:
-        """Wait for a worker, then require the same version of fingertip on every worker."""
+        """Wait for a worker, then require the same versions on every worker: others give other rows."""
         try:
             self._client.wait_for_workers(1, timeout=_CONNECT_TIMEOUT_S)
         except TimeoutError:
@@ -91,13 +96,42 @@ class DaskEngine:
 
             return fingertip.__version__
 
-        answers: dict[str, Any] = self._client.run(version, on_error="return")
+        # A function can be sent only between equal versions of Python, so Dask's own answers come first.
+        versions = self._ask(self._client._get_versions, [])
+        for worker, found in sorted(versions["workers"].items()):
+            _compare_versions(worker, found)
+        answers = self._ask(self._client._run, version, on_error="return")
         for worker, answer in sorted(answers.items()):
             if answer != __version__:
                 found = f"fingertip {answer}" if isinstance(answer, str) else f"no fingertip ({answer})"
                 raise _make_error(
                     f"worker {worker} has {found}, but this is {__version__}; install the same version everywhere"
                 )
+
+    def _ask(self, question: Callable[..., Any], *arguments: Any, **options: Any) -> dict[str, Any]:
+        """Ask all workers; Dask itself waits for ever for a worker that hangs."""
+        try:
+            answers: dict[str, Any] = self._client.sync(
+                question, *arguments, callback_timeout=_ANSWER_TIMEOUT_S, **options
+            )
+        except TimeoutError:
+            message = f"a worker has not answered for {_ANSWER_TIMEOUT_S:g} s; end the workers that hang, or start them"
+            raise _make_error(f"{message} again, then run this command again") from None
+        return answers
+
+
+def _compare_versions(worker: str, found: Mapping[str, Any]) -> None:
+    """Refuse a worker whose Python or numpy could give other rows."""
+    import numpy as np
+
+    here = {"Python": "{}.{}".format(*sys.version_info[:2]), "numpy": np.__version__}
+    python = str(found.get("host", {}).get("python", "none"))
+    there = {"Python": ".".join(python.split(".")[:2]), "numpy": str(found.get("packages", {}).get("numpy"))}
+    for name, version in here.items():
+        if there[name] != version:
+            raise _make_error(
+                f"worker {worker} has {name} {there[name]}, but this is {version}; install the same version everywhere"
+            )
 
 
 def _check_listening(address: str) -> None:

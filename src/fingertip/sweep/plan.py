@@ -6,6 +6,7 @@ last axis varies fastest. The points of a sampler follow its sequence.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +23,7 @@ from fingertip.design.rules.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.errors import FingertipError, Issue, SweepError
 from fingertip.sweep import sweep_file
-from fingertip.sweep.axes import Axis, Value, flatten_axes, read_axis
+from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis
 from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups, find_shareable
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
@@ -200,7 +201,7 @@ def _read_scene(tables: Mapping[str, Any] | None) -> tuple[SceneFile | None, lis
 
 def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
     if file.sampling == "grid":
-        size = int(np.prod([len(axis.values) for axis in axes], dtype=object)) if axes else 0
+        size = math.prod(axis.count for axis in axes) if axes else 0
         if file.points:
             problem = f"{file.points} is for samplers, but the axes make a grid of {size} points"
             return [Issue("points", f"{problem}; leave it out.")]
@@ -208,7 +209,7 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
             return [
                 Issue("axes", f"make a grid of {size} points; give at most {MAX_POINTS}, or sample them with sobol.")
             ]
-        return []
+        return [issue for axis in axes for issue in find_repeats(axis)]
     if not file.points:
         return [Issue("points", f"is missing; give the number that {file.sampling} draws, such as points = 1024.")]
     if file.points * len(axes) > MAX_SAMPLED_VALUES:

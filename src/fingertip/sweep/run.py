@@ -33,6 +33,8 @@ MAX_PENDING_ROWS = 50_000
 """Number of rows after which they are committed at once."""
 RATE_WINDOW_S = 30.0
 """Time over which the rate of points is averaged [s]."""
+HANG_LIMITS = 3.0
+"""Number of a point's time limits without any result after which the progress says that a worker may hang."""
 CHUNKS_PER_WORKER = 2
 """Chunks in flight per worker: one is computed, one waits."""
 MAX_CONSECUTIVE_FAILURES = 5
@@ -56,6 +58,10 @@ class RunState:
     """Number of points since then that failed or ran out of time."""
     refused: int = 0
     """Number of points since then that break a design rule."""
+    hang_s: float = math.inf
+    """Silence from which a worker is suspected to hang [s]: several points' time limits."""
+    silent_s: float = 0.0
+    """Time since the last result of any worker, while some are awaited [s]."""
     history: deque[tuple[float, int]] = field(default_factory=lambda: deque([(time.perf_counter(), 0)]))
     """Times of the latest commits [s] and the number of rows written by then."""
 
@@ -115,7 +121,7 @@ def run_sweep(
         If the cluster is lost, or workers keep dying without computing a point.
     """
     missing = database.find_missing_points()
-    state = RunState(plan.size, int(plan.size - missing.sum()))
+    state = RunState(plan.size, int(plan.size - missing.sum()), hang_s=HANG_LIMITS * plan.file.time_limit_s)
     run = _Run(plan, database, engine, progress, evaluate, state)
     try:
         run.compute(_split_into_chunks(plan, missing, run))
@@ -162,6 +168,7 @@ class _Run:
         self._consecutive_failures = 0
         """Breakdowns in a row that could not be attributed to a point."""
         self._pending_rows: list[StoredRow] = []
+        self._answered_at_s = time.perf_counter()
         self._written_at_s = -math.inf  # the first row is written at once, to show that the folder is writable
 
     def compute(self, chunks: Iterator[Chunk]) -> None:
@@ -207,6 +214,7 @@ class _Run:
     def _receive(self) -> None:
         """Wait for results, and handle those that arrived."""
         done, _ = wait(self._in_flight, timeout=_POLL_INTERVAL_S, return_when=FIRST_COMPLETED)
+        self._note_silence(bool(done))
         lost: list[Chunk] = []
         broken = False
         for future in done:
@@ -225,6 +233,12 @@ class _Run:
             self._handle_broken_pool(lost)
         self.write_rows()
         self.progress(self.state)
+
+    def _note_silence(self, is_answered: bool) -> None:
+        now = time.perf_counter()
+        if is_answered:
+            self._answered_at_s = now
+        self.state.silent_s = now - self._answered_at_s
 
     def _adapt_chunk_size(self, chunk: Chunk, result: ChunkResult) -> None:
         """Choose the chunk size for `CHUNK_DURATION_S` at the pace of the latest chunk."""
@@ -281,7 +295,9 @@ class _Run:
             self._executor = None
             future = self._submit(chunk)
         start = time.perf_counter()
+        self._note_silence(True)
         while not wait([future], timeout=_POLL_INTERVAL_S).done:
+            self._note_silence(False)
             self.progress(self.state)
         error = future.exception() if not future.cancelled() else CancelledError()
         if error is None:

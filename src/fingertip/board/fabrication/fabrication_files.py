@@ -11,7 +11,6 @@ import io
 import re
 import shutil
 import subprocess
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -30,6 +29,7 @@ from fingertip.board.fabrication.bom import format_csv, purchased_components
 from fingertip.board.layout.placement import Placement
 from fingertip.errors import BoardError, MissingLibraryError
 from fingertip.progress import Work
+from fingertip.temporary import TemporaryFolder
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
 _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
@@ -134,8 +134,7 @@ def fabrication_files(
 def kicad_session(board_files: dict[str, bytes], progress: Progress) -> Iterator[tuple[Path, RunKicad]]:
     """Provide a temporary folder with the board's files, and a function that runs kicad-cli in it."""
     kicad = find_kicad()
-    with tempfile.TemporaryDirectory(prefix="fingertip-") as name:
-        folder = Path(name)
+    with TemporaryFolder() as folder:
         for file, data in board_files.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(data)

@@ -12,16 +12,15 @@ import pickle
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 
 from fingertip import errors
 from fingertip.cad.solids import Solid
 from fingertip.errors import GeometryError, Issue
+from fingertip.temporary import TemporaryFolder
 
 TIME_LIMIT_S = 180.0
 """Time after which the process is stopped [s]."""
@@ -72,29 +71,42 @@ class StepProcess:
         self._job = job
 
     def __enter__(self) -> StepProcess:
-        self._folder = tempfile.TemporaryDirectory(prefix="fingertip-step-")
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "fingertip.cad.files.step_worker", self._folder.name],
+        self._folder = TemporaryFolder()
+        try:
+            self._process = self._start()
+        except BaseException:
+            self._folder.remove()
+            raise
+        return self
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "fingertip.cad.files.step_worker", str(self._folder.path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # Open CASCADE prints there
             stderr=subprocess.PIPE,
             start_new_session=True,  # the process group lets `_kill` end its child process too
         )
-        assert self._process.stdin is not None
-        self._process.stdin.write(pickle.dumps(self._job))
-        self._process.stdin.flush()
-        return self
+        try:
+            assert process.stdin is not None
+            process.stdin.write(pickle.dumps(self._job))
+            process.stdin.flush()
+        except BaseException:
+            process.kill()
+            process.communicate()
+            raise
+        return process
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._kill()
         self._process.communicate()
-        self._folder.cleanup()
+        self._folder.remove()
 
     def _steps(self) -> list[str]:
         """Steps that the process has begun."""
-        status_file = Path(self._folder.name) / STATUS_FILE
+        status_file = self._folder.path / STATUS_FILE
         return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
 
     def _share_begun(self) -> float:
@@ -139,7 +151,7 @@ class StepProcess:
             status = self._steps()[-1]
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
             raise GeometryError(Issue("STEP", message))
-        folder = Path(self._folder.name)
+        folder = self._folder.path
         answer_file = folder / "answer.json"
         if not answer_file.exists():
             last = stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]

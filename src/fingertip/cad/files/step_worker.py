@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.files.step_process import STATUS_FILE, BrepMeasurements, StepJob
+from fingertip.child_process import end_with_parent
 from fingertip.errors import FingertipError, GeometryError, Issue
 
 
@@ -156,6 +157,7 @@ class _ForkedJob:
 
 def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:
     """Do the job in the forked process; sends an error, or "made" and then the measurements."""
+    end_with_parent()
     from fingertip.cad.kernel import brep
 
     try:
@@ -178,6 +180,7 @@ def write_status(folder: Path, status: str) -> None:
 
 def main() -> None:
     """Run the job on stdin and write measurements or issues to `answer.json` in the folder."""
+    end_with_parent()
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:

@@ -6,6 +6,8 @@ surfaces within a stated tolerance. STL and 3MF files, the checks and the sweeps
 
 from __future__ import annotations
 
+import importlib
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +18,7 @@ from fingertip.arrays import Array
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
 from fingertip.cad.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 from fingertip.errors import GeometryError, Issue
+from fingertip.interruption import hold_interruptions
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -80,6 +83,7 @@ class MeshEvaluator:
         return to_canonical_mesh(self.manifold(solid))
 
     def _evaluate(self, solid: Solid) -> Manifold:
+        load_manifold()
         from manifold3d import Manifold, OpType
 
         match solid:
@@ -102,8 +106,16 @@ class MeshEvaluator:
         return result
 
 
+def load_manifold() -> None:
+    """Import manifold3d. An exception of a signal handler within its import would abort the process."""
+    if "manifold3d" not in sys.modules:
+        with hold_interruptions():
+            importlib.import_module("manifold3d")
+
+
 def to_manifold(vertices: Array, triangles: Triangles) -> Manifold:
     """Create a `manifold3d.Manifold` from arrays, in double precision."""
+    load_manifold()
     from manifold3d import Manifold, Mesh64
 
     return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64)))

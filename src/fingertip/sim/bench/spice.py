@@ -9,7 +9,6 @@ from __future__ import annotations
 import resource
 import shutil
 import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from fingertip.arrays import Array
 from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.temporary import TemporaryFolder
 
 _DECK = """slip filter
 {source}
@@ -61,20 +61,20 @@ class Spice:
 
     def simulate(self, reltol: float, longest_s: float) -> tuple[Array, Array, Array]:
         """Return time [s], filtered voltage and envelope [V] at ngspice's own time points."""
-        with tempfile.TemporaryDirectory() as folder:
-            self._run(Path(folder), self.end_s, reltol, longest_s, _WRITE)
-            t, filtered, envelope = read_points(Path(folder))
+        with TemporaryFolder() as folder:
+            self._run(folder, self.end_s, reltol, longest_s, _WRITE)
+            t, filtered, envelope = read_points(folder)
         return t, filtered, envelope
 
     def measure_cpu_s(self, reltol: float, longest_s: float) -> float:
         """Measure the CPU time of the integration [s]."""
-        with tempfile.TemporaryDirectory() as folder:
-            return self._run(Path(folder), self.end_s, reltol, longest_s, "") - self._start_up_s(Path(folder))
+        with TemporaryFolder() as folder:
+            return self._run(folder, self.end_s, reltol, longest_s, "") - self._start_up_s(folder)
 
     def measure_start_up_s(self) -> float:
         """Measure the CPU time of the program's start and of reading the deck [s]."""
-        with tempfile.TemporaryDirectory() as folder:
-            return self._start_up_s(Path(folder))
+        with TemporaryFolder() as folder:
+            return self._start_up_s(folder)
 
     def _start_up_s(self, folder: Path) -> float:
         return min(self._run(folder, self.step_s, 1e-3, self.step_s, "") for _ in range(3))

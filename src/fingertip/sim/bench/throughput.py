@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from typing import Any
 
@@ -20,6 +19,7 @@ from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_boards
 from fingertip.sim.signal.monte_carlo import draw_boards
+from fingertip.temporary import TemporaryFolder
 
 CAMPAIGN_TARGET_S = 3.0
 MANIPULATION_TARGET_S = 1.0
@@ -99,11 +99,11 @@ def measure_boards(count: int) -> dict[str, Any]:
 
 def measure_first_run() -> dict[str, Any]:
     """Measure the CPU time of a fresh process that uses the loops [s], with an empty and with a full compiler cache."""
-    with tempfile.TemporaryDirectory() as folder:
+    with TemporaryFolder() as folder:
         times = []
         for _ in range(2):
             done = subprocess.run(
-                [sys.executable, "-c", _COLD], env=os.environ | {"NUMBA_CACHE_DIR": folder}, capture_output=True,
+                [sys.executable, "-c", _COLD], env=os.environ | {"NUMBA_CACHE_DIR": str(folder)}, capture_output=True,
                 text=True, check=True,
             )  # fmt: skip
             times.append(float(done.stdout))

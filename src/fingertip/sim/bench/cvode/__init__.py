@@ -14,12 +14,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from fingertip.arrays import Array
+from fingertip.temporary import TemporaryFolder
 
 _FLAGS = ("-O3", "-march=native", "-shared", "-fPIC", "-std=c11", "-D_POSIX_C_SOURCE=199309L")
 _LIBRARIES = (
@@ -111,13 +111,13 @@ def compile_cvode(compiler: str = "cc") -> Iterator[CvodeLibrary]:
     program = shutil.which(compiler)
     if not program:
         raise CvodeMissingError(f"no C compiler ({compiler}); install one, such as Debian's package gcc")
-    with TemporaryDirectory() as folder, as_file(files(__name__)) as sources:
+    with TemporaryFolder() as folder, as_file(files(__name__)) as sources:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         for name in ("contact", "board"):
-            _compile(program, sources / f"{name}.c", Path(folder) / f"{name}.so")
+            _compile(program, sources / f"{name}.c", folder / f"{name}.so")
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         first_line = subprocess.run([program, "--version"], capture_output=True, text=True).stdout.partition("\n")[0]
-        contact, board = (ctypes.CDLL(str(Path(folder) / f"{name}.so")) for name in ("contact", "board"))
+        contact, board = (ctypes.CDLL(str(folder / f"{name}.so")) for name in ("contact", "board"))
         version = ctypes.create_string_buffer(80)
         contact.SUNDIALSGetVersion(version, 80)
         yield CvodeLibrary(

@@ -67,4 +67,14 @@ def make_schema(kind: str) -> dict[str, Any]:
             }
     else:
         raise DesignError(Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}"))
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
+    schema: dict[str, Any] = _write_whole_numbers(found)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _write_whole_numbers(value: Any) -> Any:
+    """Turn 1.0 into 1 at any depth: releases of pydantic differ in that, and the schema must not."""
+    if isinstance(value, dict):
+        return {key: _write_whole_numbers(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_write_whole_numbers(item) for item in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -116,6 +116,20 @@ def select_inputs(source: object, name: str) -> tuple[Array, ...]:
     return (first,) if second is None else (first, second)
 
 
+def name_signals(name: str, count: int) -> tuple[str, ...]:
+    """Name the columns of a trace that a detector takes, for a number of inputs from `select_inputs`."""
+    kind = find_detector_type(name)
+    return tuple(column for column in (kind.input_column, kind.second_column) if column)[:count]
+
+
+def describe_signals(name: str, signals: tuple[str, ...]) -> str:
+    """Describe the signals that a detector uses, and one that it could use and does not find."""
+    second = find_detector_type(name).second_column
+    if second is None or second in signals:
+        return f"on {' and '.join(signals)}"
+    return f"on {' and '.join(signals)} alone (no column {second})"
+
+
 def find_second_column(design: Design, name: str) -> str | None:
     """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
     second = find_detector_type(name).second_column

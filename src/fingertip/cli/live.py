@@ -31,7 +31,6 @@ def detect_standard_input(
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detect_trace import detect_stream
     from fingertip.errors import FingertipError, Issue, TraceError
-    from fingertip.slip.detectors.registry import describe_signals
     from fingertip.slip.live import NAME
 
     if not sys.stdin or sys.stdin.closed:
@@ -54,8 +53,8 @@ def detect_standard_input(
             keep_window=keep_window,
             progress=console.progress,
         )
-        data["signals"] = list(found.signals)
-        console.progress(f"detector {detector}, {describe_signals(detector, found.signals)}")
+        data["signals"] = list(found.signals.columns)
+        console.progress(f"detector {detector}, {found.signals.describe()}")
         for warning in found.warnings:
             console.progress(f"warning: {warning}")
         for transition in found.transitions:

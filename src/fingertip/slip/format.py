@@ -6,7 +6,6 @@ from typing import Any
 
 from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.detectors.registry import describe_signals
 from fingertip.slip.intervals import INCIPIENT_S, Interval
 from fingertip.slip.robot_motion import ENCODER_HZ, format_delay_band
 
@@ -53,8 +52,8 @@ def as_text(detection: Detection) -> str:
 
 def describe_detector(detection: Detection) -> str:
     """Describe the detector of a detection, the signals and the threshold that it used."""
-    signals, threshold = describe_signals(detection.detector, detection.signals), detection.threshold
-    return f"{detection.detector}, {signals}, {threshold.quantity}: {threshold.describe()}"
+    threshold = detection.threshold
+    return f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: {threshold.describe()}"
 
 
 def format_motion_delay(delay_s: float) -> str:
@@ -91,7 +90,7 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
         "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
         "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
         "detector": detection.detector,
-        "signals": list(detection.signals),
+        "signals": list(detection.signals.columns),
         "threshold_v": _round_v(detection.threshold_v),
         "threshold_range_v": [_round_v(detection.threshold.lowest_v), _round_v(detection.threshold.highest_v)],
         "threshold_of": detection.threshold.quantity,

@@ -116,18 +116,36 @@ def select_inputs(source: object, name: str) -> tuple[Array, ...]:
     return (first,) if second is None else (first, second)
 
 
-def name_signals(name: str, count: int) -> tuple[str, ...]:
-    """Name the columns of a trace that a detector takes, for a number of inputs from `select_inputs`."""
-    kind = find_detector_type(name)
-    return tuple(column for column in (kind.input_column, kind.second_column) if column)[:count]
+@dataclass(frozen=True)
+class UsedSignals:
+    """Columns of a trace that a detector takes."""
+
+    columns: tuple[str, ...]
+    missing: str | None
+    """Column that it would take too and that is not there."""
+
+    def describe(self) -> str:
+        """Describe the columns."""
+        used = " and ".join(self.columns)
+        return f"on {used}" if self.missing is None else f"on {used} alone (no column {self.missing})"
 
 
-def describe_signals(name: str, signals: tuple[str, ...]) -> str:
-    """Describe the signals that a detector uses, and one that it could use and does not find."""
-    second = find_detector_type(name).second_column
-    if second is None or second in signals:
-        return f"on {' and '.join(signals)}"
-    return f"on {' and '.join(signals)} alone (no column {second})"
+def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
+    """Find the columns that a detector takes for the board of a design.
+
+    Parameters
+    ----------
+    design
+        Design of the board.
+    name
+        One of `DETECTORS`.
+    has_second
+        Whether the second column of the detector, if it has one, is there.
+    """
+    first, second = find_detector_type(name).input_column, find_second_column(design, name)
+    if second is None:
+        return UsedSignals((first,), None)
+    return UsedSignals((first, second), None) if has_second else UsedSignals((first,), second)
 
 
 def find_second_column(design: Design, name: str) -> str | None:

@@ -98,11 +98,8 @@ def test_command_runs(command: str, clone: Path) -> None:
     given = (clone / source).read_text() if source else None
     done = run_fingertip(*shlex.split(words)[1:], given=given, PWD=str(clone))
     assert done.returncode == 0, done.stderr
-    if source:
+    if any(name in words for name in recordings()) or source:
         assert done.stdout.startswith("ON ")
-    elif any(name in words for name in recordings()):
-        assert done.stdout.startswith("detector ")
-        assert "\ndetected " in done.stdout
 
 
 @pytest.mark.slow

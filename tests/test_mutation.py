@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from tests.conftest import ROOT
-from tools.mutation.run import Mutant, Target, is_equivalent, read_equivalent, read_targets, run_tests
+from tools.mutation.run import Mutant, Target, is_equivalent, read_equivalent, read_targets
 
 
 @pytest.mark.parametrize("target", read_targets(), ids=lambda target: target.name)
@@ -38,7 +40,13 @@ def test_only_listed_changes_are_equivalent() -> None:
 
 @pytest.mark.slow
 def test_fork_runs_the_tests_on_changed_code() -> None:
-    target = Target(Path("src/fingertip/sim/grid.py"), ("tests/sim/test_grid.py",))
-    source = (ROOT / target.path).read_text(encoding="utf-8")
-    assert run_tests(target, source, 300.0) == 0
-    assert run_tests(target, source.replace("math.ceil(", "math.floor("), 300.0) != 0
+    """In a process of its own, as other tests of this one have imported the module already."""
+    code = """
+from pathlib import Path
+from tools.mutation.run import Target, run_tests
+target = Target(Path("src/fingertip/sim/grid.py"), ("tests/sim/test_grid.py",))
+source = Path(target.path).read_text(encoding="utf-8")
+assert run_tests(target, source, 300.0) == 0
+assert run_tests(target, source.replace("math.ceil(", "math.floor("), 300.0) != 0
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)

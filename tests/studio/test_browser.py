@@ -25,6 +25,10 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield browser
 
 
+WARNS = "⚠ {passed} of {all} checks of the shape passed, 2 warn"
+"""Verdict of designs whose bone breaks at the shock, and at the grip if printed of filament."""
+
+
 @pytest.fixture
 def opened(driver: Any, server: StudioServer) -> Iterator[Any]:
     driver.get("about:blank")
@@ -79,7 +83,7 @@ def find_refusals(driver: Any) -> dict[str, str]:
 
 def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
     before = picture(opened)
-    assert put(opened, "skin.width_mm", 21, by_slider=True).startswith("✓ All")
+    assert put(opened, "skin.width_mm", 21, by_slider=True) == WARNS.format(passed=62, all=64)
     assert value_of(opened, "skin.width_mm") == "21"
     wider = picture(opened)
     assert (np.abs(wider - before).max(axis=-1) > 50).mean() > 0.01
@@ -132,7 +136,7 @@ def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     assert np.array_equal(picture(opened), before)
     put(opened, "skin.width_mm", "")
     assert "is not a number" in find_refusals(opened)["/skin/width_mm"]
-    assert put(opened, "skin.width_mm", 17).startswith("✓")
+    assert put(opened, "skin.width_mm", 17) == WARNS.format(passed=61, all=63)
     assert find_refusals(opened) == {}
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from fingertip._version import __version__
 from fingertip.page.basis_section import render_basis
 from fingertip.page.board_section import render_board
@@ -82,7 +85,7 @@ def _render_header(sources: Sources) -> Markup:
         ),
     ]
     if strength:
-        facts.append(("bone's safety factor", f"{strength['grip_safety_factor']:.1f} at the grip force"))
+        facts.append(("bone's safety factor at the grip force", _describe_strength(report, strength)))
     terms = (element("div", element("dt", term), element("dd", value)) for term, value in facts)
     return element(
         "header",
@@ -91,6 +94,13 @@ def _render_header(sources: Sources) -> Markup:
         render_verdict(report),
         element("dl", *terms, class_="facts"),
     )  # fmt: skip
+
+
+def _describe_strength(report: Mapping[str, Any], strength: Mapping[str, Any]) -> str:
+    """Describe the safety factor at the grip force, in the design's material and as the filament plate prints it."""
+    said = f"{strength['grip_safety_factor']:.1f} in {strength['material'].replace('_', ' ')}"
+    of_filament = [check["value"] for check in report["checks"] if check["name"] == "bone.safety_factor.grip_fdm"]
+    return f"{said}; {of_filament[0]:.1f} from plate_fdm" if of_filament else said
 
 
 def _render_navigation() -> Markup:

@@ -20,7 +20,13 @@ from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.fast import min_noise_v
 from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
-from fingertip.slip.detectors.registry import find_detector_type, find_second_column, make_detector
+from fingertip.slip.detectors.registry import (
+    UsedSignals,
+    find_detector_type,
+    find_second_column,
+    find_signals,
+    make_detector,
+)
 from fingertip.slip.filtered_signal import filtered_warnings
 from fingertip.slip.live import NAME as STREAM_NAME
 from fingertip.slip.live import CsvStream, Transition, follow, open_stream
@@ -65,6 +71,8 @@ class StreamDetection:
     """Design used, at the stream's sampling rate."""
     warnings: tuple[str, ...]
     """Reasons to doubt the result."""
+    signals: UsedSignals
+    """Columns of a trace that the detector takes from the lines."""
 
 
 def detect_file(
@@ -242,7 +250,8 @@ def detect_stream(
     reads_second = second is not None and voltage.name_in_file(second) in stream.header.names
     watch = None if reads_second else StepWatch(design, detector)
     transitions = follow(stream, instance, design.detector, column_map, report, watch, second)
-    return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)))
+    signals = find_signals(design, detector, reads_second)
+    return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
 
 
 def _map_envelope(voltage: ColumnMap) -> ColumnMap:

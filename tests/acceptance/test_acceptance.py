@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,8 @@ from fingertip.design.new_design import PRESETS
 from fingertip.make_files import simulate_and_detect
 from fingertip.sim.signal.bridge import ConductanceCurve
 from fingertip.slip.detection import Detection
-from tests.conftest import design_file, run_fingertip
+from fingertip.slip.format import as_text
+from tests.conftest import ROOT, design_file, run_fingertip
 
 NAMES = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
 
@@ -56,8 +58,18 @@ def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
         current = response.sensor_v / (reading.sensor_ohm + response.source_ohm)
         assert reading.tactile_v == pytest.approx(response.open_v - response.transfer_ohm * current, rel=1e-12)
         current = response.sensor_v / (reading.sensor_ohm / SPREAD + response.source_ohm)
-        lowest_v = max(0.0, response.open_v - response.transfer_ohm * current)  # on a single supply
-        assert reading.limits_v[0] == pytest.approx(lowest_v, rel=1e-12)
+        shown = re.search(r"(\S+) V \(20 N\)", (ROOT / "pcb/README.md").read_text())
+        assert shown
+        lowest_v = max(float(shown[1]), response.open_v - response.transfer_ohm * current)
+        assert reading.limits_v[0] == pytest.approx(lowest_v, abs=0.005)
+
+
+@pytest.mark.parametrize("name", [*NAMES, "article"])
+def test_a_short_circuit_is_not_accepted(name: str) -> None:
+    design = load(name)
+    shorted_v = max(0.0, board_values(design).tactile_response.tactile_v(1.0))
+    for reading in expect_readings(design):
+        assert reading.limits_v[0] > shorted_v + 0.1
 
 
 CALIBRATED = (
@@ -98,6 +110,12 @@ def test_page_says_where_slip_appears(detection: Detection, changes: tuple[str, 
     assert ("the pin SLIP of the output connector, low" in page) is pin
     assert "`SLIP_PIN`" in page
     assert "`fingertip detect FILE` prints" in page
+    assert "except on a Blue Pill" in page
+    quoted = re.search(r"the lines `([^`]*)`", page)
+    assert quoted
+    form = quoted[1].replace("...", "NUMBER")
+    printed = as_text(detection).splitlines()[1]
+    assert re.sub(r"[\d.]+", "NUMBER", " ".join(printed.split())).startswith(form)
 
 
 def test_page_of_a_calibrated_design_names_its_curve(detection: Detection) -> None:

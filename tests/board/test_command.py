@@ -56,6 +56,9 @@ def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_pat
 
 
 def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
+    missing = run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path))
+    assert missing.returncode == 1
+    assert missing.stdout == "out/fsr400/board does not exist; name the folder with --out.\n"
     run = run_fingertip("board", "fsr400", "--quiet", PWD=str(tmp_path))
     assert run.returncode == 0
     assert (tmp_path / "out" / "fsr400" / "board" / "slip_filter.net").is_file()

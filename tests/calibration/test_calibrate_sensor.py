@@ -269,8 +269,16 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     assert low < data["curve"][2]["force_n"] < high
     assert describe_force_curve(calibrated) in done.stdout
     first = out.read_bytes()
-    assert run("calibrate", "sensor", path, "article", "--out", out).exit_code == 0
+    out.write_text("# mine\n")
+    refused = run("calibrate", "sensor", path, "article", "--out", out)
+    assert refused.exit_code == 2
+    assert f"{out}: exists and is not overwritten; give another file with --out" in " ".join(refused.stderr.split())
+    assert out.read_text() == "# mine\n"
+    assert run("calibrate", "sensor", path, "article", "--out", out, "--force").exit_code == 0
     assert out.read_bytes() == first
+    table = [line for line in done.stdout.splitlines() if " ohm " in line]
+    assert table
+    assert not [line for line in table if "e+" in line]
     refused = run("calibrate", "sensor", out, "article", "--out", out)
     assert "is an input of this command; give another name." in refused.stderr
 

@@ -114,6 +114,13 @@ def test_calibrate_writes_a_design_that_the_printed_changes_give_too(folder: Pat
     assert calibrated == typed.model_copy(update={"name": "mine"}), "the design is named after its file"
     assert calibrated.printer.offset_mm == pytest.approx(0.1, abs=0.01)
     assert calibrated.printer.scale_percent == pytest.approx(99.5, abs=0.05)
+    written = (folder / "mine.toml").read_bytes()
+    refused = run_fingertip("calibrate", "printer", "fsr400", path, "--out", "mine.toml")
+    assert refused.returncode == 2
+    assert "mine.toml: exists and is not overwritten; give another file with --out, or" in refused.stderr
+    forced = run_fingertip("calibrate", "printer", "fsr400", path, "--out", "mine.toml", "--force")
+    assert forced.returncode == 0, forced.stderr
+    assert (folder / "mine.toml").read_bytes() == written
     again = run_fingertip("calibrate", "printer", "fsr400", path, "--json", "-q")
     data = json.loads(again.stdout)
     assert again.stderr == ""

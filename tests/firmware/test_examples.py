@@ -65,10 +65,12 @@ def as_lines(codes: tuple[np.ndarray, ...]) -> str:
     return "".join(f"{tactile} {filtered}\n" for tactile, filtered in zip(*codes, strict=True))
 
 
-def run_example(arduino: Path, example: str, codes: tuple[np.ndarray, ...]) -> tuple[str, list[tuple[int, int]], float]:
+def run_example(
+    arduino: Path, example: str, codes: tuple[np.ndarray, ...], rest: tuple[int, int] = (0, 0)
+) -> tuple[str, list[tuple[int, int]], float]:
     """Standard output of an example, the pin's changes with the sample of each, and the timer's period [us]."""
-    given = as_lines(codes)
-    done = subprocess.run([str(arduino / f"{example}.run")], input=given, capture_output=True, text=True, check=True)
+    given, command = as_lines(codes), [str(arduino / f"{example}.run"), *map(str, rest)]
+    done = subprocess.run(command, input=given, capture_output=True, text=True, check=True)
     period = float(re.findall(r"period (\S+)", done.stderr)[0])
     return done.stdout, [(int(a), int(b)) for a, b in re.findall(r"^(\d+) (\d)$", done.stderr, re.MULTILINE)], period
 
@@ -78,11 +80,58 @@ def test_examples_switch_the_pin_as_the_detector_decides(arduino: Path, library:
     design = library.design
     codes = slip_recording(design, 2.0).codes(design)
     _, changes, period = run_example(arduino, example, codes)
-    on = library.detector("float").process_codes(*codes)
-    expected = [(0, 0), *((int(i) + 1, int(on[i + 1])) for i in np.flatnonzero(np.diff(on.astype(int))))]
-    assert changes == expected
+    assert changes == find_changes(library.detector("float").process_codes(*codes))
     assert len(changes) > 1
     assert period == pytest.approx(1e6 / design.detector.sample_rate_hz)
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_the_interrupt_only_takes_and_stores_a_sample(arduino: Path, example: str) -> None:
+    """A step of the detector takes more than a sample on slow controllers."""
+    sketch = (arduino / "examples" / example / f"{example}.ino").read_text()
+    buffer = (arduino / "src/slip_buffer.h").read_text()
+    (callback,) = re.findall(r"slip_start_timer\((\w+)\)", sketch)
+    assert find_calls(sketch, callback) == {"analogRead", "slip_store"}
+    assert find_calls(buffer, "slip_store") == set()
+    assert {"slip_fetch", "slip_step_codes"} <= find_calls(sketch, "loop")
+
+
+def find_calls(source: str, function: str) -> set[str]:
+    """Names that the body of a function calls."""
+    (body,) = re.findall(rf"\bvoid {function}\([^)]*\) \{{\n(.*?)^\}}", source, re.MULTILINE | re.DOTALL)
+    return set(re.findall(r"(\w+)\(", body)) - {"if", "for", "while", "switch"}
+
+
+def find_changes(on: np.ndarray) -> list[tuple[int, int]]:
+    return [(0, 0), *((int(i) + 1, int(on[i + 1])) for i in np.flatnonzero(np.diff(on.astype(int))))]
+
+
+def test_a_loop_that_lags_catches_up_without_losing_a_decision(arduino: Path, library: Library) -> None:
+    codes = slip_recording(library.design, 2.0).codes(library.design)
+    expected = find_changes(library.detector("float").process_codes(*codes))
+    first, last = expected[1][0] - 500, expected[1][0] + 400
+    _, found, _ = run_example(arduino, "slip_pin", codes, (first, last))
+    late = [(max(sample, last) if sample >= first else sample, level) for sample, level in expected]
+    assert found == late
+    assert found != expected
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_after_a_gap_the_detector_learns_the_noise_anew(arduino: Path, library: Library, example: str) -> None:
+    """A full buffer drops what waits: its oldest sample may be overwritten while it is read."""
+    recorded = slip_recording(library.design, 2.0).codes(library.design)
+    codes = tuple(np.concatenate([each[:900], each[:900] + 100, each + 100]) for each in recorded)
+    first, last = 100, 100 + 1023
+    text, found, _ = run_example(arduino, example, codes, (first, last))
+    parts = (slice(first), slice(last + 1, None))
+    before, after = (library.detector("float").process_codes(*(each[part] for each in codes)) for part in parts)
+    on = np.concatenate([before, np.repeat(before[-1], last + 1 - first), after])
+    assert found == find_changes(on)
+    assert len(found) > 1
+    if example == "slip_stream":
+        times = [float(line.split(",")[0]) for line in text.splitlines() if line[0].isdigit()]
+        rate_hz = library.design.detector.sample_rate_hz
+        assert times[first - 1 : first + 1] == pytest.approx([(first - 1) / rate_hz, (last + 1) / rate_hz])
 
 
 def test_lines_hold_time_and_voltage(arduino: Path, library: Library) -> None:

@@ -10,14 +10,17 @@ import pytest
 
 from fingertip.board import board_circuit
 from fingertip.board.components.component_values import select_components
+from fingertip.board.readme_parts.power import POWER_UP_S
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.load import load_tables
 from fingertip.firmware import costs, firmware_differences, firmware_files, write_firmware
-from fingertip.firmware.boards import BOARDS, board_table, port_table
-from fingertip.firmware.output import TIMER
+from fingertip.firmware.boards import BOARDS, CYCLES_PER_INSTRUCTION, board_table, load_table, port_table
+from fingertip.firmware.output import BUFFER, TIMER
+from fingertip.firmware.readme import BUFFER_SAMPLES
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
 from fingertip.firmware.wiring import (
+    READ_NETS,
     controller_changes,
     find_warnings,
     wiring_notes,
@@ -90,7 +93,7 @@ def test_tables_hold_the_trees() -> None:
 def test_library_is_one_header_and_one_source() -> None:
     files = firmware_files(Design())
     assert set(files) == PLACES
-    assert set(files["src"]) == {HEADER, SOURCE, "slip_timer.h"}
+    assert set(files["src"]) == {HEADER, SOURCE, TIMER, BUFFER}
     included = re.findall(rb'#include "(.*)"', files["src"][HEADER] + files["src"][SOURCE])
     assert included == [HEADER.encode()]
 
@@ -154,14 +157,46 @@ def test_controllers_and_ports_stand_in_the_readme_and_in_the_manual() -> None:
     readme = files["."]["README.md"].decode()
     manual = (ROOT / "docs/firmware.md").read_text(encoding="utf-8")
     timers = files["src"][TIMER].decode()
-    for table in (board_table(), port_table()):
+    for table in (board_table(), load_table(2000.0), port_table()):
         assert table in readme
         assert table in manual
     for board in BOARDS:
         core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
         known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
         assert known == (board.timer == "yes"), board.name
-    assert "not on a GPIO" in next(board.note for board in BOARDS if board.name.endswith("Pico W"))
+    notes = {board.name: board.note for board in BOARDS}
+    assert "not on a GPIO" in notes["Raspberry Pi Pico W"]
+    assert "while the pin is low: set `SLIP_PIN`" in notes["STM32 Blue Pill"]
+
+
+def test_load_of_each_controller_follows_from_its_clock_and_the_measured_instructions() -> None:
+    targets = costs.read_costs()["targets"]
+    for board in BOARDS:
+        target = targets["Cortex-M4F" if "with floats" in board.core else "Cortex-M0+"]
+        mean, longest = board.count_cycles()
+        assert mean == pytest.approx(CYCLES_PER_INSTRUCTION * target["instructions"]["slip"], abs=100)
+        assert longest == pytest.approx(CYCLES_PER_INSTRUCTION * target["max_instructions"], abs=100)
+        # On every controller of the table loop() keeps up at 2 kHz; a faster rate is refused to the slow ones.
+        found = {rate_hz: board.describe_load(rate_hz)[-1] for rate_hz in (100.0, 2000.0, 2e6)}
+        assert found[100.0] == "each step ends within its sample"
+        assert ("loop() catches up" in found[2000.0]) == (longest > 1e6 * board.clock_mhz / 2000)
+        assert "too slow" not in found[2000.0]
+        assert "too slow" in found[2e6]
+
+
+def test_sketches_agree_with_readme_and_board() -> None:
+    files = firmware_files(Design())
+    readme = " ".join(files["."]["README.md"].decode().split())
+    for example in ("slip_pin", "slip_stream"):
+        sketch = files[f"examples/{example}"][f"{example}.ino"].decode()
+        pins = dict(re.findall(r"int (\w+)_PIN = (A\d);", sketch))
+        assert pins == {"TACTILE": READ_NETS["ADC_TACTILE"], "FILTERED": READ_NETS["ADC_FILTERED"]}
+        assert f"SETTLE_MS = {1000 * POWER_UP_S:.0f};" in sketch
+    assert f"#define SLIP_BUFFER_SAMPLES {BUFFER_SAMPLES}u" in files["src"][BUFFER].decode()
+    assert f"Start it {POWER_UP_S:g} s after" in readme
+    assert "OFF for its first 0.2 s" in readme
+    assert "--design fsr400 <" in readme
+    assert "--design mine.toml <" in firmware_files(Design(name="mine"))["."]["README.md"].decode()
 
 
 def test_the_same_design_gives_the_same_bytes_without_paths_or_dates(tmp_path: Path) -> None:

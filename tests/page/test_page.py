@@ -197,7 +197,7 @@ def test_states_the_delay_of_the_detection(page: Page, folder: Path) -> None:
     assert f"{1000 * delay:.1f} ms" in page.text
     low, high = (1000 * volts for volts in detection["threshold_range_v"])
     used = f"threshold {low:.3g} to {high:.3g} mV, {1000 * detection['threshold_v']:.3g} at the first ON"
-    assert f"Detector fast, statistic of fast: {used}" in page.text
+    assert f"Detector fast, on voltage_v and filtered_v, statistic of fast: {used}" in page.text
     assert "threshold of analog and digital" in page.text  # the header's is of another quantity
     assert "detector threshold" not in page.text
 

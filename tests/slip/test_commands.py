@@ -100,7 +100,10 @@ def test_detect_without_true_slip_as_json_and_text(trace):
     data = json.loads(run("detect", path, "--json").stdout)
     assert data["intervals"] == []
     assert data["slips"] is None
-    assert run("detect", path).stdout == "detector digital, mean of the envelope: threshold 23 mV\nnever ON\n"
+    assert (
+        run("detect", path).stdout
+        == "detector digital, on voltage_v, mean of the envelope: threshold 23 mV\nnever ON\n"
+    )
 
 
 INVALID = {

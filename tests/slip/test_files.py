@@ -204,7 +204,7 @@ def test_unusual_input_gives_an_error_or_a_correct_result(tmp_path, name):
     expected = {"constant": "never ON", "saturated": "detected ", "negative time": "detected "}
     if code == 0:
         first, second, *_ = done.stdout.splitlines()
-        assert first.startswith("detector digital, mean of the envelope: threshold ")
+        assert first.startswith("detector digital, on voltage_v, mean of the envelope: threshold ")
         assert second.startswith(expected[name])
     else:
         assert done.stdout == ""

@@ -14,6 +14,7 @@ from fingertip.detect_trace import detect_file, detect_stream
 from fingertip.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.slip import make_detector
+from fingertip.slip.format import as_data, as_text
 from fingertip.slip.intervals import intervals
 from tests.slip.test_fast_filtered import CONTROLLER, board, quantise, slip_from
 
@@ -84,6 +85,26 @@ def test_the_column_is_used_by_fast_alone_and_by_its_board_alone(tmp_path: Path,
         assert one == other
     one, other = detect(CONTROLLER, "fast")
     assert one != other
+
+
+def test_the_first_line_says_which_signals_were_used(tmp_path: Path, recording):
+    path, bare = tmp_path / "both.csv", tmp_path / "bare.csv"
+    path.write_text("\n".join(as_lines(recording, "time_s,voltage_v,sampled_filtered_v")) + "\n", encoding="utf-8")
+    bare.write_text("\n".join(as_lines(recording[:2], "time_s,voltage_v")) + "\n", encoding="utf-8")
+    both, alone = ["voltage_v", "filtered_v"], ["voltage_v"]
+    for given, design, detector, said, columns in (
+        (path, CONTROLLER, "fast", "fast, on voltage_v and filtered_v, ", both),
+        (bare, CONTROLLER, "fast", "fast, on voltage_v alone (no column filtered_v), ", alone),
+        (path, ARTICLE, "fast", "fast, on voltage_v, ", alone),
+        (path, CONTROLLER, "digital", "digital, on voltage_v, ", alone),
+        (path, CONTROLLER, "analog", "analog, on envelope_v, ", ["envelope_v"]),
+    ):
+        found = detect_file(given, design, detector).detection
+        assert as_text(found).startswith(f"detector {said}")
+        assert as_data(found, None)["signals"] == columns
+        if detector != "analog":
+            stream = detect_stream(iter(given.read_text(encoding="utf-8").splitlines()), design, detector)
+            assert list(stream.signals.columns) == columns
 
 
 def test_a_wrong_value_in_the_column_is_named(tmp_path: Path, recording):

@@ -213,6 +213,10 @@ def test_a_file_without_a_header_is_answered_with_the_options_that_read_it(tmp_p
         (("--time-scale", "nan"), "--time-scale: nan is not a unit of time"),
         (("--column", "voltage_v=0", "--column", "time_s=1"), "by number"),
         (("--column", "voltage_v=99999999999999", "--column", "time_s=1"), "by number"),
+        (
+            ("--column", "voltage_v=2", "--column", "time_s=none"),
+            "its times are left out: give the sampling rate with --rate-hz, such as 2000.",
+        ),
         (("--rate-hz", "nan"), "--rate-hz: nan is not a sampling rate; choose 1000 to 20000 Hz."),
     ],
 )

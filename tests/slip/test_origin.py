@@ -30,7 +30,7 @@ def test_text_names_the_detector_and_tells_detection_from_truth(trace: Trace) ->
     found = detect(trace, Design(), "fast")
     first, second, third, last = as_text(found).splitlines()
     threshold = found.threshold
-    assert first.startswith("detector fast, statistic of fast: threshold ")
+    assert first.startswith("detector fast, on voltage_v alone (no column filtered_v), statistic of fast: threshold ")
     assert f"{1000 * threshold.lowest_v:.3g} to {1000 * threshold.highest_v:.3g} mV" in first
     assert second.startswith("detected ")
     assert third.startswith("true slip (simulated) ")
@@ -58,7 +58,7 @@ def test_threshold_is_the_same_in_every_output(trace: Trace) -> None:
     assert data["threshold_of"] == "statistic of fast"
     assert f"{1e3 * used.min():.3g} to {1e3 * used.max():.3g} mV" in as_text(found)
     constant = detect(trace, Design(), "digital")
-    assert as_text(constant).startswith("detector digital, mean of the envelope: threshold 23 mV\n")
+    assert as_text(constant).startswith("detector digital, on voltage_v, mean of the envelope: threshold 23 mV\n")
     assert as_data(constant, None)["threshold_range_v"] == [0.023, 0.023]
 
 

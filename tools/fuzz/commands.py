@@ -43,7 +43,7 @@ _BUILD = ("build", "fsr400", "--formats", "stl")
 _TRACE = "../../../inputs/trace.csv"
 """A command works three folders below the one with the inputs."""
 _PLOTTED = ("detect", _TRACE, "--scale", "0.5", "--plot", "out/slip.png")
-_CALIBRATED = ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", "out/mine.toml")
+_CALIBRATED = ("calibrate", "sensor", "../../../inputs/weighings.csv", "--out", "out/mine.toml", "--force")
 _SWEEP = ("sweep", "../../../inputs/sweep.toml", "--out", "out/boards", "--jobs", "2")
 COMMANDS = (
     _of_design("make", 3, "--formats", "stl"),

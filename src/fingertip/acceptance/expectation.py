@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
+from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.casting.hardware import WEIGHTS_G
 from fingertip.design import Design
 from fingertip.design.signal_ground import signal_ground_ratio
@@ -46,12 +48,31 @@ def expect_open_v(design: Design) -> float:
     return Bridge.of_board(design).response.open_v
 
 
-def expect_readings(design: Design) -> tuple[WeightReading, ...]:
-    """Expect the readings of `WEIGHTS_G`, with limits that cover sensors within `find_spread` of the curve."""
+def expect_pressed_v(design: Design) -> float:
+    """Expect the tactile voltage at `MAX_FORCE_N` [V], far more than any weight of the sheet: less is a short circuit.
+
+    The data sheet's sensor gives it, as the README of the board states, or the calibrated one if that gives less.
+    """
     bridge = Bridge.of_board(design)
-    # A board on a single supply gives no voltage below its ground.
-    lowest_v = 0.0 if signal_ground_ratio(design.board.supply) else -math.inf
-    readings = []
+    conductance = max(sensor_conductance_s(MAX_FORCE_N), bridge.curve.conductance_s(MAX_FORCE_N))
+    return max(_find_lowest_v(design), bridge.response.tactile_v(conductance))
+
+
+def expect_readings(design: Design) -> tuple[WeightReading, ...]:
+    """Expect the readings of `WEIGHTS_G`, with limits that cover sensors within `find_spread` of the curve.
+
+    No limit is below `expect_pressed_v`, so that a short circuit fails.
+    """
+    pressed_v = expect_pressed_v(design)
+    return tuple(
+        replace(reading, limits_v=(max(pressed_v, reading.limits_v[0]), reading.limits_v[1]))
+        for reading in _spread_readings(design)
+    )
+
+
+def _spread_readings(design: Design) -> Iterator[WeightReading]:
+    """Compute the readings with the limits that follow from the spread alone."""
+    bridge, lowest_v = Bridge.of_board(design), _find_lowest_v(design)
     for mass in WEIGHTS_G:
         force_n = mass / 1000.0 * _GRAVITY
         conductance, spread = bridge.curve.conductance_s(force_n), find_spread(design, force_n)
@@ -59,8 +80,12 @@ def expect_readings(design: Design) -> tuple[WeightReading, ...]:
             max(lowest_v, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
         )
         expected = bridge.response.tactile_v(conductance)
-        readings.append(WeightReading(mass, 1.0 / conductance, expected, (low, high), spread))
-    return tuple(readings)
+        yield WeightReading(mass, 1.0 / conductance, expected, (low, high), spread)
+
+
+def _find_lowest_v(design: Design) -> float:
+    """Find the lowest voltage of a board [V]: on a single supply, none below its ground."""
+    return 0.0 if signal_ground_ratio(design.board.supply) else -math.inf
 
 
 def find_spread(design: Design, force_n: float) -> float:
@@ -82,7 +107,7 @@ def expect_drop_ratio(design: Design) -> DropRatio:
     of the voltages. They cover the same factors for both weights, and `_RATIO_SPREAD` besides.
     """
     open_v = expect_open_v(design)
-    light, *_, heavy = expect_readings(design)
+    light, *_, heavy = _spread_readings(design)
     drops = [
         (open_v - of_light, open_v - of_heavy)
         for of_light, of_heavy in (

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_readings
+from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_pressed_v, expect_readings
+from fingertip.board.components.bridge import MAX_FORCE_N
 from fingertip.casting.wires import describe_plug_wires, size_wires
 from fingertip.design import Design
 from fingertip.slip.detection import Detection
+from fingertip.slip.format import DETECTED, INTERVAL
 
 IDLE_TOLERANCE_V = 0.1
 """Largest difference of an untouched finger from its expected voltage [V]. An assumption."""
@@ -45,6 +47,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "open_ohm": _OPEN_OHM,
         "pressed_ohm": _PRESS_OHM,
         "idle": {"tactile_v": round(idle, 2), "tolerance_v": IDLE_TOLERANCE_V},
+        "pressed": {"force_n": MAX_FORCE_N, "tactile_v": round(expect_pressed_v(design), 2)},
         "curve": design.force_curve.curve,
         "board": design.board.variant,
         "drop_ratio": {
@@ -88,6 +91,7 @@ def render_acceptance(data: dict[str, Any]) -> str:
         )
         for entry in data["weights"]
     ]  # fmt: skip
+    pressed = data["pressed"]
     open_mohm, press_kohm = data["open_ohm"] / 1e6, data["pressed_ohm"] / 1e3
     sections = [
         f"# Acceptance sheet: {data['design']}",
@@ -146,7 +150,9 @@ def render_acceptance(data: dict[str, Any]) -> str:
             "by."
             if data["curve"] == "calibrated"
             else "single sensors differ that much at the same force. `fingertip calibrate sensor` narrows it."
-        ),
+        )
+        + f" Less than {pressed['tactile_v']:.2f} V, the voltage at {pressed['force_n']:g} N, is a short circuit of "
+        "sensor or wires, or a far greater force than the weight.",
         _table(
             ("test", "must happen", "if it does not"),
             [
@@ -195,10 +201,10 @@ def _describe_curve(data: dict[str, Any]) -> str:
 def _describe_slip(variant: str) -> str:
     """Say where SLIP is seen: on the board, on the controller, and in what `fingertip detect` prints."""
     places = [
-        "on the controller with the example `slip_pin` of `fingertip firmware` as its pin `SLIP_PIN`, high, which is "
-        "the LED on most controller boards",
-        "in a recording as the lines `ON ... s to ... s` that `fingertip detect FILE` prints, and for a stream as `ON` "
-        "and `OFF` of `fingertip detect -`",
+        "on the controller with the example `slip_pin` of `fingertip firmware` as its pin `SLIP_PIN`, high: the LED, "
+        "except on a Blue Pill and a Pico W, where another pin must be set (see the README of its library)",
+        f"in a recording as the lines `{DETECTED} {INTERVAL.format(onset='...', end='...')}` that `fingertip detect "
+        "FILE` prints, and for a stream as `ON` and `OFF` of `fingertip detect -`",
     ]
     if variant == "comparator":
         places.insert(0, "on the board as the pin SLIP of the output connector, low")

@@ -118,7 +118,10 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     if check:
-        found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
+        if out.is_dir():
+            found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
+        else:
+            found = [f"{out} {'is no folder' if out.exists() else 'does not exist'}; name the folder with --out."]
         up_to_date = f"{out} is up to date with this design"
         console.result({"current": not found, "differences": found}, "\n".join(found) or up_to_date)
         if found:

@@ -16,9 +16,10 @@ from fingertip.cli.console import (
     QuietOption,
     SetOption,
     command,
+    find_existing_issues,
     find_suffix_issues,
 )
-from fingertip.cli.options import CalibratedDesignOption
+from fingertip.cli.options import CalibratedDesignOption, ForceCalibratedOption
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate import Calibration
@@ -42,6 +43,7 @@ def printer(
         Path, typer.Argument(help="File of caliper readings, filled in from the one that `fingertip coupon` wrote.")
     ],
     out: CalibratedDesignOption = None,
+    force: ForceCalibratedOption = False,
     keep: Annotated[
         list[str] | None,
         typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
@@ -80,6 +82,8 @@ def printer(
     issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
     if out is not None and out.exists() and any(given.exists() and out.samefile(given) for given in (design, readings)):
         issues.append(Issue("--out", f"{out} is an input of this command; give another name."))
+    elif not issues:
+        issues += find_existing_issues(out, force)
     known = list(list_calibrated())
     issues += (
         Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}")

@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
-from fingertip.cli.options import CalibratedDesignOption
+from fingertip.cli.console import (
+    Console,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    command,
+    find_existing_issues,
+    find_suffix_issues,
+)
+from fingertip.cli.options import CalibratedDesignOption, ForceCalibratedOption
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate_sensor import SensorCalibration
@@ -29,6 +37,7 @@ def sensor(
         typer.Argument(help="Design of the board that took the readings; the default design if left out."),
     ] = None,
     out: CalibratedDesignOption = None,
+    force: ForceCalibratedOption = False,
     scale: Annotated[float | None, typer.Option("--scale", help="Volts per count, if the readings are counts.")] = None,
     changes: SetOption = None,
     as_json: JsonOption = False,
@@ -55,6 +64,8 @@ def sensor(
     inputs = [given for given in (readings, design) if given is not None and given.exists()]
     if out is not None and out.exists() and any(out.samefile(given) for given in inputs):
         issues.append(Issue("--out", f"{out} is an input of this command; give another name."))
+    elif not issues:
+        issues += find_existing_issues(out, force)
     loaded = weighings = None
     try:
         loaded, _ = load_design(design, changes, console.progress)
@@ -96,12 +107,17 @@ def _format(calibration: SensorCalibration, calibrated: Design) -> list[str]:
         lines.append(f"offset of the board without load: {1000 * calibration.offset_v:+.1f} mV, taken off the readings")
     lines.append(f"{'force':>8} {'sensor':>12} {'tactile voltage':>16}   95 % interval of a force read off it")
     lines += (
-        f"{point.force_n:6.2f} N {1 / point.conductance_s:8.4g} ohm {point.voltage_v:14.3f} V   "
+        f"{point.force_n:6.2f} N {_format_ohm(1 / point.conductance_s):>8} ohm {point.voltage_v:14.3f} V   "
         f"{point.low_n:.2f} to {point.high_n:.2f} N"
         for point in calibration.points
     )
     lines.append(describe_force_curve(calibrated))
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
+
+
+def _format_ohm(resistance_ohm: float) -> str:
+    """Format a resistance with four digits, and without a power of ten."""
+    return f"{float(f'{resistance_ohm:.4g}'):.0f}" if resistance_ohm >= 1000.0 else f"{resistance_ohm:.4g}"
 
 
 def _data(calibration: SensorCalibration) -> dict[str, Any]:

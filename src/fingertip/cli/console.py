@@ -148,6 +148,23 @@ def find_suffix_issues(option: str, path: Path | None, suffix: str, file_format:
         yield Issue(option, f"{problem}; end it in {suffix}.")
 
 
+def describe_existing(path: Path) -> str:
+    """Say why a design file cannot be written: somebody may have written the one that exists. Empty if none does."""
+    if not os.path.lexists(path):
+        return ""
+    return "is a folder" if path.is_dir() else "exists and is not overwritten"
+
+
+def find_existing_issues(out: Path | None, force: bool) -> Iterator[Issue]:
+    """Find a design file that exists and that nobody permitted to overwrite."""
+    if out is None or not (problem := describe_existing(out)):
+        return
+    if out.is_dir():
+        yield Issue(str(out), f"{problem}; give another file with --out.")
+    elif not force:
+        yield Issue(str(out), f"{problem}; give another file with --out, or overwrite it with --force.")
+
+
 MIN_WIDTH = 40
 """Smallest width to which lines are broken."""
 _LAST_COLUMN = re.compile(r"^(.*\S {2,})\S")

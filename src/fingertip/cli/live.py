@@ -53,6 +53,8 @@ def detect_standard_input(
             keep_window=keep_window,
             progress=console.progress,
         )
+        data["signals"] = list(found.signals.columns)
+        console.progress(f"detector {detector}, {found.signals.describe()}")
         for warning in found.warnings:
             console.progress(f"warning: {warning}")
         for transition in found.transitions:

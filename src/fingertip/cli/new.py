@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.console import (
+    Console,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    command,
+    describe_existing,
+    find_suffix_issues,
+)
 
 _TOLERANCE_MM = 0.05
 """Tolerance of the mesh on which the strength is assessed [mm]."""
@@ -70,8 +77,7 @@ def new(
         options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
         issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)
     path = out or Path(f"{name}.toml")
-    if made and os.path.lexists(path):
-        problem = "is a folder" if path.is_dir() else "exists and is not overwritten"
+    if made and (problem := describe_existing(path)):
         issues.append(Issue(str(path), f"{problem}; give another name, or another file with --out."))
     if issues:
         raise FingertipError(issues)

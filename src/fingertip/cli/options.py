@@ -27,3 +27,5 @@ CalibratedDesignOption = Annotated[
     typer.Option("--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."),
 ]
 """File that a calibration writes."""
+ForceCalibratedOption = Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")]
+"""Permission to overwrite that file."""

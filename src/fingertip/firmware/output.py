@@ -12,7 +12,7 @@ from fingertip.firmware.sources import library_sources, read_template
 from fingertip.output_set import SetWriter, hash_parameters
 
 KIND = "firmware"
-README, TIMER = "README.md", "slip_timer.h"
+README, TIMER, BUFFER = "README.md", "slip_timer.h", "slip_buffer.h"
 SOURCES, EXAMPLES = "src", "examples"
 """Folders of the library, as Arduino names them."""
 _EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
@@ -32,7 +32,7 @@ def firmware_files(design: Design) -> dict[str, dict[str, bytes]]:
             PROPERTIES: library_properties(design),
             MANIFEST: library_manifest(design),
         },
-        SOURCES: {**library_sources(design), TIMER: read_template(TIMER).encode()},
+        SOURCES: {**library_sources(design), **{name: read_template(name).encode() for name in (BUFFER, TIMER)}},
     }
     for example, names in _EXAMPLE_FILES.items():
         files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from fingertip.board.readme_parts.power import POWER_UP_S
 from fingertip.board.readme_parts.text import bullet_list, paragraph
+from fingertip.board.supplies import SUPPLIES
+from fingertip.bundled import list_bundled_files
 from fingertip.design import Design
 from fingertip.firmware import costs
-from fingertip.firmware.boards import board_table, port_table
+from fingertip.firmware.boards import CYCLES_PER_INSTRUCTION, board_table, load_table, port_table
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_model import load_model
+from fingertip.toml_files import DESIGN
 
-_SMALL_CLOCK_HZ = 48e6
-"""Clock of many controllers without a floating-point unit [Hz]."""
+BUFFER_SAMPLES = 1024
+"""Samples that may wait in the ring buffer of `slip_buffer.h`."""
 
 
 def render_readme(design: Design) -> str:
@@ -24,11 +28,11 @@ def render_readme(design: Design) -> str:
             "## Use",
             *_use(design),
             "## Controllers",
-            *_controllers(),
+            *_controllers(design),
             "## Wiring",
             *_wiring(design),
             "## Cost",
-            *_cost(design),
+            *_cost(),
             "## Accuracy",
             *_accuracy(),
         ]
@@ -69,17 +73,20 @@ def _use(design: Design) -> list[str]:
                 f"is sought. Read S right after T. {_describe_second(design)}",
                 "`slip_is_incipient` tells where slip may begin.",
                 "After a step, `slip.confidence` tells how sure the detector is: from 1 on, slip turns ON.",
-                "The detector is OFF for its first 0.2 s, in which it learns the noise: begin with a steady force.",
-                "One detector per finger: a `slip_state` each, all of them in the same interrupt.",
+                _describe_start(design),
+                "One detector per finger: a `slip_state` each, all of them sampled in the same interrupt.",
             ]
         ),
         paragraph(
             f"Arduino: copy this folder to `libraries/{NAME}` of the sketchbook. The examples take samples in a timer "
-            "interrupt: `slip_pin` switches a pin on while slip is detected; `slip_stream` writes time and both "
-            "voltages over USB, for"
+            "interrupt and store them in the ring buffer of `slip_buffer.h`; the detector runs in loop(), which may "
+            f"lag by {BUFFER_SAMPLES / design.detector.sample_rate_hz:.2g} s before samples "
+            "are lost. `slip_pin` switches a pin on while slip is detected, and needs no computer. `slip_stream` "
+            f"waits for one, and writes time and both voltages over USB, for `fingertip detect` with "
+            f"{_describe_file(design)}:"
         ),
         "```sh\nstty -F /dev/ttyACM0 2000000 raw -echo\n"
-        "fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0\n```",
+        f"fingertip detect - --detector fast --design {_name_file(design)} < /dev/ttyACM0\n```",
         paragraph(
             "The port has another name on other systems, see below. `fingertip detect -` ends at a line that is none "
             "of samples, and quotes it. `analogRead` must take a "
@@ -94,7 +101,8 @@ def _use(design: Design) -> list[str]:
     ]
 
 
-def _controllers() -> list[str]:
+def _controllers(design: Design) -> list[str]:
+    rate_hz = design.detector.sample_rate_hz
     return [
         board_table(),
         paragraph(
@@ -103,6 +111,12 @@ def _controllers() -> list[str]:
             "for Arduino's headers, not run on these boards. On another board, call a function as often from a timer "
             "of your own."
         ),
+        load_table(rate_hz),
+        paragraph(
+            f"The cycles are those between two samples at {rate_hz:g} Hz, and {CYCLES_PER_INSTRUCTION:g} times the "
+            "instructions of the table of costs, a factor that is an assumption; a Cortex-M3 is counted as a "
+            "Cortex-M0+. Two calls of `analogRead` come on top. Nothing ran on a real controller."
+        ),
         port_table(),
         paragraph(
             "The number or the end of the port's name differs: list the ports before and after plugging the controller "
@@ -110,6 +124,19 @@ def _controllers() -> list[str]:
             "such as `plink -serial COM3 -sercfg 2000000`, and pipe them into `fingertip detect -`."
         ),
     ]
+
+
+def _is_bundled(design: Design) -> bool:
+    return design.name in list_bundled_files(DESIGN)
+
+
+def _name_file(design: Design) -> str:
+    """Name a bundled design as commands take it, and the file of another one."""
+    return design.name if _is_bundled(design) else f"{design.name}.toml"
+
+
+def _describe_file(design: Design) -> str:
+    return "this design" if _is_bundled(design) else f"the file of this design, here `{_name_file(design)}`"
 
 
 def _describe_second(design: Design) -> str:
@@ -121,11 +148,22 @@ def _describe_second(design: Design) -> str:
     )
 
 
+def _describe_start(design: Design) -> str:
+    """Say when the detector may start, and when it can first find slip."""
+    off = "The detector is OFF for its first 0.2 s, in which it learns the noise: begin with a steady force."
+    if not SUPPLIES[design.board.supply].is_for_controller:
+        return off
+    return (
+        f"Start it {POWER_UP_S:g} s after the board's power, when the board's voltages have settled (see the board's "
+        f"README); the examples wait that long. {off}"
+    )
+
+
 def _wiring(design: Design) -> list[str]:
     return [wiring_table(design), bullet_list(wiring_notes(design))]
 
 
-def _cost(design: Design) -> list[str]:
+def _cost() -> list[str]:
     measured = costs.read_costs()
     emulated = " and ".join(target["emulated"] for target in measured["targets"].values())
     samples = measured["samples"]["campaign"]
@@ -138,10 +176,9 @@ def _cost(design: Design) -> list[str]:
             "what the deepest step left behind. Instructions are means per sample: at a constant force, over "
             f"{samples} samples of simulated trials and scenes without slip, and while slip lasts. Most take few. "
             f"The longest ones, one each {1e3 * TICK_S:g} ms, evaluate the {load_model().trees} trees, if anything "
-            "vibrates. A controller without a floating-point unit spends its time in the compiler's routines. At "
-            f"{_SMALL_CLOCK_HZ / 1e6:g} MHz it has {_SMALL_CLOCK_HZ / design.detector.sample_rate_hz:.0f} clock cycles "
-            "for each sample of this design. Where the longest step takes more, let the interrupt store samples, and "
-            "run the detector in loop(), as `slip_stream` does."
+            "vibrates. A controller without a floating-point unit spends its time in the compiler's routines. Its "
+            "longest step may take more than a sample, so let the interrupt store samples, and run the detector in "
+            "loop(), as the examples do."
         ),
     ]
 

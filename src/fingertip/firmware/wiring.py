@@ -12,8 +12,8 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 
-READ_NETS = (ADC_TACTILE, ADC_FILTERED)
-"""Nets of the connector that the library reads."""
+READ_NETS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
+"""Nets of the connector that the library reads -> pin of the controller at which the examples expect them."""
 _CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 _CONTROLLER_BOARD = BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"]
 
@@ -68,5 +68,5 @@ def controller_changes() -> tuple[str, ...]:
 
 def _describe_use(net: str) -> str:
     if net in READ_NETS:
-        return "analog input: the detector reads it"
+        return f"analog input {READ_NETS[net]}: the detector reads it"
     return "ground" if net == GND else "not needed"

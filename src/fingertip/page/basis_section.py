@@ -31,7 +31,7 @@ def render_basis(design: Design) -> Markup:
         ("Sensor", "measured" if is_weighed else "data sheet",
          f"{said[0].upper()}{said[1:]}."),
         ("Trial and detection", "simulated", "Friction, vibration, sensor, board and converter are models; a real "
-         "finger will differ. Record your own trial with fingertip detect."),
+         "finger will differ. Record a trial of your own, and read it with fingertip detect."),
     ]  # fmt: skip
     unverified = [parameter for parameter in list_parameters() if _MARK in parameter.description]
     names: list[str] = []

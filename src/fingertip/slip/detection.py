@@ -13,7 +13,7 @@ from fingertip.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
-from fingertip.slip.detectors.registry import make_detector, select_inputs
+from fingertip.slip.detectors.registry import UsedSignals, find_signals, make_detector, select_inputs
 from fingertip.slip.intervals import Interval, Score, intervals, score
 from fingertip.slip.threshold import UsedThreshold
 from fingertip.slip.traces.trace import Trace, find_issues
@@ -27,6 +27,8 @@ class Detection:
     """Result of detection on one trace, with the settings used."""
 
     detector: str
+    signals: UsedSignals
+    """Columns of the trace that the detector took."""
     threshold: UsedThreshold
     """Threshold that was used."""
     memory_s: float
@@ -156,6 +158,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     confidences = _confidences(output, trace, detected)
     return Detection(
         detector,
+        find_signals(design, detector, len(inputs) > 1),
         UsedThreshold.of(detector, output),
         instance.memory_s,
         level,

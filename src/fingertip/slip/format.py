@@ -11,6 +11,8 @@ from fingertip.slip.robot_motion import ENCODER_HZ, format_delay_band
 
 DETECTED = "detected"
 """Name of an interval in which the detector is ON."""
+INTERVAL = "{onset} s to {end} s"
+"""Form in which an interval is printed."""
 
 
 def format_delay(delay_s: float | None) -> str:
@@ -49,8 +51,9 @@ def as_text(detection: Detection) -> str:
 
 
 def describe_detector(detection: Detection) -> str:
-    """Describe the detector of a detection and the threshold that it used."""
-    return f"{detection.detector}, {detection.threshold.quantity}: {detection.threshold.describe()}"
+    """Describe the detector of a detection, the signals and the threshold that it used."""
+    threshold = detection.threshold
+    return f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: {threshold.describe()}"
 
 
 def format_motion_delay(delay_s: float) -> str:
@@ -60,7 +63,7 @@ def format_motion_delay(delay_s: float) -> str:
 
 
 def _format_interval(interval: Interval) -> str:
-    return f"{interval.onset_s:9.4f} s to {interval.end_s:9.4f} s"
+    return INTERVAL.format(onset=f"{interval.onset_s:9.4f}", end=f"{interval.end_s:9.4f}")
 
 
 def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
@@ -87,6 +90,7 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
         "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
         "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
         "detector": detection.detector,
+        "signals": list(detection.signals.columns),
         "threshold_v": _round_v(detection.threshold_v),
         "threshold_range_v": [_round_v(detection.threshold.lowest_v), _round_v(detection.threshold.highest_v)],
         "threshold_of": detection.threshold.quantity,

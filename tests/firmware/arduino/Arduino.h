@@ -12,6 +12,7 @@ void digitalWrite(int pin, int level);
 int analogRead(int pin);
 void analogReadResolution(int bits);
 unsigned long millis();
+void delay(unsigned long ms);
 
 struct SerialPort {
   void begin(unsigned long baud);

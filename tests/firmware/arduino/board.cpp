@@ -1,6 +1,6 @@
 // Board without hardware: standard input holds the converter's codes of both pins, a pair per line; every sample
-// calls the timer's callback and then loop(). What the sketch writes goes to standard output, and each change of the pin to standard
-// error, with the number of the sample.
+// calls the timer's callback and then loop(), but loop() rests from the sample FIRST to before LAST, if they are given as
+// arguments, and is then called as often as it missed. What the sketch writes goes to standard output, and each change of the pin to standard error, with the number of the sample.
 #include "Arduino.h"
 
 #include <stdio.h>
@@ -19,6 +19,7 @@ int stand_in_timer;
 void pinMode(int, int) {}
 void analogReadResolution(int) {}
 unsigned long millis() { return sample / 2; }
+void delay(unsigned long) {}
 
 void digitalWrite(int, int level) {
   if (level != pin_level) {
@@ -43,12 +44,19 @@ bool IntervalTimer::begin(void (*callback)(), float period_us) {
   return true;
 }
 
-int main() {
+int main(int count, char **arguments) {
+  const unsigned long first = count > 1 ? strtoul(arguments[1], nullptr, 10) : 0;
+  const unsigned long last = count > 2 ? strtoul(arguments[2], nullptr, 10) : 0;
+  unsigned long missed = 0;
   setup();
   fprintf(stderr, "period %g\n", static_cast<double>(timer_period_us));
   while (scanf("%d %d", &tactile_code, &filtered_code) == 2) {
     timer_callback();
-    loop();
+    missed++;
+    while (!(first <= sample && sample < last) && missed > 0) {
+      loop();
+      missed--;
+    }
     sample++;
   }
   return EXIT_SUCCESS;

@@ -11,6 +11,9 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 
+POWER_UP_S = 2.0
+"""Time after power-up in which the voltages of a board for a controller settle [s]: eight time constants."""
+
 
 def power_notes(values: BoardValues, design: Design) -> list[str]:
     """Requirements on the supply and, for variant comparator, on the input that S is connected to."""
@@ -49,7 +52,7 @@ def _controller_power_notes(values: BoardValues, design: Design) -> list[str]:
         f"{ripple.low_hz:.3g} Hz and "
         f"{ripple.high_hz / 1e3:g} kHz its peak must stay below {format_figure(1e3 * ripple.max_v, 2)} mV: more "
         f"{effect}. The supply rejection of the amplifiers themselves is not part of these figures.",
-        "After power-up VMID and VREF rise with a time constant of a quarter of a second: wait 2 s.",
+        f"After power-up VMID and VREF rise with a time constant of a quarter of a second: wait {POWER_UP_S:g} s.",
         "Feed the controller from the same 3.3 V. Then no signal exceeds its supply, and both go on and off together. "
         "The clamps lead to the supply of this board: they do not protect a controller that is off, or on less.",
     ]

@@ -116,6 +116,38 @@ def select_inputs(source: object, name: str) -> tuple[Array, ...]:
     return (first,) if second is None else (first, second)
 
 
+@dataclass(frozen=True)
+class UsedSignals:
+    """Columns of a trace that a detector takes."""
+
+    columns: tuple[str, ...]
+    missing: str | None
+    """Column that it would take too and that is not there."""
+
+    def describe(self) -> str:
+        """Describe the columns."""
+        used = " and ".join(self.columns)
+        return f"on {used}" if self.missing is None else f"on {used} alone (no column {self.missing})"
+
+
+def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
+    """Find the columns that a detector takes for the board of a design.
+
+    Parameters
+    ----------
+    design
+        Design of the board.
+    name
+        One of `DETECTORS`.
+    has_second
+        Whether the second column of the detector, if it has one, is there.
+    """
+    first, second = find_detector_type(name).input_column, find_second_column(design, name)
+    if second is None:
+        return UsedSignals((first,), None)
+    return UsedSignals((first, second), None) if has_second else UsedSignals((first,), second)
+
+
 def find_second_column(design: Design, name: str) -> str | None:
     """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
     second = find_detector_type(name).second_column

@@ -67,14 +67,15 @@ def make_schema(kind: str) -> dict[str, Any]:
             }
     else:
         raise DesignError(Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}"))
-    schema: dict[str, Any] = _write_whole_numbers(found)
+    schema: dict[str, Any] = _normalise(found)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
-def _write_whole_numbers(value: Any) -> Any:
-    """Turn 1.0 into 1 at any depth: releases of pydantic differ in that, and the schema must not."""
+def _normalise(value: Any) -> Any:
+    """Write 1 for 1.0, and leave out that further properties are free: releases of pydantic differ in both."""
     if isinstance(value, dict):
-        return {key: _write_whole_numbers(item) for key, item in value.items()}
+        free = ("additionalProperties", True)
+        return {key: _normalise(item) for key, item in value.items() if (key, item) != free}
     if isinstance(value, list):
-        return [_write_whole_numbers(item) for item in value]
+        return [_normalise(item) for item in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fingertip.acceptance.expectation import expect_readings
@@ -26,6 +27,7 @@ from fingertip.casting.markdown import render_sheet, warnings
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
+from fingertip.casting.tapes import flat_width_mm
 from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses
@@ -142,6 +144,30 @@ def test_consumables_are_those_of_the_procedure() -> None:
     assert "mm thick for the seat" not in render_sheet(sheet_data("mold.seat_tape_mm=0"))
     assert "soapy water" not in overmold
     assert all(tool in page for page in (overmold, sleeve) for tool in ("solder", "scale", "screwdriver", "knife"))
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) -> None:
+    design = Design.load(design_file(name))
+    dims, data = design.dimensions, casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
+    cover, rim = data["fit"]["cover_tape"], 0.5
+    pocket = max(dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm, dims.tail_half_width)
+    assert cover["width_mm"] >= 2 * (pocket + rim) - 1e-9
+    assert cover["width_mm"] <= flat_width_mm(design, dims.sensor_z) + 1e-9, "it ends on the flat"
+    assert cover["length_mm"] >= dims.sensor_z + pocket + rim - 1e-9
+    flat = min(flat_width_mm(design, z) for z in np.linspace(0.1, dims.sensor_z, 50))
+    assert cover["trim"] == (flat < cover["width_mm"])
+    page = render_sheet(data)
+    assert f"{cover['width_mm']:g} mm wide (cut from {cover['stock_mm']:g} mm), {cover['length_mm']:g} mm long" in page
+    assert f"{cover['width_mm']:g} mm wide and {cover['length_mm']:g} mm long: at least {rim:g} mm past" in page
+
+
+def test_tape_of_the_seat_is_one_that_is_sold_or_cut() -> None:
+    page = render_sheet(sheet_data())
+    assert "5 mm wide, or cut to 5.5 mm, and 0.06 mm thick for the seat" in page
+    assert "narrower than the slot of 6.7 mm, lying inside it, never on the flat" in page
+    assert "Now no strip of office paper (0.1 mm) may go in beside the bone; if one does, wind one more turn." in page
+    assert "(0.1 mm each)" in page
 
 
 def test_small_batch_is_stated_with_and_without_the_raise() -> None:

@@ -18,6 +18,7 @@ def list_trying_steps(data: Data) -> list[Step]:
     """List the steps that try and prepare the printed mold, before anything is sealed or mixed."""
     fit, chaplet, insert = data["fit"], data["chaplet"], data["insert"]
     papers = "one strip of office paper" if fit["papers"] == 1 else f"{fit['papers']} strips of office paper"
+    papers += f" ({fit['paper_mm']:g} mm each)" if fit["papers"] > 1 else f" ({fit['paper_mm']:g} mm)"
     plunger = " and the plunger of the syringe" if data["filling"]["syringe"] else ""
     steps = [
         Step(
@@ -32,7 +33,7 @@ def list_trying_steps(data: Data) -> list[Step]:
             "try_fit",
             f"Lay the {insert} in the recess of the palmar half and close the mold again. If a gap stays open, scrape "
             f"the recess where it shines, never the {insert}. Sideways its base may have {fit['max_play_mm']:g} mm of "
-            f"play in all: {papers} (0.1 mm each) beside it must jam or not go in.",
+            f"play in all: {papers} beside it must jam or not go in.",
         ),
     ]
     if chaplet:
@@ -62,12 +63,15 @@ def list_seat_steps(data: Data) -> list[Step]:
     tape, insert = data["fit"]["seat_tape"], data["insert"]
     if tape is None:
         return []
-    where = f"from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the edge of the skin"
+    where = f"from {tape['from_mm']:g} to at most {tape['to_mm']:g} mm below the edge of the skin"
     covered = over_tail = ""
     joint = ", on the side away from the runner: the last air beside the collar leaves there"
     joint = joint if data["filling"]["syringe"] else ""
     if insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
-        over_tail = "Lay a scrap of baking paper on the bare film below it first, so that the tape does not lift it. "
+        over_tail = (
+            f"Lay a strip of baking paper on the bare film there first, so that the tape does not lift it: narrower "
+            f"than the slot of {data['fit']['slot_mm']:g} mm, lying inside it, never on the flat. "
+        )
     if insert == "bone" and data["sensor_tail"] == "folded":
         wires = "between the cheeks" if data["wires_between_cheeks"] else "in their groove"
         covered = f", over both openings of the window and over the wires {wires}"
@@ -77,7 +81,9 @@ def list_seat_steps(data: Data) -> list[Step]:
             f"Wind one turn of polyimide tape around the {insert}, {where}{covered}. Use tape of "
             f"{tape['thickness_mm']:g} mm with its adhesive. Let its ends meet, without overlapping{joint}. The tape "
             f"fills the gap between the {insert} and its recess, and silicone stops there. {over_tail}Close the mold "
-            "once more: if it no longer closes by hand, the tape is creased or doubled. This tape is temporary.",
+            "once more: it must close by hand, or the tape is creased or one turn too many. Now no strip of office "
+            f"paper ({data['fit']['paper_mm']:g} mm) may go in beside the {insert}; if one does, wind one more turn. "
+            "This tape is temporary.",
         )
     ]
 

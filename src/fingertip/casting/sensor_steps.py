@@ -96,8 +96,8 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
         f"Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a {gap} gap around it."
     )
     covered = (
-        "and the sensor's head with one strip of polyimide tape on the flat, from the collar on, press "
-        "its edges down, but do not fill"
+        f"and the sensor's head with one strip of polyimide tape on the flat, from the collar on, {_size_tape(data)}, "
+        "press its edges down, but do not fill"
     )
     if data["sensor_tail"] == "folded":
         return [
@@ -131,14 +131,24 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
     return steps
 
 
+def _size_tape(data: Mapping[str, Any]) -> str:
+    """Write width, length and overlap of the tape over the sensor, and where to trim it."""
+    tape = data["fit"]["cover_tape"]
+    trim = f", and trim it where the groove narrows the flat to {tape['flat_mm']:g} mm" if tape["trim"] else ""
+    return (
+        f"{tape['width_mm']:g} mm wide and {tape['length_mm']:g} mm long: at least {tape['overlap_mm']:g} mm past the "
+        f"pocket on each side, ending on the flat (round its corners at the tip{trim})"
+    )
+
+
 def list_covering_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the step that covers the sensor before a sleeve is pulled over it."""
     joints = "" if data["sensor_tail"] == "folded" else ", solder joints"  # a lid covers those of a folded tail
     return [
         Step(
             "cover_for_sleeve",
-            f"Cover slot{joints} and head with one strip of polyimide tape on the flat, its edges pressed "
-            "down, so that the skin cannot catch the film and no alcohol creeps under it. Do not fill them: the "
+            f"Cover slot{joints} and head with one strip of polyimide tape on the flat, {_size_tape(data)}, its edges "
+            "pressed down, so that the skin cannot catch the film and no alcohol creeps under it. Do not fill them: the "
             "sensor breathes there.",
         )
     ]

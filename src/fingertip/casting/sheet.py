@@ -31,9 +31,9 @@ from fingertip.casting.quantities import (
 from fingertip.casting.retention import skin_pull_off_n
 from fingertip.casting.slicer import PrintEstimate
 from fingertip.casting.supplies import supplies_data
+from fingertip.casting.tapes import cover_tape_data, seat_tape_data
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
-from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents, predict_mold_filling
@@ -169,13 +169,12 @@ def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
     clearance = design.mold.fit_clearance_mm - design.printer.offset_mm
     room = design.dimensions.relief_half_length - _TAB_ROOM_MM
-    losses, tape = design.dimensions.losses, tape_span_mm(design)
+    losses = design.dimensions.losses
     return {
-        "seat_tape": (
-            {"thickness_mm": design.mold.seat_tape_mm, "from_mm": round(tape[0], 1), "to_mm": round(tape[1], 1)}
-            if tape
-            else None
-        ),
+        "cover_tape": cover_tape_data(design),
+        "seat_tape": seat_tape_data(design),
+        "slot_mm": round(2 * design.dimensions.tail_half_width, 2),
+        "paper_mm": _PAPER_MM,
         "sensor_clearance_mm": round(design.sensor.clearance_mm - design.printer.offset_mm / 2, 3),
         "wire_mm": design.sensor.wire_diameter_mm,
         "max_play_mm": round(2 * (clearance + 2 * design.printer.surface_error_mm), 2),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -263,12 +264,97 @@ def test_procedure_tries_and_holds_the_insert_before_the_silicone_is_weighed(met
     design = fsr400(f"mold.method={method}")
     text = procedure_text(f"mold.method={method}")
     least_mm = min(loss.left_mm for loss in find_losses(design))
-    assert f"{round(least_mm, 2):g} mm at the thinnest place" in text
+    assert f"the skin is still {round(least_mm, 2):g} mm at its thinnest" in text
     assert "M2 x 10 mm screw" in text
-    order = ["Test the cure", "Close the empty mold", "Drill the hole", "mold release", "facet on the boss",
-             "crosswise", "air must leave", "Weigh", "Pull the plunger", "Hold the mold tip up", "Let it cure",
+    order = ["Test the cure", "Close the empty mold", "Drill the hole", "film of mold release", "facet on the boss",
+             "crosswise", "air must leave", "Weigh", "Pull the plunger", "Hold the mold in a vise", "Let it cure",
              "Take out the screw", "round hole of 7 mm"]  # fmt: skip
     assert [text.index(part) for part in order] == sorted(text.index(part) for part in order)
+
+
+def test_cure_test_says_where_the_silicone_must_bond() -> None:
+    overmold = procedure_text()
+    assert "On bare print, released print, tape and plunger the silicone must peel off dry." in overmold
+    assert "On primer and adhesive it must not peel off" in overmold
+    assert "varnish" not in overmold
+    folded = casting_sheet_data(Design.load(design_file("adult_finger")), VOLUMES, SILICONES["addition_40a"])
+    assert "varnish" in steps(folded)[0]
+    assert "adhesive" not in procedure_text("mold.method=sleeve").split("Close the empty mold")[0]
+    assert "the fit coupon, its frame in the mold's material and its slice in that of the core" in procedure_text(
+        "mold.method=sleeve"
+    )
+
+
+def test_release_and_primer_leave_the_boss_and_the_facet_bare() -> None:
+    text = procedure_text()
+    assert "on cavity, parting plane, runner, vent and keys" in text
+    assert "Leave only the face of the boss and the recess bare" in text
+    assert "not on the tape over the sensor and not on the facet, which sits on the boss" in text
+    poured = procedure_text("mold.filling=gravity", "silicone.product=sylgard_184")
+    assert "on cavity, parting plane, gate, funnel, vents and keys" in poured
+    without = "mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "printer.surface_error_mm=0"
+    assert not re.search(r"\bboss|facet", procedure_text(*without))
+
+
+@pytest.mark.parametrize(
+    ("changes", "avoided"),
+    [
+        ((), "never on the post"),
+        (("bone.interface=socket", "bone.base_length_mm=32"), "never on the thin wall of the socket"),
+        (("bone.interface=flange", "bone.base_length_mm=27"), "never on the flange"),
+        (("mold.method=sleeve",), "Push the core with the skin on it out of the second half at its bare base"),
+    ],
+)
+def test_finger_is_pushed_out_where_it_is_thick(changes: tuple[str, ...], avoided: str) -> None:
+    text = procedure_text(*changes)
+    assert avoided in text
+    assert ("push on the thick base close to the mold" in text) == ("mold.method=sleeve" not in changes)
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_pose_of_the_filling_is_the_direction_that_was_found(name: str) -> None:
+    """The stated tilt of the tip, face and roll give back the vertical."""
+    design = Design.load(design_file(name))
+    data = casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
+    text = next(step for step in steps(data) if step.startswith("Hold the mold in a vise"))
+    found = re.search(r"tip (\d+) degrees (above|below) the horizontal, its (dorsal|palmar) face up", text)
+    assert found
+    tip = math.radians(int(found[1])) * (1 if found[2] == "above" else -1)
+    rolled = re.search(r"rolled by (\d+) degrees about its length, so that the side of the syringe is (\w+)", text)
+    roll = math.radians(int(rolled[1])) if rolled else 0.0
+    assert design.mold_layout.inlet
+    syringe_side = math.copysign(1.0, design.mold_layout.inlet.x)
+    x = math.cos(tip) * math.sin(roll) * syringe_side * (1 if rolled and rolled[2] == "higher" else -1)
+    y = math.cos(tip) * math.cos(roll) * (1 if found[3] == "dorsal" else -1)
+    assert np.dot((x, y, math.sin(tip)), data["filling"]["up"]) > math.cos(math.radians(4.0))
+
+
+def test_one_vent_is_spoken_of_in_the_singular() -> None:
+    assert sheet_data()["mold"]["vents"] == 1
+    assert not re.search(r"\bvents\b|a vent\b|vent stubs", procedure_text())
+    two = sheet_data("mold.filling=gravity", "silicone.product=sylgard_184")
+    assert two["mold"]["vents"] == 2
+
+
+def test_a_pressed_head_has_one_limit() -> None:
+    slip = SimpleNamespace(detector="fast", memory_s=0.1, score=None)
+    acceptance = render_acceptance(acceptance_data(fsr400(), slip))  # type: ignore[arg-type]
+    page = render_sheet(sheet_data())
+    assert "below 30 kohm, and steady" in acceptance
+    assert page.count("below 30 kohm, and steady") == 3
+    assert "some kilohm" not in page
+
+
+def test_pull_off_force_names_what_holds_the_skin() -> None:
+    (overmold,) = (text for text in warnings(sheet_data()) if "against a pull" in text)
+    (sleeve,) = (text for text in warnings(sheet_data("mold.method=sleeve")) if "against a pull" in text)
+    assert overmold.startswith("The groove holds the skin")
+    assert sleeve.startswith("The groove and the tightness of the sleeve hold the skin")
+
+
+def test_force_of_the_check_stands_beside_the_thumb_force() -> None:
+    (check,) = (check for check in check_filling(fsr400()) if check.name == "mold.syringe_force")
+    assert f"{check.value:.1f} N would fill it in 60 s, the longest that a thumb can push" in procedure_text()
 
 
 def test_filling_step_states_the_predicted_time_and_volume() -> None:

@@ -25,6 +25,7 @@ from fingertip.casting.sensor_steps import (
 from fingertip.casting.slicer import HOW_TO_INSTALL
 from fingertip.casting.step import Step
 from fingertip.casting.tables import table
+from fingertip.casting.uses import join
 
 Data = Mapping[str, Any]
 _PROPERTY_LABELS = {
@@ -111,8 +112,9 @@ def warnings(data: Data) -> list[str]:
         )
     else:
         found.append(
-            "The groove or the tightness of the sleeve holds the skin against a pull of some "
-            f"{data['skin_pull_off_n']:g} N, without adhesion, for the softest silicone of this kind."
+            f"{_capitalise(join(data['skin_held_by']))} {'hold' if len(data['skin_held_by']) > 1 else 'holds'} the "
+            f"skin against a pull of some {data['skin_pull_off_n']:g} N, without adhesion, for the softest silicone of "
+            "this kind."
         )
     found += [
         "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapour damages it. Use the adhesive "
@@ -125,6 +127,10 @@ def warnings(data: Data) -> list[str]:
         else "Do not bend the tail of the sensor sharply. Never bend it at the head.",
     ]
     return found
+
+
+def _capitalise(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _procedure(data: Data, pictures: Sequence[str]) -> str:
@@ -156,7 +162,7 @@ def steps(data: Data) -> list[Step]:
                 "pull_on",
                 "Moisten the inside of the skin with very little isopropanol, and keep it off the edges of the tape. "
                 "Pull the skin over the bone from the dorsal side, until its edge sits on the collar. Let "
-                "both dry. Measure the sensor once more: above 1 Mohm untouched.",
+                f"both dry. Measure the sensor once more: above {data['sensor_limits']['open_mohm']:g} Mohm untouched.",
             ),
             *list_patching_steps(data),
             *list_joint_steps(data),

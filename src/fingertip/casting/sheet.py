@@ -15,6 +15,7 @@ from fingertip.cad.printing.print_files import PRINT_FOLDER
 from fingertip.cad.printing.settings import LAYER_MM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
+from fingertip.cad.verification.filling import PUSH_S
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.print_settings import print_settings
 from fingertip.casting.quantities import (
@@ -28,10 +29,11 @@ from fingertip.casting.quantities import (
     load_cm3,
     parts_by_weight,
 )
-from fingertip.casting.retention import skin_pull_off_n
+from fingertip.casting.retention import name_retention, skin_pull_off_n
 from fingertip.casting.slicer import PrintEstimate
 from fingertip.casting.supplies import supplies_data
 from fingertip.casting.tapes import cover_tape_data, seat_tape_data
+from fingertip.casting.uses import sensor_limits_data
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
@@ -75,6 +77,7 @@ def casting_sheet_data(
         "design": design.name,
         "method": design.mold.method,
         "insert": "core" if design.mold.method == "sleeve" else "bone",
+        "interface": design.bone.interface,
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
@@ -94,6 +97,8 @@ def casting_sheet_data(
         "chaplet": _chaplet_data(design),
         "fit": _fit_data(design),
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
+        "skin_held_by": name_retention(design),
+        "sensor_limits": sensor_limits_data(),
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
         "printing": _printing_data(design, prints),
@@ -136,9 +141,15 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "prepare_min": round(silicone.planned_pot_life_min - silicone.filling_limit_s / 60.0, 1),
         "injected_cm3": round(injected_cm3(prediction), 1),
         "up": [round(part, 4) for part in up],
-        "lean_deg": round(math.degrees(math.atan2(up[1], up[2]))),
-        "turn_deg": round(math.degrees(math.asin(abs(up[0])))),
+        "tip_deg": round(math.degrees(math.asin(up[2]))),
+        "dorsal_up": up[1] >= 0.0,
+        "roll_deg": round(math.degrees(math.atan2(abs(up[0]), abs(up[1])))),
         "runner_side_up": up[0] > 0.0,
+        "push_s": PUSH_S,
+        "least_force_n": (
+            round(prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1)
+            if syringe else None
+        ),
         "load_cm3": round(load_cm3(design), 1) if syringe else None,
         "syringe": (
             {

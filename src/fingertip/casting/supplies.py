@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.casting.sensor_steps import ADHESIVE
+from fingertip.casting.uses import uses_adhesive, uses_primer
 
 Data = Mapping[str, Any]
 
@@ -43,21 +44,21 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
     yield Supply("means to wash and post-cure prints of resin, as its maker says", "post-cure")
     yield Supply("office paper (to try the fit, and for the slide test)", "paper")
     yield Supply("cork or felt (a disc under the weights)", "cork or felt")
-    yield Supply("primer for silicone, with a brush", "primer")
+    if uses_primer(data):
+        yield Supply("primer for silicone, with a brush", "primer")
     yield Supply(
         "polyimide tape over the sensor (no masking tape)", "strip of polyimide tape", _size_cover(data["fit"])
     )
     if seat:
         size = f"{_size_seat(seat)}, and {seat['thickness_mm']:g} mm thick for the seat"
         yield Supply("polyimide tape for the seat", "turn of polyimide tape", size)
-    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
-    if is_folded or passes:
+    if uses_adhesive(data):
         yield Supply(ADHESIVE, ADHESIVE, "alkoxy; none that smells of vinegar, none with tin")
     if is_folded:
         yield Supply("insulating varnish", "thin varnish")
         yield Supply("syringe for washing", "with a syringe", "", 1)
         yield Supply("plastic film, such as of a bag", "plastic film", "a strip as wide as the sensor's tail")
-    elif passes and seat:
+    elif uses_adhesive(data) and seat:
         yield Supply("baking paper", "baking paper", f"a strip narrower than {data['fit']['slot_mm']:g} mm")
     if data["joint"]:
         yield Supply("epoxy for the pins", "epoxy")

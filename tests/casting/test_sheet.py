@@ -345,6 +345,14 @@ def test_a_pressed_head_has_one_limit() -> None:
     assert "some kilohm" not in page
 
 
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+def test_sheet_leads_to_the_coupon_and_to_the_acceptance_sheet(method: str) -> None:
+    printing = render_sheet(sheet_data(f"mold.method={method}")).split("## Printing")[1].split("## Quantities")[0]
+    assert "`coupon.md`" in printing
+    assert f"its slice in the material of the {'core' if method == 'sleeve' else 'bone'}" in printing
+    assert "`acceptance.md`" in printing
+
+
 def test_pull_off_force_names_what_holds_the_skin() -> None:
     (overmold,) = (text for text in warnings(sheet_data()) if "against a pull" in text)
     (sleeve,) = (text for text in warnings(sheet_data("mold.method=sleeve")) if "against a pull" in text)

@@ -25,7 +25,8 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.filling import check_filling
 from fingertip.casting import markdown
 from fingertip.casting.markdown import render_sheet, warnings
-from fingertip.casting.quantities import SiliconeVolumes
+from fingertip.casting.needles import find_needle
+from fingertip.casting.quantities import SiliconeVolumes, volumes_data
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
 from fingertip.casting.tapes import flat_width_mm
@@ -351,6 +352,76 @@ def test_sheet_leads_to_the_coupon_and_to_the_acceptance_sheet(method: str) -> N
     assert "`coupon.md`" in printing
     assert f"its slice in the material of the {'core' if method == 'sleeve' else 'bone'}" in printing
     assert "`acceptance.md`" in printing
+
+
+@pytest.mark.parametrize("skin", [0.0, 2.6064, 2.6049, 12.625])
+def test_volumes_add_up_as_they_are_printed(skin: float) -> None:
+    volumes = volumes_data(SiliconeVolumes(skin, 0.1284, 0.0176))
+    assert volumes["skin"] + volumes["runners"] + volumes["gap"] == pytest.approx(volumes["total"], abs=1e-9)
+    assert volumes["total"] == pytest.approx(skin + 0.146, abs=0.005)
+    assert volumes["skin"] == pytest.approx(skin, abs=0.01)
+
+
+def test_silicone_in_the_syringe_has_a_row() -> None:
+    quantities = render_sheet(sheet_data()).split("## Quantities")[1].split("## Warnings")[0]
+    data = sheet_data()
+    assert f"| to load into the syringe | {data['filling']['load_cm3']:g} cm3, {data['batch']['load_g']:g} g |" in (
+        quantities
+    )
+    assert data["batch"]["load_g"] == pytest.approx(1.08 * data["filling"]["load_cm3"], abs=0.1)
+    poured = render_sheet(sheet_data("mold.filling=gravity", "silicone.product=sylgard_184"))
+    assert "load into the syringe" not in poured
+
+
+def test_wires_to_buy_fit_finger_and_plug() -> None:
+    page = render_sheet(sheet_data())
+    assert "0.4 to 0.8 mm over the insulation, conductor of AWG 28 to 32, at least 150 mm each, or leads" in page
+    folded = casting_sheet_data(Design.load(design_file("adult_finger")), VOLUMES, SILICONES["addition_40a"])
+    row = next(line for line in render_sheet(folded).splitlines() if "insulated wire" in line)
+    assert "0.4 to 0.5 mm over the insulation" in row
+    assert "leads" not in row, "the leads of AWG 28 do not pass the fold"
+
+
+def test_generic_silicone_names_a_product_of_the_catalogue() -> None:
+    """It cures alike and is as hard; a product needs no example."""
+    assert sheet_data()["silicone"]["example"]["name"] == "smooth_sil_940"
+    assert "such as Smooth-On Smooth-Sil 940 (then build with silicone.product=smooth_sil_940)" in render_sheet(
+        sheet_data()
+    )
+    for name in SILICONES:
+        if name != "addition_40a":
+            assert sheet_data(material=name)["silicone"]["example"] is None, name
+
+
+def test_needle_enters_the_hole_of_the_screw() -> None:
+    needle = sheet_data()["chaplet"]["needle"]
+    assert needle == {"gauge": 18, "outer_mm": 1.27}
+    assert find_needle(2.4) == {"gauge": 14, "outer_mm": 2.11}
+    assert find_needle(0.8) is None
+
+
+def test_bolts_that_stand_out_are_named() -> None:
+    data = sheet_data()
+    layout = fsr400().mold_layout
+    height = layout.dorsal_height + layout.palmar_height
+    assert data["mold"]["bolts_stand_out_mm"] == pytest.approx(25.0 - height, abs=0.05)
+    assert f"The bolts stand {data['mold']['bolts_stand_out_mm']:g} mm out of the palmar side" in procedure_text()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ((), "a bore of 8.6 mm with two flats, 7.4 mm apart, at least 8 mm deep"),
+        ((), "with walls of 3 mm that is M2 x 16 mm"),
+        (("bone.interface=socket", "bone.base_length_mm=32"), "takes a post of 4.8 mm, at most 8 mm long"),
+        (("bone.interface=flange", "bone.base_length_mm=27"), "pass 4 mm of it"),
+    ],
+)
+def test_mounting_says_what_the_interface_fits_into(changes: tuple[str, ...], said: str) -> None:
+    page = render_sheet(sheet_data(*changes))
+    assert said in page.split("## Mounting")[1]
+    clevis = casting_sheet_data(Design.load(design_file("adult_finger")), VOLUMES, SILICONES["addition_40a"])
+    assert "## Mounting" not in render_sheet(clevis)
 
 
 def test_pull_off_force_names_what_holds_the_skin() -> None:

@@ -67,7 +67,7 @@ def render_instructions(design: Design, readings_file: str) -> str:
                 for i, each in enumerate(list_lengths(design), 1)
             ],
         ),
-        f"Heights, along Z, are marked Z1, Z2 and so on in the picture. Layers round "
+        "Heights, along Z, are marked Z1, Z2 and so on in the picture. Layers round "
         "them, and the calibration does not use them. One that is off by more than a layer says that the "
         "printer's Z axis or its first layer is set wrong.",
         _table(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fingertip.casting.bill_table import render_bill
+from fingertip.casting.bill_table import render_bill, render_mounting
 from fingertip.casting.mold_steps import (
     list_filling_steps,
     list_opening_steps,
@@ -65,6 +65,7 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
         "\n".join(f"- {warning}" for warning in warnings(data)),
         "## Procedure",
         _procedure(data, pictures),
+        *(["## Mounting", render_mounting(data["mounting"])] if data["mounting"] else []),
         "## Silicone data",
         _silicone(data),
     ]
@@ -231,17 +232,24 @@ def _summary(data: Data) -> str:
 def _quantities(data: Data) -> str:
     volumes, batch = data["volumes_cm3"], data["batch"]
     first, second = data["silicone"]["components"]
+    openings = "runner and vent" if data["filling"]["syringe"] else "gate, funnel and vent"
+    openings += "s" if data["mold"]["vents"] > 1 else ""
+    load = []
+    if data["filling"]["syringe"]:
+        load.append(("to load into the syringe", f"{data['filling']['load_cm3']:g} cm3, {batch['load_g']:g} g"))
     rows = [
         ("skin, with shrinkage allowance", f"{volumes['skin']:.2f} cm3"),
-        ("runners and vents", f"{volumes['runners']:.2f} cm3"),
+        (openings, f"{volumes['runners']:.2f} cm3"),
         ("flash around the base", f"{volumes['gap']:.2f} cm3"),
         ("**total in the mold**", f"**{volumes['total']:.2f} cm3, {batch['in_mold_g']:.2f} g**"),
+        *load,
         (f"**{first}**", f"**{batch['a_g']:g} g**"),
         (f"**{second}**", f"**{batch['b_g']:g} g**"),
         ("total to mix", f"{batch['total_g']:g} g"),
     ]
     note = (
         f"{batch['with_waste_g']:g} g with {batch['waste_percent']:g} % waste, which stays on the cup and the stirrer"
+        + (" and comes on top of what is loaded" if data["filling"]["syringe"] else "")
     )
     if batch["is_raised"]:
         note += (

@@ -137,14 +137,18 @@ def list_priming_steps(data: Data) -> list[Step]:
 
 def list_filling_steps(data: Data, weighing: str) -> list[Step]:
     """List the steps from the open mold to the cured silicone."""
-    properties = data["silicone"]["properties"]
+    properties, out_mm = data["silicone"]["properties"], data["mold"]["bolts_stand_out_mm"]
+    stands = (
+        f" The bolts stand {out_mm:g} mm out of the palmar side: the mold no longer lies flat on it." if out_mm else ""
+    )
     return [
         *list_priming_steps(data),
         Step("hold", _describe_holding(data)),
         Step(
             "bolt",
             f"Fit the palmar half and tighten the {data['mold']['bolts']} mold bolts by hand, crosswise, until the "
-            "parting line shows no gap. Do not tighten further. A strip of tape keeps the nuts in their traps.",
+            f"parting line shows no gap. Do not tighten further.{stands} A strip of tape keeps the nuts in their "
+            "traps.",
         ),
         *_testing_steps(data),
         Step("weigh", weighing),
@@ -230,7 +234,7 @@ def _syringe_steps(data: Data) -> list[Step]:
             f"{_describe_pose(data)} "
             "Hold the syringe in its cone with the other hand and press with a steady "
             f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
-            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. {filling['least_force_n']:g} N would "
+            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. {filling['min_force_n']:g} N would "
             "fill "
             f"it in {filling['push_s']:g} s, the longest that a thumb can push (the check mold.syringe_force). It may "
             f"take {filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles "
@@ -252,7 +256,10 @@ def _describe_pose(data: Data) -> str:
     text = f"its tip {abs(filling['tip_deg']):g} degrees {place} the horizontal, its {face} face up"
     if filling["roll_deg"] >= _LEAST_ROLL_DEG:
         level = "higher" if filling["runner_side_up"] else "lower"
-        text += f", and rolled by {filling['roll_deg']:g} degrees about its length, so that the side of the syringe is {level}"
+        text += (
+            f", and rolled by {filling['roll_deg']:g} degrees about its length, so that the side of the syringe is "
+            f"{level}"
+        )
     vent = "the vent" if data["mold"]["vents"] == 1 else "the vent near the tip"
     return f"{text}. Then {vent} is the highest point, and bubbles rise to it."
 

@@ -66,7 +66,15 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
         yield Supply("Luer cap for the syringe", "cap the nozzle", "", 1)
         yield Supply(VENT_WIRE, VENT_WIRE)
     if data["chaplet"]:
-        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", "", 1)
+        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", _size_needle(data), 1)
+
+
+def _size_needle(data: Data) -> str:
+    """Write the size of a needle that enters the hole of the screw."""
+    needle, hole = data["chaplet"]["needle"], data["chaplet"]["pilot_mm"]
+    if needle is None:
+        return f"thinner than the hole of {hole:g} mm"
+    return f"gauge {needle['gauge']:g}, {needle['outer_mm']:g} mm outside: it enters the hole of {hole:g} mm"
 
 
 def _size_cover(fit: Data) -> str:
@@ -100,5 +108,6 @@ def _list_tools(data: Data) -> Iterator[Supply]:
         yield Supply("pin vise for the drills", "Drill the hole", "", 1)
         for size in (chaplet["hole_mm"], chaplet["pilot_mm"]):
             yield Supply("drill bit", "Drill the hole", f"{size:g} mm", 1)
+    yield Supply("drill bit for bolt holes that print narrow", "bolts", f"{data['mold']['bolt_hole_mm']:g} mm", 1)
     if joint := data["joint"]:
         yield Supply("reamer", "Ream the bore", f"{joint['pin_mm']:g} mm", 1)

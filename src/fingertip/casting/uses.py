@@ -26,7 +26,7 @@ def uses_primer(data: Data) -> bool:
 def uses_adhesive(data: Data) -> bool:
     """Tell whether silicone adhesive seals a passage or a lid."""
     passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
-    return passes or data["sensor_tail"] == "folded"
+    return bool(passes or data["sensor_tail"] == "folded")
 
 
 def join(names: Sequence[str]) -> str:

@@ -94,7 +94,7 @@ def render_mounting(mounting: Data) -> str:
             f"{bolt['nut_mm']:g} mm: with walls of {bolt['wall_mm']:g} mm that is M{bolt['thread_mm']:g} x "
             f"{bolt['length_mm']:g} mm."
             if bolt["walls"] == 2
-            else f"The {bolt['item']} crosses the whole bone, {bolt['crossed_mm']:g} mm, and the mating part inside it, "
+            else f"The {bolt['item']} crosses the bone, {bolt['crossed_mm']:g} mm, and the mating part inside it, "
             f"and takes a nut of {bolt['nut_mm']:g} mm: M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm."
         )
     return " ".join(parts)

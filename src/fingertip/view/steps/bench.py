@@ -127,7 +127,7 @@ class Bench:
         m = self.design.mold_layout
         return (-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z)
 
-    def seat_tape(self, *, cut: bool = False) -> list[Shown]:
+    def seat_tape(self) -> list[Shown]:
         """Show the tape around the seat, on the collar or on the base below it; none without one."""
         dims, span = self.design.dimensions, tape_span_mm(self.design)
         if span is None:
@@ -138,7 +138,7 @@ class Bench:
         if not on_collar:
             far, flat = 2 * section.half_width, -dims.base_flat_depth - _TAPE_SHOWN_MM
             around = difference(around, Box((-far, -2 * section.palmar, -2 * span[1]), (far, flat, 0.0)))
-        return [self.solid(difference(around, filled_bone(self.design)), TAPE, cut=cut)]
+        return [self.solid(difference(around, filled_bone(self.design)), TAPE)]
 
     def wires(self, radius_mm: float) -> list[Shown]:
         """Show the wires of a straight tail as one tube through the cable channel and out of it."""

@@ -27,17 +27,17 @@ _SPARE_MM, _DROP_MM = 10.0, 2.5
 
 def cure_test(bench: Bench, data: Data) -> Scene:
     """Show drops of silicone on the coupon of each material, and on what else silicone touches."""
-    peels = ":\npeels off"
+    peels = ": peels off"
     tested = [
-        (f"print of the mold{peels}", PARTS["mold_palmar"].colour),
-        (f"print of the {bench.insert}{peels}", PARTS[bench.insert].colour),
-        (f"released print{peels}", PARTS["mold_palmar"].colour),
-        (f"tape{peels}", TAPE),
+        (f"print\nof the mold{peels}", PARTS["mold_palmar"].colour),
+        (f"print\nof the {bench.insert}{peels}", PARTS[bench.insert].colour),
+        (f"released\nprint{peels}", PARTS["mold_palmar"].colour),
+        ("tape:\npeels off", TAPE),
     ]
     if bonding := [name for name, used in (("adhesive", uses_adhesive), ("primer", uses_primer)) if used(data)]:
-        tested.append((f"{', '.join(bonding)}:\nmust stick, not tacky", GLASS))
+        tested.append((",\n".join(bonding) + ": must stick", GLASS))
     if data["filling"]["syringe"]:
-        tested.append((f"plunger{peels}", STEEL))
+        tested.append(("plunger:\npeels off", STEEL))
     shown, labels = [], []
     for i, (name, colour) in enumerate(tested):
         # In steps, so that no leader crosses another piece.
@@ -188,6 +188,9 @@ def hold(bench: Bench, data: Data) -> Scene:
         Label("dorsal half", (0.0, m.dorsal_height * 0.8, m.proximal_z)),
         Label(bench.insert, (0.0, 0.0, bench.design.dimensions.base_end_z + 2.0)),
     ]
+    if seat := data["fit"]["seat_tape"]:  # whole, or its cut edges alone would show
+        middle = -(seat["from_mm"] + seat["to_mm"]) / 2
+        labels.append(Label("tape on the seat", (0.0, -bench.design.dimensions.base_flat_depth, middle)))
     if data["chaplet"]:
         chaplet = data["chaplet"]
         labels += [
@@ -198,7 +201,7 @@ def hold(bench: Bench, data: Data) -> Scene:
         (
             bench.part("mold_dorsal", cut=True),
             *bench.in_mold(cut=True),
-            *bench.seat_tape(cut=True),
+            *bench.seat_tape(),
             *bench.chaplet_screw((0.0, lift, 0.0)),
         ),
         SIDE,

@@ -23,6 +23,9 @@ Addition cure shrinks least, but uncured resin inhibits it. Condensation cure is
 RatioBasis = Literal["weight", "volume", "weight or volume"]
 """Basis on which the maker states the mix ratio; "weight or volume" if both are allowed."""
 
+GENERIC: frozenset[SiliconeName] = frozenset(("addition_40a", "condensation_40a"))
+"""Names that stand for a kind of silicone, not for a product."""
+
 SOURCES = {
     "article": "Method for Automatic Slippage Detection With Tactile Sensors Embedded in Prosthetic Hands, III.B",
     "common": "commonly stated for silicones of this hardness; no document found",
@@ -250,3 +253,20 @@ SILICONES: dict[str, Silicone] = {
     )
 }  # fmt: skip
 """Silicones by name."""
+
+
+def find_example(silicone: Silicone) -> dict[str, str] | None:
+    """Find the product of the catalogue that comes nearest in hardness to a kind of silicone; None for a product.
+
+    It has the same cure system and lasts as long as asked for. There is none for a kind that no product belongs to.
+    """
+    if silicone.name not in GENERIC or silicone.shore_a is None:
+        return None
+    wanted = silicone.shore_a.low
+    found = [
+        (abs(product.shore_a.low - wanted), name)
+        for name, product in SILICONES.items()
+        if name not in GENERIC and product.cure == silicone.cure and product.shore_a
+        and product.pot_life_min.low >= WANTED_POT_LIFE_MIN
+    ]  # fmt: skip
+    return {"name": min(found)[1], "label": SILICONES[min(found)[1]].label} if found else None

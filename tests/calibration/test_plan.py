@@ -110,3 +110,12 @@ def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
     assert blue.sum() > 500
     fewer = draw_plan(design.with_values({"mold.filling": "gravity"}), meshes)  # no tower to measure
     assert (np.asarray(Image.open(io.BytesIO(fewer)).convert("RGB")) == (150, 30, 20)).all(axis=2).sum() < red.sum()
+
+
+def test_page_says_with_which_layers_and_on_which_machine_to_print() -> None:
+    design = Design.load(design_file("adult_finger"))
+    page = render_instructions(design, "coupon_readings.toml")
+    assert "with the settings of the real parts, their layers too" in page
+    assert "longer than the 20 minutes estimated for layers of 0.2 mm" in page
+    assert "`fingertip build bone.toml --parts bone,lid`" in page
+    assert "Layers of 0.2 mm round" not in page

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -10,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fingertip.acceptance.expectation import expect_readings
@@ -23,9 +25,11 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.filling import check_filling
 from fingertip.casting import markdown
 from fingertip.casting.markdown import render_sheet, warnings
-from fingertip.casting.quantities import SiliconeVolumes
+from fingertip.casting.needles import find_needle
+from fingertip.casting.quantities import SiliconeVolumes, volumes_data
 from fingertip.casting.sheet import casting_sheet_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
+from fingertip.casting.tapes import flat_width_mm
 from fingertip.casting.wires import size_wires
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import find_losses
@@ -144,6 +148,30 @@ def test_consumables_are_those_of_the_procedure() -> None:
     assert all(tool in page for page in (overmold, sleeve) for tool in ("solder", "scale", "screwdriver", "knife"))
 
 
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) -> None:
+    design = Design.load(design_file(name))
+    dims, data = design.dimensions, casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
+    cover, rim = data["fit"]["cover_tape"], 0.5
+    pocket = max(dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm, dims.tail_half_width)
+    assert cover["width_mm"] >= 2 * (pocket + rim) - 1e-9
+    assert cover["width_mm"] <= flat_width_mm(design, dims.sensor_z) + 1e-9, "it ends on the flat"
+    assert cover["length_mm"] >= dims.sensor_z + pocket + rim - 1e-9
+    flat = min(flat_width_mm(design, z) for z in np.linspace(0.1, dims.sensor_z, 50))
+    assert cover["trim"] == (flat < cover["width_mm"])
+    page = render_sheet(data)
+    assert f"{cover['width_mm']:g} mm wide (cut from {cover['stock_mm']:g} mm), {cover['length_mm']:g} mm long" in page
+    assert f"{cover['width_mm']:g} mm wide and {cover['length_mm']:g} mm long: at least {rim:g} mm past" in page
+
+
+def test_tape_of_the_seat_is_one_that_is_sold_or_cut() -> None:
+    page = render_sheet(sheet_data())
+    assert "5 mm wide, or cut to 5.5 mm, and 0.06 mm thick for the seat" in page
+    assert "narrower than the slot of 6.7 mm, lying inside it, never on the flat" in page
+    assert "Now no strip of office paper (0.1 mm) may go in beside the bone; if one does, wind one more turn." in page
+    assert "(0.1 mm each)" in page
+
+
 def test_small_batch_is_stated_with_and_without_the_raise() -> None:
     """13.25 cm3 need more than 11 g, the least that can be weighed in parts of 10 to 1; 2 cm3 do not."""
     large = render_sheet(sheet_data())
@@ -237,12 +265,175 @@ def test_procedure_tries_and_holds_the_insert_before_the_silicone_is_weighed(met
     design = fsr400(f"mold.method={method}")
     text = procedure_text(f"mold.method={method}")
     least_mm = min(loss.left_mm for loss in find_losses(design))
-    assert f"{round(least_mm, 2):g} mm at the thinnest place" in text
+    assert f"the skin is still {round(least_mm, 2):g} mm at its thinnest" in text
     assert "M2 x 10 mm screw" in text
-    order = ["Test the cure", "Close the empty mold", "Drill the hole", "mold release", "facet on the boss",
-             "crosswise", "air must leave", "Weigh", "Pull the plunger", "Hold the mold tip up", "Let it cure",
+    order = ["Test the cure", "Close the empty mold", "Drill the hole", "film of mold release", "facet on the boss",
+             "crosswise", "air must leave", "Weigh", "Pull the plunger", "Hold the mold in a vise", "Let it cure",
              "Take out the screw", "round hole of 7 mm"]  # fmt: skip
     assert [text.index(part) for part in order] == sorted(text.index(part) for part in order)
+
+
+def test_cure_test_says_where_the_silicone_must_bond() -> None:
+    overmold = procedure_text()
+    assert "On bare print, released print, tape and plunger the silicone must peel off dry." in overmold
+    assert "On primer and adhesive it must not peel off" in overmold
+    assert "varnish" not in overmold
+    folded = casting_sheet_data(Design.load(design_file("adult_finger")), VOLUMES, SILICONES["addition_40a"])
+    assert "varnish" in steps(folded)[0]
+    assert "adhesive" not in procedure_text("mold.method=sleeve").split("Close the empty mold")[0]
+    assert "the fit coupon, its frame in the mold's material and its slice in that of the core" in procedure_text(
+        "mold.method=sleeve"
+    )
+
+
+def test_release_and_primer_leave_the_boss_and_the_facet_bare() -> None:
+    text = procedure_text()
+    assert "on cavity, parting plane, runner, vent and keys" in text
+    assert "Leave only the face of the boss and the recess bare" in text
+    assert "not on the tape over the sensor and not on the facet, which sits on the boss" in text
+    poured = procedure_text("mold.filling=gravity", "silicone.product=sylgard_184")
+    assert "on cavity, parting plane, gate, funnel, vents and keys" in poured
+    without = "mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "printer.surface_error_mm=0"
+    assert not re.search(r"\bboss|facet", procedure_text(*without))
+
+
+@pytest.mark.parametrize(
+    ("changes", "avoided"),
+    [
+        ((), "never on the post"),
+        (("bone.interface=socket", "bone.base_length_mm=32"), "never on the thin wall of the socket"),
+        (("bone.interface=flange", "bone.base_length_mm=27"), "never on the flange"),
+        (("mold.method=sleeve",), "Push the core with the skin on it out of the second half at its bare base"),
+    ],
+)
+def test_finger_is_pushed_out_where_it_is_thick(changes: tuple[str, ...], avoided: str) -> None:
+    text = procedure_text(*changes)
+    assert avoided in text
+    assert ("push on the thick base close to the mold" in text) == ("mold.method=sleeve" not in changes)
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_pose_of_the_filling_is_the_direction_that_was_found(name: str) -> None:
+    """The stated tilt of the tip, face and roll give back the vertical."""
+    design = Design.load(design_file(name))
+    data = casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
+    text = next(step for step in steps(data) if step.startswith("Hold the mold in a vise"))
+    found = re.search(r"tip (\d+) degrees (above|below) the horizontal, its (dorsal|palmar) face up", text)
+    assert found
+    tip = math.radians(int(found[1])) * (1 if found[2] == "above" else -1)
+    rolled = re.search(r"rolled by (\d+) degrees about its length, so that the side of the syringe is (\w+)", text)
+    roll = math.radians(int(rolled[1])) if rolled else 0.0
+    assert design.mold_layout.inlet
+    syringe_side = math.copysign(1.0, design.mold_layout.inlet.x)
+    x = math.cos(tip) * math.sin(roll) * syringe_side * (1 if rolled and rolled[2] == "higher" else -1)
+    y = math.cos(tip) * math.cos(roll) * (1 if found[3] == "dorsal" else -1)
+    assert np.dot((x, y, math.sin(tip)), data["filling"]["up"]) > math.cos(math.radians(4.0))
+
+
+def test_one_vent_is_spoken_of_in_the_singular() -> None:
+    assert sheet_data()["mold"]["vents"] == 1
+    assert not re.search(r"\bvents\b|a vent\b|vent stubs", procedure_text())
+    two = sheet_data("mold.filling=gravity", "silicone.product=sylgard_184")
+    assert two["mold"]["vents"] == 2
+
+
+def test_a_pressed_head_has_one_limit() -> None:
+    slip = SimpleNamespace(detector="fast", memory_s=0.1, score=None)
+    acceptance = render_acceptance(acceptance_data(fsr400(), slip))  # type: ignore[arg-type]
+    page = render_sheet(sheet_data())
+    assert "below 30 kohm, and steady" in acceptance
+    assert page.count("below 30 kohm, and steady") == 3
+    assert "some kilohm" not in page
+
+
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+def test_sheet_leads_to_the_coupon_and_to_the_acceptance_sheet(method: str) -> None:
+    printing = render_sheet(sheet_data(f"mold.method={method}")).split("## Printing")[1].split("## Quantities")[0]
+    assert "`coupon.md`" in printing
+    assert f"its slice in the material of the {'core' if method == 'sleeve' else 'bone'}" in printing
+    assert "`acceptance.md`" in printing
+
+
+@pytest.mark.parametrize("skin", [0.0, 2.6064, 2.6049, 12.625])
+def test_volumes_add_up_as_they_are_printed(skin: float) -> None:
+    volumes = volumes_data(SiliconeVolumes(skin, 0.1284, 0.0176))
+    assert volumes["skin"] + volumes["runners"] + volumes["gap"] == pytest.approx(volumes["total"], abs=1e-9)
+    assert volumes["total"] == pytest.approx(skin + 0.146, abs=0.005)
+    assert volumes["skin"] == pytest.approx(skin, abs=0.01)
+
+
+def test_silicone_in_the_syringe_has_a_row() -> None:
+    quantities = render_sheet(sheet_data()).split("## Quantities")[1].split("## Warnings")[0]
+    data = sheet_data()
+    assert f"| to load into the syringe | {data['filling']['load_cm3']:g} cm3, {data['batch']['load_g']:g} g |" in (
+        quantities
+    )
+    assert data["batch"]["load_g"] == pytest.approx(1.08 * data["filling"]["load_cm3"], abs=0.1)
+    poured = render_sheet(sheet_data("mold.filling=gravity", "silicone.product=sylgard_184"))
+    assert "load into the syringe" not in poured
+
+
+def test_wires_to_buy_fit_finger_and_plug() -> None:
+    page = render_sheet(sheet_data())
+    assert "0.4 to 0.8 mm over the insulation, conductor of AWG 28 to 32, at least 150 mm each, or leads" in page
+    folded = casting_sheet_data(Design.load(design_file("adult_finger")), VOLUMES, SILICONES["addition_40a"])
+    row = next(line for line in render_sheet(folded).splitlines() if "insulated wire" in line)
+    assert "0.4 to 0.5 mm over the insulation" in row
+    assert "leads" not in row, "the leads of AWG 28 do not pass the fold"
+
+
+def test_generic_silicone_names_a_product_of_the_catalogue() -> None:
+    """It cures alike and is as hard; a product needs no example."""
+    assert sheet_data()["silicone"]["example"]["name"] == "smooth_sil_940"
+    assert "such as Smooth-On Smooth-Sil 940 (then build with silicone.product=smooth_sil_940)" in render_sheet(
+        sheet_data()
+    )
+    for name in SILICONES:
+        if name != "addition_40a":
+            assert sheet_data(material=name)["silicone"]["example"] is None, name
+
+
+def test_needle_enters_the_hole_of_the_screw() -> None:
+    needle = sheet_data()["chaplet"]["needle"]
+    assert needle == {"gauge": 18, "outer_mm": 1.27}
+    assert find_needle(2.4) == {"gauge": 14, "outer_mm": 2.11}
+    assert find_needle(0.8) is None
+
+
+def test_bolts_that_stand_out_are_named() -> None:
+    data = sheet_data()
+    layout = fsr400().mold_layout
+    height = layout.dorsal_height + layout.palmar_height
+    assert data["mold"]["bolts_stand_out_mm"] == pytest.approx(25.0 - height, abs=0.05)
+    assert f"The bolts stand {data['mold']['bolts_stand_out_mm']:g} mm out of the palmar side" in procedure_text()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ((), "a bore of 8.6 mm with two flats, 7.4 mm apart, at least 8 mm deep"),
+        ((), "with walls of 3 mm that is M2 x 16 mm"),
+        (("bone.interface=socket", "bone.base_length_mm=32"), "takes a post of 4.8 mm, at most 8 mm long"),
+        (("bone.interface=flange", "bone.base_length_mm=27"), "pass 4 mm of it"),
+    ],
+)
+def test_mounting_says_what_the_interface_fits_into(changes: tuple[str, ...], said: str) -> None:
+    page = render_sheet(sheet_data(*changes))
+    assert said in page.split("## Mounting")[1]
+    clevis = casting_sheet_data(Design.load(design_file("adult_finger")), VOLUMES, SILICONES["addition_40a"])
+    assert "## Mounting" not in render_sheet(clevis)
+
+
+def test_pull_off_force_names_what_holds_the_skin() -> None:
+    (overmold,) = (text for text in warnings(sheet_data()) if "against a pull" in text)
+    (sleeve,) = (text for text in warnings(sheet_data("mold.method=sleeve")) if "against a pull" in text)
+    assert overmold.startswith("The groove holds the skin")
+    assert sleeve.startswith("The groove and the tightness of the sleeve hold the skin")
+
+
+def test_force_of_the_check_stands_beside_the_thumb_force() -> None:
+    (check,) = (check for check in check_filling(fsr400()) if check.name == "mold.syringe_force")
+    assert f"{check.value:.1f} N would fill it in 60 s, the longest that a thumb can push" in procedure_text()
 
 
 def test_filling_step_states_the_predicted_time_and_volume() -> None:

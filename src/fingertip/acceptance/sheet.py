@@ -7,6 +7,7 @@ from typing import Any
 
 from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_pressed_v, expect_readings
 from fingertip.board.components.bridge import MAX_FORCE_N
+from fingertip.casting.uses import OPEN_OHM, PRESSED_OHM
 from fingertip.casting.wires import describe_plug_wires, size_wires
 from fingertip.design import Design
 from fingertip.slip.detection import Detection
@@ -14,9 +15,6 @@ from fingertip.slip.format import DETECTED, INTERVAL
 
 IDLE_TOLERANCE_V = 0.1
 """Largest difference of an untouched finger from its expected voltage [V]. An assumption."""
-_PRESS_OHM = 30e3
-"""Resistance below which a pressed head must fall [ohm]: some 0.2 N by the data sheet's curve."""
-_OPEN_OHM = 1e6
 _STILL_S = 60
 
 
@@ -44,8 +42,8 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
             "slack_mm": round(wires.slack_mm),
             "plug": describe_plug_wires(design, wires),
         },
-        "open_ohm": _OPEN_OHM,
-        "pressed_ohm": _PRESS_OHM,
+        "open_ohm": OPEN_OHM,
+        "pressed_ohm": PRESSED_OHM,
         "idle": {"tactile_v": round(idle, 2), "tolerance_v": IDLE_TOLERANCE_V},
         "pressed": {"force_n": MAX_FORCE_N, "tactile_v": round(expect_pressed_v(design), 2)},
         "curve": design.force_curve.curve,

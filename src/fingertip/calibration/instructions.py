@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.printing.settings import LAYER_MM, RESIN_LAYER_MM
 from fingertip.cad.shapes.coupon import list_heights
 from fingertip.cad.shapes.coupon_layout import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
 from fingertip.cad.shapes.engraving import STROKE_WIDTH
@@ -38,10 +40,16 @@ def render_instructions(design: Design, readings_file: str) -> str:
         f"{' with a key on it' if has_key(design) else ''}. Their fits are cut like those of the real parts.",
         "## Print",
         "Print `coupon` and `coupon_slice` as they lie, without supports and without a brim, on the printer, from the "
-        "material and with the settings of the real parts. Both together take about "
-        f"{COUPON_MINUTES} minutes in layers of {COUPON_LAYER_MM:g} mm. The files hold the design at {scale:g} % "
-        "(printer.scale_percent): let the slicer scale nothing. Wash and cure resin as the real parts, and let "
-        "the pieces cool before you measure.",
+        "material and with the settings of the real parts, their layers too: `coupon` like the mold, `coupon_slice` "
+        f"like the bone. At {LAYER_MM:g} mm, or {RESIN_LAYER_MM:g} mm for resin, they take longer than the "
+        f"{COUPON_MINUTES} minutes estimated for layers of {COUPON_LAYER_MM:g} mm. The files hold the design at "
+        f"{scale:g} % (printer.scale_percent): let the slicer scale nothing. Wash and cure resin as the real parts, "
+        "and let the pieces cool before you measure. Keep the pieces: the silicone's cure is tested on them.",
+        "The table [printer] describes one machine. If bone and mold come from two, print both pieces on each, "
+        "calibrate a copy of the design for each, and build each part from its own: "
+        f"`fingertip build bone.toml --parts {','.join(_list_inserts(design))}` and "
+        "`fingertip build mold.toml --parts mold_palmar,mold_dorsal`. Try the slice of the one in the frame of the "
+        "other.",
         "## Measure",
         f"Take calipers that read 0.01 mm, and set them to zero. Measure the {outer} outer and {inner} inner lengths "
         f"of `{readings_file}`, each {MIN_READINGS} to 5 times, and turn the piece between readings. Put the jaws on "
@@ -59,7 +67,7 @@ def render_instructions(design: Design, readings_file: str) -> str:
                 for i, each in enumerate(list_lengths(design), 1)
             ],
         ),
-        f"Heights, along Z, are marked Z1, Z2 and so on in the picture. Layers of {COUPON_LAYER_MM:g} mm round "
+        "Heights, along Z, are marked Z1, Z2 and so on in the picture. Layers round "
         "them, and the calibration does not use them. One that is off by more than a layer says that the "
         "printer's Z axis or its first layer is set wrong.",
         _table(
@@ -74,6 +82,11 @@ def render_instructions(design: Design, readings_file: str) -> str:
         "Print the coupon once more from the calibrated design before you print the real parts, and try the same fits.",
     ]
     return "\n\n".join(sections) + "\n"
+
+
+def _list_inserts(design: Design) -> list[str]:
+    """List the printed parts that are no half of the mold."""
+    return [name for name in print_orientations(design) if not name.startswith("mold_")]
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

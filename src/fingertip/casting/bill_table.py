@@ -22,7 +22,10 @@ def render_bill(data: Data) -> str:
         if "across_flats_mm" in entry:
             sizes.append(f"{entry['across_flats_mm']:g} mm across flats")
         if "crossed_mm" in entry:
-            sizes.append(f"length = {entry['crossed_mm']:g} mm + mating part + nut")
+            sizes.append(
+                f"length = {entry['crossed_mm']:g} mm + what it crosses of the mating part"
+                + (" + nut: see Mounting" if "cross bolt" in entry["item"] else " + nut")
+            )
         if "diameter_mm" in entry:
             sizes.append(f"{entry['diameter_mm']:g} mm")
         if "length_mm" in entry and "thread_mm" not in entry:
@@ -33,8 +36,16 @@ def render_bill(data: Data) -> str:
             sizes.append(f"both together thinner than {entry['pair_thinner_than_mm']:g} mm")
         if "thinner_than_mm" in entry:
             sizes.append(f"thinner than {entry['thinner_than_mm']:g} mm")
+        if "insulation_mm" in entry:
+            sizes.append("{:g} to {:g} mm over the insulation".format(*entry["insulation_mm"]))
         if "conductor_awg" in entry:
             sizes.append("conductor of AWG {} to {}".format(*entry["conductor_awg"]))
+        if "min_length_mm" in entry:
+            sizes.append(f"at least {entry['min_length_mm']:g} mm each")
+        if "or_lead" in entry:
+            sizes.append(f"or leads with contacts for the plug: {entry['or_lead']}")
+        if "note" in entry:
+            sizes.append(entry["note"])
         if "mass_g" in entry:
             sizes.append(f"{entry['mass_g']:g} g")
         if "volume_ml" in entry:
@@ -46,9 +57,10 @@ def render_bill(data: Data) -> str:
         (
             f"{batch['buy_g']} g",
             data["silicone"]["label"],
-            f"both components together; {mixtures} mixtures of {batch['total_g']:g} g, for the test of the cure, the "
+            f"{_describe_product(data['silicone'])}both components together; {mixtures} mixtures of "
+            f"{batch['total_g']:g} g, for the test of the cure, the "
             f"skin{' and the patch' if mixtures == 3 else ''}; pot life at least "
-            f"{data['filling']['pot_life_min']:g} min",
+            f"{data['filling']['pot_life_min']:g} min; kits hold much more",
         )
     )
     printed = ", ".join(
@@ -63,3 +75,26 @@ def render_bill(data: Data) -> str:
     rows.append(("", f"rigid printing material for {printed}: resin or filament", size))
     rows += ((f"{supply['count'] or ''}", supply["item"], supply["size"]) for supply in data["supplies"])
     return table(("quantity", "item", "size"), rows)
+
+
+def _describe_product(silicone: Data) -> str:
+    """Name a product of the catalogue for a kind of silicone."""
+    example = silicone["example"]
+    if example is None:
+        return ""
+    return f"such as {example['label']} (then build with silicone.product={example['name']}); "
+
+
+def render_mounting(mounting: Data) -> str:
+    """Render what the interface of the bone fits into."""
+    parts = ["The design makes no mating part.", mounting["fit"]]
+    if bolt := mounting["bolt"]:
+        parts.append(
+            f"The {bolt['item']} is as long as {bolt['crossed_mm']:g} mm, both walls of the mating part and the nut of "
+            f"{bolt['nut_mm']:g} mm: with walls of {bolt['wall_mm']:g} mm that is M{bolt['thread_mm']:g} x "
+            f"{bolt['length_mm']:g} mm."
+            if bolt["walls"] == 2
+            else f"The {bolt['item']} crosses the bone, {bolt['crossed_mm']:g} mm, and the mating part inside it, "
+            f"and takes a nut of {bolt['nut_mm']:g} mm: M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm."
+        )
+    return " ".join(parts)

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from fingertip.casting.wires import size_wires
+from fingertip.casting.wires import describe_bought_wires
 from fingertip.design import Design
-from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
+from fingertip.design.geometry.clamp_bolts import size_clamp_bolts, standard_length_mm
 from fingertip.design.threads import select_thread
 
 WEIGHTS_G = (100.0, 500.0)
 """Weights laid on the pad of the finished finger [g]."""
+_MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 3.0
+"""Play between the interface and a printed mating part, and the wall of the example [mm]. Recommendations."""
 _PIN_PLAY_MM = 0.2
 """Play of the anchor pin in its printed hole [mm]."""
 
@@ -22,13 +24,18 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     """Items to buy besides the silicone: name, count and sizes [mm]."""
     bolts = size_clamp_bolts(design)
     thread = bolts.thread
-    sensor, wires = design.sensor, size_wires(design)
+    sensor = design.sensor
+    out_mm = round(bolts.stand_out_mm(design), 1)
+    stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
     return [
-        {"item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1},
+        {
+            "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,
+            "note": "with adhesive on its back, or without it and with the film below",
+        },
         {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
         {
             "item": "mold bolt (machine screw)", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
-            "count": bolts.count,
+            "count": bolts.count, **stands_out,
         },
         {
             "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
@@ -37,8 +44,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
         *_mold_hardware(design),
         *_interface_bolts(design),
         {
-            "item": "insulated wire" if design.dimensions.fold else "stranded wire",
-            "thinner_than_mm": wires.max_diameter_mm, "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
+            "item": "insulated wire" if design.dimensions.fold else "stranded wire", **describe_bought_wires(design),
             "count": 2,
         },
         *_strain_relief(design),
@@ -119,3 +125,48 @@ def _interface_bolts(design: Design) -> list[dict[str, Any]]:
         },
         {"item": "cross bolt nut (hexagon nut)", "thread_mm": thread_mm, "count": 1},
     ]  # fmt: skip
+
+
+def mounting_data(design: Design) -> dict[str, Any] | None:
+    """Describe what the interface fits into; None for a clevis, whose joint the steps fit.
+
+    The clearance of the mating part is a recommendation: the design does not hold one.
+    """
+    bone, play = design.bone, _MATING_PLAY_MM
+    if bone.interface == "clevis":
+        return None
+    thread = select_thread(bone.cross_bolt_diameter_mm)
+    bolt: dict[str, Any]
+    if bone.interface == "post":
+        shape = (
+            f" with two flats, {bone.post_height_mm + play:g} mm apart"
+            if bone.post_height_mm < bone.post_width_mm
+            else ""
+        )
+        fit = (
+            f"The post goes into a bore of {round(bone.post_width_mm + play, 2):g} mm{shape}, at least "
+            f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. The bone stands on the end "
+            "of its post while it prints: file the lip of the first layers off that end before you try it."
+        )
+        needed = bone.post_width_mm + 2 * _MATING_WALL_MM + thread.nut_height_mm
+        bolt = {"crossed_mm": bone.post_width_mm, "walls": 2, "wall_mm": _MATING_WALL_MM}
+    elif bone.interface == "socket":
+        across = round(2 * design.dimensions.bone_outline.section.half_width, 1)
+        fit = (
+            f"The socket takes a post of {round(bone.socket_diameter_mm - play, 2):g} mm, at most "
+            f"{bone.socket_depth_mm:g} mm long: {play:g} mm of play, recommended for prints. Ream the socket, or sand "
+            "the post, until it slides in."
+        )
+        needed = across + thread.nut_height_mm
+        bolt = {"crossed_mm": across, "walls": 0, "wall_mm": 0.0}
+    else:
+        fit = (
+            f"The flange lies flat on the mating part: file the lip of the first layers off its face. Its bolts pass "
+            f"{bone.flange_thickness_mm:g} mm of it and enter threads or nuts in the mating part."
+        )
+        return {"fit": fit, "bolt": None, "play_mm": play}
+    bolt |= {
+        "item": "cross bolt", "thread_mm": thread.diameter_mm, "nut_mm": thread.nut_height_mm,
+        "length_mm": standard_length_mm(needed),
+    }  # fmt: skip
+    return {"fit": fit, "bolt": bolt, "play_mm": play}

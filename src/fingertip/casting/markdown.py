@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fingertip.casting.bill_table import render_bill
+from fingertip.casting.bill_table import render_bill, render_mounting
 from fingertip.casting.mold_steps import (
     list_filling_steps,
     list_opening_steps,
@@ -25,6 +25,7 @@ from fingertip.casting.sensor_steps import (
 from fingertip.casting.slicer import HOW_TO_INSTALL
 from fingertip.casting.step import Step
 from fingertip.casting.tables import table
+from fingertip.casting.uses import join
 
 Data = Mapping[str, Any]
 _PROPERTY_LABELS = {
@@ -64,6 +65,7 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
         "\n".join(f"- {warning}" for warning in warnings(data)),
         "## Procedure",
         _procedure(data, pictures),
+        *(["## Mounting", render_mounting(data["mounting"])] if data["mounting"] else []),
         "## Silicone data",
         _silicone(data),
     ]
@@ -111,8 +113,9 @@ def warnings(data: Data) -> list[str]:
         )
     else:
         found.append(
-            "The groove or the tightness of the sleeve holds the skin against a pull of some "
-            f"{data['skin_pull_off_n']:g} N, without adhesion, for the softest silicone of this kind."
+            f"{_capitalise(join(data['skin_held_by']))} {'hold' if len(data['skin_held_by']) > 1 else 'holds'} the "
+            f"skin against a pull of some {data['skin_pull_off_n']:g} N, without adhesion, for the softest silicone of "
+            "this kind."
         )
     found += [
         "Do not use cyanoacrylate on the sensor: it wicks into the sensor, and its vapour damages it. Use the adhesive "
@@ -125,6 +128,10 @@ def warnings(data: Data) -> list[str]:
         else "Do not bend the tail of the sensor sharply. Never bend it at the head.",
     ]
     return found
+
+
+def _capitalise(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _procedure(data: Data, pictures: Sequence[str]) -> str:
@@ -156,7 +163,7 @@ def steps(data: Data) -> list[Step]:
                 "pull_on",
                 "Moisten the inside of the skin with very little isopropanol, and keep it off the edges of the tape. "
                 "Pull the skin over the bone from the dorsal side, until its edge sits on the collar. Let "
-                "both dry. Measure the sensor once more: above 1 Mohm untouched.",
+                f"both dry. Measure the sensor once more: above {data['sensor_limits']['open_mohm']:g} Mohm untouched.",
             ),
             *list_patching_steps(data),
             *list_joint_steps(data),
@@ -225,17 +232,24 @@ def _summary(data: Data) -> str:
 def _quantities(data: Data) -> str:
     volumes, batch = data["volumes_cm3"], data["batch"]
     first, second = data["silicone"]["components"]
+    openings = "runner and vent" if data["filling"]["syringe"] else "gate, funnel and vent"
+    openings += "s" if data["mold"]["vents"] > 1 else ""
+    load = []
+    if data["filling"]["syringe"]:
+        load.append(("to load into the syringe", f"{data['filling']['load_cm3']:g} cm3, {batch['load_g']:g} g"))
     rows = [
         ("skin, with shrinkage allowance", f"{volumes['skin']:.2f} cm3"),
-        ("runners and vents", f"{volumes['runners']:.2f} cm3"),
+        (openings, f"{volumes['runners']:.2f} cm3"),
         ("flash around the base", f"{volumes['gap']:.2f} cm3"),
         ("**total in the mold**", f"**{volumes['total']:.2f} cm3, {batch['in_mold_g']:.2f} g**"),
+        *load,
         (f"**{first}**", f"**{batch['a_g']:g} g**"),
         (f"**{second}**", f"**{batch['b_g']:g} g**"),
         ("total to mix", f"{batch['total_g']:g} g"),
     ]
     note = (
         f"{batch['with_waste_g']:g} g with {batch['waste_percent']:g} % waste, which stays on the cup and the stirrer"
+        + (" and comes on top of what is loaded" if data["filling"]["syringe"] else "")
     )
     if batch["is_raised"]:
         note += (
@@ -262,6 +276,9 @@ def _printing(data: Data) -> str:
         "filament and a resin printer. The skin is cast, so it is on no plate. PrusaSlicer takes the settings of the "
         "filament plate from its file, all but nozzle and first layer; in other slicers, set them by hand. "
         "Measure the prints with calipers: the drawings that `fingertip drawing` makes say what they must read.\n\n"
+        f"Before the parts, print, measure and try the fit coupon, as its page `coupon.md` says (`fingertip coupon "
+        f"{data['design']}.toml`): its slice in the material of the {data['insert']}, its frame in that of the mold. "
+        "Keep it: the cure of the silicone is tested on it. The finished finger is tested as `acceptance.md` says.\n\n"
         f"{settings}\n\n{orientations}\n\n"
         f"Ceilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
         "tell PrusaSlicer that the halves need no supports. In other slicers, and for the single parts, switch "

@@ -7,32 +7,30 @@ from typing import Any
 
 from fingertip.casting.step import Step
 from fingertip.casting.supplies import VENT_WIRE
+from fingertip.casting.uses import join, uses_adhesive, uses_primer
 
 Data = Mapping[str, Any]
 
-_LEAST_TURN_DEG = 10.0
-"""Sideways turn of the mold that is worth a word."""
+_LEAST_ROLL_DEG = 3.0
+"""Roll of the mold that is worth a word: a hand holds it no truer."""
 
 
 def list_trying_steps(data: Data) -> list[Step]:
     """List the steps that try and prepare the printed mold, before anything is sealed or mixed."""
     fit, chaplet, insert = data["fit"], data["chaplet"], data["insert"]
+    sanded = "the foot of its collar and its facet" if chaplet else "the foot of its collar"
     papers = "one strip of office paper" if fit["papers"] == 1 else f"{fit['papers']} strips of office paper"
-    plunger = " and the plunger of the syringe" if data["filling"]["syringe"] else ""
+    papers += f" ({fit['paper_mm']:g} mm each)" if fit["papers"] > 1 else f" ({fit['paper_mm']:g} mm)"
     steps = [
-        Step(
-            "cure_test",
-            "Test the cure a day ahead: mix a small quantity, and put a drop on a spare piece of each print, washed "
-            "and post-cured, and on everything else that silicone will touch: tape, adhesive, varnish, "
-            f"primer{plunger}. After the full cure each must peel off dry. Replace what leaves it tacky; wash and "
-            "post-cure prints again, or coat them.",
-        ),
+        Step("cure_test", _describe_cure_test(data)),
         Step("close_empty", "Close the empty mold. It closes only one way. No light may show along the parting line."),
         Step(
             "try_fit",
             f"Lay the {insert} in the recess of the palmar half and close the mold again. If a gap stays open, scrape "
-            f"the recess where it shines, never the {insert}. Sideways its base may have {fit['max_play_mm']:g} mm of "
-            f"play in all: {papers} (0.1 mm each) beside it must jam or not go in.",
+            f"the recess where it shines, never the {insert}, of which only {sanded} may be sanded, if its drawing "
+            "says "
+            f"so. Sideways its base may have {fit['max_play_mm']:g} mm of "
+            f"play in all: {papers} beside it must jam or not go in.",
         ),
     ]
     if chaplet:
@@ -46,15 +44,49 @@ def list_trying_steps(data: Data) -> list[Step]:
                 f"{insert} and out again, so that it cuts its thread. It must bite after two turns.",
             )
         )
-    steps.append(
-        Step(
-            "release",
-            "Wipe a thin film of mold release for silicone on cavity and parting plane with a lint-free cloth, and "
-            "wipe it off until the surface looks dry. Leave boss and recess bare: the patch has to stick where the "
-            "boss stood, and no tape holds on release." + (" Treat the core alike." if insert == "core" else ""),
-        )
+    return [*steps, Step("release", _describe_release(data))]
+
+
+def _describe_cure_test(data: Data) -> str:
+    """Write the step that tests the cure on what the silicone touches: some of it must bond, some must not."""
+    insert, peeling = data["insert"], ["bare print", "released print", "tape"]
+    others = ["the tape"]
+    if data["filling"]["syringe"]:
+        others.append("the plunger of the syringe")
+        peeling.append("plunger")
+    bonding = []
+    if uses_primer(data):
+        others.append("a piece of print with primer")
+        bonding.append("primer")
+    if uses_adhesive(data):
+        others.append("cured adhesive")
+        bonding.append("adhesive")
+    if insert == "bone" and data["sensor_tail"] == "folded":
+        others.append("varnish")
+    bonds = f" On {join(bonding)} it must not peel off: it is meant to bond there." if bonding else ""
+    return (
+        "Test the cure a day ahead: mix a small quantity, and put drops on a spare piece of each print, washed and "
+        "post-cured: the fit coupon, its frame in the mold's material and its slice in that of the "
+        f"{insert}. Put one on the bare print and one on print with mold release, and more on {join(others)}. "
+        "After the full cure every drop must be dry, underneath too. "
+        f"On {join(peeling)} the silicone must peel off dry.{bonds} Replace what leaves it tacky; wash and post-cure "
+        "prints again, or coat them."
     )
-    return steps
+
+
+def _describe_release(data: Data) -> str:
+    """Write the step that rubs the mold with release."""
+    ways = "runner, " if data["filling"]["syringe"] else "gate, funnel, "
+    vents = "vent" if data["mold"]["vents"] == 1 else "vents"
+    bare, why = "the recess", "no tape holds on release"
+    if data["chaplet"]:
+        bare = "the face of the boss and the recess"
+        why = "the patch has to stick to the facet that lies on the boss, and " + why
+    return (
+        f"Wipe a thin film of mold release for silicone on cavity, parting plane, {ways}{vents} and keys with a "
+        f"lint-free cloth, and wipe it off until the surface looks dry. Leave only {bare} bare: {why}."
+        + (" Treat the core alike." if data["insert"] == "core" else "")
+    )
 
 
 def list_seat_steps(data: Data) -> list[Step]:
@@ -62,12 +94,15 @@ def list_seat_steps(data: Data) -> list[Step]:
     tape, insert = data["fit"]["seat_tape"], data["insert"]
     if tape is None:
         return []
-    where = f"from {tape['from_mm']:g} to {tape['to_mm']:g} mm below the edge of the skin"
+    where = f"from {tape['from_mm']:g} to at most {tape['to_mm']:g} mm below the edge of the skin"
     covered = over_tail = ""
     joint = ", on the side away from the runner: the last air beside the collar leaves there"
     joint = joint if data["filling"]["syringe"] else ""
     if insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
-        over_tail = "Lay a scrap of baking paper on the bare film below it first, so that the tape does not lift it. "
+        over_tail = (
+            f"Lay a strip of baking paper on the bare film there first, so that the tape does not lift it: narrower "
+            f"than the slot of {data['fit']['slot_mm']:g} mm, lying inside it, never on the flat. "
+        )
     if insert == "bone" and data["sensor_tail"] == "folded":
         wires = "between the cheeks" if data["wires_between_cheeks"] else "in their groove"
         covered = f", over both openings of the window and over the wires {wires}"
@@ -77,7 +112,9 @@ def list_seat_steps(data: Data) -> list[Step]:
             f"Wind one turn of polyimide tape around the {insert}, {where}{covered}. Use tape of "
             f"{tape['thickness_mm']:g} mm with its adhesive. Let its ends meet, without overlapping{joint}. The tape "
             f"fills the gap between the {insert} and its recess, and silicone stops there. {over_tail}Close the mold "
-            "once more: if it no longer closes by hand, the tape is creased or doubled. This tape is temporary.",
+            "once more: it must close by hand, or the tape is creased or one turn too many. Now no strip of office "
+            f"paper ({data['fit']['paper_mm']:g} mm) may go in beside the {insert}; if one does, wind one more turn. "
+            "This tape is temporary.",
         )
     ]
 
@@ -86,11 +123,13 @@ def list_priming_steps(data: Data) -> list[Step]:
     """List the step that makes the silicone stick to the bone, just before it is cast; none for a core."""
     if data["insert"] == "core":
         return []
+    facet = " and not on the facet, which sits on the boss" if data["chaplet"] else ""
     return [
         Step(
             "prime",
             "Degrease the bone with isopropanol, and brush a primer for silicone on what the skin will cover, but not "
-            "on the tape over the sensor. Let it dry as its maker says, touch it no more, and cast within its open "
+            f"on the tape over the sensor{facet}. Let it dry as its maker says, touch it no more, and cast within its "
+            "open "
             "time. Without primer nothing but a groove holds the skin.",
         )
     ]
@@ -98,14 +137,18 @@ def list_priming_steps(data: Data) -> list[Step]:
 
 def list_filling_steps(data: Data, weighing: str) -> list[Step]:
     """List the steps from the open mold to the cured silicone."""
-    properties = data["silicone"]["properties"]
+    properties, out_mm = data["silicone"]["properties"], data["mold"]["bolts_stand_out_mm"]
+    stands = (
+        f" The bolts stand {out_mm:g} mm out of the palmar side: the mold no longer lies flat on it." if out_mm else ""
+    )
     return [
         *list_priming_steps(data),
         Step("hold", _describe_holding(data)),
         Step(
             "bolt",
             f"Fit the palmar half and tighten the {data['mold']['bolts']} mold bolts by hand, crosswise, until the "
-            "parting line shows no gap. Do not tighten further. A strip of tape keeps the nuts in their traps.",
+            f"parting line shows no gap. Do not tighten further.{stands} A strip of tape keeps the nuts in their "
+            "traps.",
         ),
         *_testing_steps(data),
         Step("weigh", weighing),
@@ -129,10 +172,9 @@ def _describe_holding(data: Data) -> str:
     return (
         f"Put the {insert} into the dorsal half, its facet on the boss, with a strip of paper between them. Drive the "
         f"{chaplet['thread']} x {chaplet['length_mm']:g} mm screw from outside until the paper is held fast, pull it "
-        f"out, and turn on until the facet touches the boss. The {insert} must not move. So held it can lie off until "
-        f"{fit['retained_over_sensor_percent']:g} % of the skin are left over the sensor, "
-        f"{fit['retained_elsewhere_percent']:g} % elsewhere and some {fit['min_skin_held_mm']:g} mm at the thinnest "
-        f"place (design: {fit['min_skin_design_mm']:g} mm)."
+        f"out, and turn on until the facet touches the boss. The {insert} must not move. If it sits as badly as this "
+        f"allows, the skin is still {fit['min_skin_held_mm']:g} mm at its thinnest (design: "
+        f"{fit['min_skin_design_mm']:g} mm)."
     )
 
 
@@ -140,12 +182,17 @@ def _testing_steps(data: Data) -> list[Step]:
     """List the last tests of the closed mold, while everything can still be opened."""
     syringe, steps = data["filling"]["syringe"], list[Step]()
     each = "the vent" if data["mold"]["vents"] == 1 else "each vent, with fingers on the others"
+    closed = (
+        "If it is closed, pass a wire through it."
+        if data["mold"]["vents"] == 1
+        else ("Pass a wire through a vent that is closed.")
+    )
     if syringe:
         steps.append(
             Step(
                 "try_syringe",
                 f"Push the nozzle of the empty {syringe['volume_ml']:g} ml syringe into the cone and press. It must "
-                f"sit without rocking, and air must leave through {each}. Pass a wire through a vent that is closed. "
+                f"sit without rocking, and air must leave through {each}. {closed} "
                 f"Measure the bore of its nozzle with the shanks of drills: the times below hold for "
                 f"{syringe['nozzle_bore_mm']:g} mm, and a nozzle of three quarters of that takes three times as long.",
             )
@@ -154,7 +201,8 @@ def _testing_steps(data: Data) -> list[Step]:
         steps.append(
             Step(
                 "measure",
-                "Measure the untouched sensor once more: above 1 Mohm. This is the last moment at which the mold can "
+                f"Measure the untouched sensor once more: above {data['sensor_limits']['open_mohm']:g} Mohm. This is "
+                "the last moment at which the mold can "
                 "be opened again.",
             )
         )
@@ -182,29 +230,38 @@ def _syringe_steps(data: Data) -> list[Step]:
         ),
         Step(
             "fill",
-            f"Hold the mold tip up in a vise or a stand, by the two sides with the pry slots. {_describe_pose(data)} "
+            "Hold the mold in a vise or a stand, by the two sides with the pry slots: "
+            f"{_describe_pose(data)} "
             "Hold the syringe in its cone with the other hand and press with a steady "
             f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
-            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. It may take "
-            f"{filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles "
+            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. {filling['min_force_n']:g} N would "
+            "fill "
+            f"it in {filling['push_s']:g} s, the longest that a thumb can push (the check mold.syringe_force). It may "
+            f"take {filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles "
             f"stands in {openings}, and then stop{closing}. Pressing on would only load the {data['insert']}.",
         ),
         Step(
             "leave",
-            "Leave the syringe in its cone, propped up, until the silicone has set. If it sinks in a vent, press "
-            "gently once more.",
+            "Leave the syringe in its cone, propped up, until the silicone has set. If it sinks in "
+            f"{'the vent' if vents == 1 else 'a vent'}, press gently once more.",
         ),
     ]
 
 
 def _describe_pose(data: Data) -> str:
-    """Describe how the mold leans so that its first vent is the highest point of the cavity."""
+    """Describe how the mold is held so that its first vent is the highest point of the cavity."""
     filling = data["filling"]
-    text = f"Lean it back by {filling['lean_deg']:g} degrees, dorsal side up"
-    if filling["turn_deg"] >= _LEAST_TURN_DEG:
-        side = "with" if filling["runner_side_up"] else "away from"
-        text += f", and turn it by {filling['turn_deg']:g} degrees, the side {side} the runner up"
-    return f"{text}: the vent near the tip is its highest point then, and bubbles rise to it."
+    place = "above" if filling["tip_deg"] >= 0 else "below"
+    face = "dorsal" if filling["dorsal_up"] else "palmar"
+    text = f"its tip {abs(filling['tip_deg']):g} degrees {place} the horizontal, its {face} face up"
+    if filling["roll_deg"] >= _LEAST_ROLL_DEG:
+        level = "higher" if filling["runner_side_up"] else "lower"
+        text += (
+            f", and rolled by {filling['roll_deg']:g} degrees about its length, so that the side of the syringe is "
+            f"{level}"
+        )
+    vent = "the vent" if data["mold"]["vents"] == 1 else "the vent near the tip"
+    return f"{text}. Then {vent} is the highest point, and bubbles rise to it."
 
 
 def _gravity_steps(data: Data) -> list[Step]:
@@ -219,7 +276,8 @@ def _gravity_steps(data: Data) -> list[Step]:
         Step(
             "pour",
             f"Within {filling['pot_life_min']:g} min of the start of stirring, pour a thin stream into the funnel "
-            f"until silicone rises in the {vents} mold vents. It takes some {filling['fill_s']:g} s for "
+            f"until silicone rises in {'the vent' if vents == 1 else f'all {vents} vents'}. It takes some "
+            f"{filling['fill_s']:g} s for "
             f"{filling['viscosity_pa_s']:g} Pa s. Tap the mold and top it up.",
         ),
     ]
@@ -228,17 +286,36 @@ def _gravity_steps(data: Data) -> list[Step]:
 def list_opening_steps(data: Data) -> list[Step]:
     """List the steps from the cured silicone to the trimmed skin."""
     opening = []
+    runner = "runner at the side of the finger" if data["filling"]["syringe"] else "stub of the gate"
+    stubs = "the vent stub" if data["mold"]["vents"] == 1 else "the vent stubs"
     if data["filling"]["syringe"]:
         opening.append("Twist the syringe out of its cone.")
     if data["chaplet"]:
         opening.append(f"Take out the screw of the {data['insert']}.")
     opening.append(
         "Take out the bolts. Twist a screwdriver in the pry slots, alternating between the two sides, and lift the "
-        "halves straight off. Push the finger out of the second half at its exposed end, never at the skin. Cut the "
-        "runner at the side of the finger and the vent stubs with a sharp knife, flush, and remove any flash around "
-        "the base. None of them lies on the pad."
+        "halves straight off. "
+        + _describe_pushing(data)
+        + f" Cut the {runner} and {stubs} with a sharp knife, flush, and remove any flash around the base. None of "
+        "them lies on the pad."
     )
     return [Step("open", " ".join(opening))]
+
+
+def _describe_pushing(data: Data) -> str:
+    """Write where to push finger or core out of the mold: where it is thick, not at its interface."""
+    if data["insert"] == "core":
+        return "Push the core with the skin on it out of the second half at its bare base, never at the skin."
+    weakest = {
+        "post": "the post, its weakest section",
+        "socket": "the thin wall of the socket",
+        "flange": "the flange, whose root is its weakest section",
+        "clevis": "the eyes of the joint",
+    }[data["interface"]]
+    return (
+        "Push the finger out of the second half: push on the thick base close to the mold, never on "
+        f"{weakest}, and never at the skin."
+    )
 
 
 def list_patching_steps(data: Data) -> list[Step]:

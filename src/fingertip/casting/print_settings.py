@@ -16,6 +16,7 @@ from fingertip.cad.printing.settings import (
     infill_percent,
     needs_brim,
 )
+from fingertip.casting.uses import join
 
 
 def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
@@ -45,15 +46,15 @@ def describe_settings(settings: Mapping[str, Any]) -> list[tuple[str, str, str]]
     fdm, sla = settings["fdm"], settings["sla"]
     infill = fdm["infill_percent"]
     shares = [
-        f"{share} % for {_join([name for name in infill if infill[name] == share])}"
+        f"{share} % for {join([name for name in infill if infill[name] == share])}"
         for share in sorted(set(infill.values()), reverse=True)
     ]
-    supports = f"yes for {_join(settings['supports_on'])}, only where the next table says"
+    supports = f"yes for {join(settings['supports_on'])}, only where the next table says"
     if settings["no_supports_on"]:
-        supports += f"; no for {_join(settings['no_supports_on'])}"
-    brim = f"yes for {_join(fdm['brim_on'])}: {fdm['brim_mm']:g} mm wide, around the outside of the foot, cut off later"
+        supports += f"; no for {join(settings['no_supports_on'])}"
+    brim = f"yes for {join(fdm['brim_on'])}: {fdm['brim_mm']:g} mm wide, around the outside of the foot, cut off later"
     if fdm["no_brim_on"]:
-        brim += f"; no for {_join(fdm['no_brim_on'])}"
+        brim += f"; no for {join(fdm['no_brim_on'])}"
     return [
         (
             "layer height",
@@ -66,8 +67,3 @@ def describe_settings(settings: Mapping[str, Any]) -> list[tuple[str, str, str]]
         ("brim", brim, "no; a raft only under supports"),
         ("supports", supports, supports),
     ]
-
-
-def _join(names: list[str]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last

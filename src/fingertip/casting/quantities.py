@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -82,6 +83,17 @@ def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes
     openings_mm3 = ((openings ^ block) - cavity).volume()
     gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - openings_mm3)
     return SiliconeVolumes(skin_mm3 / 1000.0, openings_mm3 / 1000.0, gap_mm3 / 1000.0)
+
+
+def volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
+    """Round the volumes so that the parts add up to the total: the last hundredths go where most was cut off."""
+    parts = {"skin": volumes.skin_cm3, "runners": volumes.runners_cm3, "gap": volumes.gap_cm3}
+    total = round(100.0 * volumes.total_cm3)
+    hundredths = {name: math.floor(100.0 * volume + 1e-9) for name, volume in parts.items()}
+    left = total - sum(hundredths.values())
+    for name in sorted(parts, key=lambda name: hundredths[name] - 100.0 * parts[name])[:left]:
+        hundredths[name] += 1
+    return {**{name: count / 100.0 for name, count in hundredths.items()}, "total": total / 100.0}
 
 
 def mass_g(silicone: Silicone, volume_cm3: float) -> float:

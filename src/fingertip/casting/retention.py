@@ -31,3 +31,11 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
         pressure = modulus * (design.mold.sleeve_interference_mm / radius) * thickness / radius
         held += FRICTION * pressure * math.tau * radius * design.dimensions.taper_end_z
     return held
+
+
+def name_retention(design: Design) -> list[str]:
+    """Name what holds the skin besides adhesion: the groove, the tightness of a sleeve, or nothing."""
+    held = ["the groove"] if design.bone.groove_depth_mm else []
+    if design.mold.method == "sleeve" and design.mold.sleeve_interference_mm:
+        held.append("the tightness of the sleeve")
+    return held

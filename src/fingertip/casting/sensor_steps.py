@@ -9,8 +9,19 @@ from fingertip.casting.step import Step
 
 ADHESIVE = "neutral-cure silicone adhesive"
 """Adhesive that touches sensor and silicone: acetic acid attacks the sensor, and tin stops the cure."""
-_READING = "above 1 Mohm untouched, some kilohm while you press its head with a finger."
-_MEASURE = f"Measure the sensor again: {_READING}"
+
+
+def _state_reading(data: Mapping[str, Any]) -> str:
+    """Write what the sensor must read, untouched and pressed."""
+    limits = data["sensor_limits"]
+    return (
+        f"above {limits['open_mohm']:g} Mohm untouched; below {limits['pressed_kohm']:g} kohm, and steady, while you "
+        "press its head with a finger."
+    )
+
+
+def _measure(data: Mapping[str, Any]) -> str:
+    return f"Measure the sensor again: {_state_reading(data)}"
 
 
 def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
@@ -22,7 +33,7 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
                 "wires",
                 "Tin tabs and wires, and solder them in the solder relief with a fine tip, two seconds at most each: "
                 "film and print soften. Route the wires through the cable channel to its opening on the dorsal side "
-                "of the base. Tie them down at the hole proximal to the channel opening. " + _MEASURE,
+                "of the base. Tie them down at the hole proximal to the channel opening. " + _measure(data),
             ),
         ]
     fit = data["fit"]
@@ -36,7 +47,7 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
             "solder_tabs",
             f"Solder a wire of at most {fit['wire_mm']:g} mm to each tab, straight out beyond the tabs. Tabs, crimps "
             f"and solder may stand at most {fit['crimp_mm']:g} mm above the film. Insulate the joints with a thin "
-            f"varnish. Measure the sensor: {_READING}",
+            f"varnish. Measure the sensor: {_state_reading(data)}",
         ),
         Step(
             "thread",
@@ -63,7 +74,7 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
                 else "Lay them side by side through the window into the groove of the base. Fix them there with a "
             )
             + f"drop of {ADHESIVE}, and let it cure. "
-            + _MEASURE,
+            + _measure(data),
         ),
         Step(
             "stick_lid",
@@ -96,8 +107,8 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
         f"Keep silicone out of the pocket, the slot and the channel. The sensor sits flush, with a {gap} gap around it."
     )
     covered = (
-        "and the sensor's head with one strip of polyimide tape on the flat, from the collar on, press "
-        "its edges down, but do not fill"
+        f"and the sensor's head with one strip of polyimide tape on the flat, from the collar on, {_size_tape(data)}, "
+        "press its edges down, but do not fill"
     )
     if data["sensor_tail"] == "folded":
         return [
@@ -117,7 +128,8 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
         Step(
             "cover_sensor",
             f"{keep_out} Cover the slot{relief} {covered} them: the sensor breathes there. This tape is permanent. "
-            "Leave the channel opening on the dorsal side of the base open; it lies outside the mold. " + _MEASURE,
+            "Leave the channel opening on the dorsal side of the base open; it lies outside the mold. "
+            + _measure(data),
         ),
     ]
     if data["mold"]["tail_passes_collar"]:
@@ -131,14 +143,25 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
     return steps
 
 
+def _size_tape(data: Mapping[str, Any]) -> str:
+    """Write width, length and overlap of the tape over the sensor, and where to trim it."""
+    tape = data["fit"]["cover_tape"]
+    trim = f", and trim it where the groove narrows the flat to {tape['flat_mm']:g} mm" if tape["trim"] else ""
+    return (
+        f"{tape['width_mm']:g} mm wide and {tape['length_mm']:g} mm long: at least {tape['overlap_mm']:g} mm past the "
+        f"pocket on each side, ending on the flat (round its corners at the tip{trim})"
+    )
+
+
 def list_covering_steps(data: Mapping[str, Any]) -> list[Step]:
     """List the step that covers the sensor before a sleeve is pulled over it."""
     joints = "" if data["sensor_tail"] == "folded" else ", solder joints"  # a lid covers those of a folded tail
     return [
         Step(
             "cover_for_sleeve",
-            f"Cover slot{joints} and head with one strip of polyimide tape on the flat, its edges pressed "
-            "down, so that the skin cannot catch the film and no alcohol creeps under it. Do not fill them: the "
+            f"Cover slot{joints} and head with one strip of polyimide tape on the flat, {_size_tape(data)}, its edges "
+            "pressed down, so that the skin cannot catch the film and no alcohol creeps under it. Do not fill them: "
+            "the "
             "sensor breathes there.",
         )
     ]
@@ -153,13 +176,13 @@ def open_air_vent(data: Mapping[str, Any]) -> Step:
             f"{peel}See that the air vent of the sensor is open at the window of the base. Never pull the wires. The "
             "tape under the skin and the seal in the collar stay in place. "
             + ("" if data["wires_between_cheeks"] else "Tie the wires down at the hole in the base. ")
-            + _MEASURE,
+            + _measure(data),
         )
     stays = ", and so does the seal in the collar." if data["mold"]["tail_passes_collar"] else "."
     return Step(
         "peel_tape",
         f"{peel}See that the channel opening on the dorsal side of the base is open: the sensor breathes there. The "
-        f"tape under the skin stays in place{stays} {_MEASURE}",
+        f"tape under the skin stays in place{stays} {_measure(data)}",
     )
 
 

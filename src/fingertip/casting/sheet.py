@@ -15,7 +15,9 @@ from fingertip.cad.printing.print_files import PRINT_FOLDER
 from fingertip.cad.printing.settings import LAYER_MM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
-from fingertip.casting.hardware import bill_of_materials
+from fingertip.cad.verification.filling import PUSH_S
+from fingertip.casting.hardware import bill_of_materials, mounting_data
+from fingertip.casting.needles import find_needle
 from fingertip.casting.print_settings import print_settings
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -26,19 +28,23 @@ from fingertip.casting.quantities import (
     compute_batch,
     is_ratio_assumed,
     load_cm3,
+    mass_g,
     parts_by_weight,
+    volumes_data,
 )
-from fingertip.casting.retention import skin_pull_off_n
+from fingertip.casting.retention import name_retention, skin_pull_off_n
 from fingertip.casting.slicer import PrintEstimate
 from fingertip.casting.supplies import supplies_data
+from fingertip.casting.tapes import cover_tape_data, seat_tape_data
+from fingertip.casting.uses import sensor_limits_data
 from fingertip.design import Design
 from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
-from fingertip.design.geometry.seat import tape_span_mm
+from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents, predict_mold_filling
 from fingertip.print_materials import PRINT_MATERIALS
-from fingertip.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone
+from fingertip.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
@@ -71,20 +77,24 @@ def casting_sheet_data(
     warnings
         Warnings of the checks, from `cad.verification.check.list_warnings`.
     """
+    bolts = size_clamp_bolts(design)
     data: dict[str, Any] = {
         "design": design.name,
         "method": design.mold.method,
         "insert": "core" if design.mold.method == "sleeve" else "bone",
+        "interface": design.bone.interface,
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
         "silicone": _silicone_data(silicone),
-        "volumes_cm3": _volumes_data(volumes),
+        "volumes_cm3": volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
-            "bolts": len(design.mold_layout.bolts),
+            "bolts": bolts.count,
+            "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design)), 1),
+            "bolt_hole_mm": design.mold.bolt_diameter_mm,
             "vents": len(place_vents(design)),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": omitted_lines(design),
@@ -94,8 +104,11 @@ def casting_sheet_data(
         "chaplet": _chaplet_data(design),
         "fit": _fit_data(design),
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
+        "skin_held_by": name_retention(design),
+        "sensor_limits": sensor_limits_data(),
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
+        "mounting": mounting_data(design),
         "printing": _printing_data(design, prints),
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
         "check_warnings": list(warnings),
@@ -136,9 +149,15 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "prepare_min": round(silicone.planned_pot_life_min - silicone.filling_limit_s / 60.0, 1),
         "injected_cm3": round(injected_cm3(prediction), 1),
         "up": [round(part, 4) for part in up],
-        "lean_deg": round(math.degrees(math.atan2(up[1], up[2]))),
-        "turn_deg": round(math.degrees(math.asin(abs(up[0])))),
+        "tip_deg": round(math.degrees(math.asin(up[2]))),
+        "dorsal_up": up[1] >= 0.0,
+        "roll_deg": round(math.degrees(math.atan2(abs(up[0]), abs(up[1])))),
         "runner_side_up": up[0] > 0.0,
+        "push_s": PUSH_S,
+        "min_force_n": (
+            round(prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1)
+            if syringe else None
+        ),
         "load_cm3": round(load_cm3(design), 1) if syringe else None,
         "syringe": (
             {
@@ -162,6 +181,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
         "hole_mm": round(2 * chaplet.hole_radius, 2),
         "pilot_mm": round(2 * chaplet.pilot_radius, 2),
         "pilot_depth_mm": round(chaplet.pilot_depth, 1),
+        "needle": find_needle(2 * chaplet.pilot_radius),
     }
 
 
@@ -169,13 +189,12 @@ def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
     clearance = design.mold.fit_clearance_mm - design.printer.offset_mm
     room = design.dimensions.relief_half_length - _TAB_ROOM_MM
-    losses, tape = design.dimensions.losses, tape_span_mm(design)
+    losses = design.dimensions.losses
     return {
-        "seat_tape": (
-            {"thickness_mm": design.mold.seat_tape_mm, "from_mm": round(tape[0], 1), "to_mm": round(tape[1], 1)}
-            if tape
-            else None
-        ),
+        "cover_tape": cover_tape_data(design),
+        "seat_tape": seat_tape_data(design),
+        "slot_mm": round(2 * design.dimensions.tail_half_width, 2),
+        "paper_mm": _PAPER_MM,
         "sensor_clearance_mm": round(design.sensor.clearance_mm - design.printer.offset_mm / 2, 3),
         "wire_mm": design.sensor.wire_diameter_mm,
         "max_play_mm": round(2 * (clearance + 2 * design.printer.surface_error_mm), 2),
@@ -201,6 +220,7 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     return {
         "name": silicone.name,
         "label": silicone.label,
+        "example": find_example(silicone),
         "cure": silicone.cure,
         "components": list(silicone.components),
         "ratio": _ratio_data(silicone),
@@ -220,22 +240,14 @@ def _ratio_data(silicone: Silicone) -> dict[str, Any]:
     }
 
 
-def _volumes_data(volumes: SiliconeVolumes) -> dict[str, float]:
-    return {
-        "skin": round(volumes.skin_cm3, 2),
-        "runners": round(volumes.runners_cm3, 2),
-        "gap": round(volumes.gap_cm3, 2),
-        "total": round(volumes.total_cm3, 2),
-    }
-
-
 def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
     """Quantities of one mixture, and the number of mixtures: for the test of the cure, the skin and the patch."""
     batch = compute_batch(silicone, volumes.total_cm3, load_cm3(design))
-    a_g, b_g = (round(mass_g, 2 if mass_g < _SMALL_SHARE * batch.total_g else 1) for mass_g in (batch.a_g, batch.b_g))
+    a_g, b_g = (round(part_g, 2 if part_g < _SMALL_SHARE * batch.total_g else 1) for part_g in (batch.a_g, batch.b_g))
     mixtures = 3 if design.dimensions.chaplet else 2
     return {
         "in_mold_g": round(batch.in_mold_g, 2),
+        "load_g": round(mass_g(silicone, load_cm3(design)), 1),
         "mixtures": mixtures,
         "buy_g": math.ceil(mixtures * (a_g + b_g)),
         "with_waste_g": round(batch.with_waste_g, 1),

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.casting.sensor_steps import ADHESIVE
+from fingertip.casting.uses import uses_adhesive, uses_primer
 
 Data = Mapping[str, Any]
 
@@ -43,27 +44,52 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
     yield Supply("means to wash and post-cure prints of resin, as its maker says", "post-cure")
     yield Supply("office paper (to try the fit, and for the slide test)", "paper")
     yield Supply("cork or felt (a disc under the weights)", "cork or felt")
-    yield Supply("primer for silicone, with a brush", "primer")
-    yield Supply("polyimide tape (no masking tape)", "polyimide tape", "as wide as the sensor's head")
+    if uses_primer(data):
+        yield Supply("primer for silicone, with a brush", "primer")
+    yield Supply(
+        "polyimide tape over the sensor (no masking tape)", "strip of polyimide tape", _size_cover(data["fit"])
+    )
     if seat:
-        size = f"{seat['to_mm'] - seat['from_mm']:.1f} mm wide and {seat['thickness_mm']:g} mm thick for the seat"
+        size = f"{_size_seat(seat)}, and {seat['thickness_mm']:g} mm thick for the seat"
         yield Supply("polyimide tape for the seat", "turn of polyimide tape", size)
-    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
-    if is_folded or passes:
+    if uses_adhesive(data):
         yield Supply(ADHESIVE, ADHESIVE, "alkoxy; none that smells of vinegar, none with tin")
     if is_folded:
         yield Supply("insulating varnish", "thin varnish")
         yield Supply("syringe for washing", "with a syringe", "", 1)
         yield Supply("plastic film, such as of a bag", "plastic film", "a strip as wide as the sensor's tail")
-    elif passes and seat:
-        yield Supply("baking paper", "baking paper")
+    elif uses_adhesive(data) and seat:
+        yield Supply("baking paper", "baking paper", f"a strip narrower than {data['fit']['slot_mm']:g} mm")
     if data["joint"]:
         yield Supply("epoxy for the pins", "epoxy")
     if data["filling"]["syringe"]:
         yield Supply("Luer cap for the syringe", "cap the nozzle", "", 1)
         yield Supply(VENT_WIRE, VENT_WIRE)
     if data["chaplet"]:
-        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", "", 1)
+        yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", _size_needle(data), 1)
+
+
+def _size_needle(data: Data) -> str:
+    """Write the size of a needle that enters the hole of the screw."""
+    needle, hole = data["chaplet"]["needle"], data["chaplet"]["pilot_mm"]
+    if needle is None:
+        return f"thinner than the hole of {hole:g} mm"
+    return f"gauge {needle['gauge']:g}, {needle['outer_mm']:g} mm outside: it enters the hole of {hole:g} mm"
+
+
+def _size_cover(fit: Data) -> str:
+    """Write the size of the tape over the sensor."""
+    tape = fit["cover_tape"]
+    cut = f" (cut from {tape['stock_mm']:g} mm)" if tape["stock_mm"] and tape["stock_mm"] > tape["width_mm"] else ""
+    return f"{tape['width_mm']:g} mm wide{cut}, {tape['length_mm']:g} mm long"
+
+
+def _size_seat(seat: Data) -> str:
+    """Write the width of the tape around the seat: a width that is sold, or one to cut."""
+    stock, width = seat["stock_mm"], seat["width_mm"]
+    if stock is None:
+        return f"cut to {width:g} mm wide"
+    return f"{width:g} mm wide" if stock == width else f"{stock:g} mm wide, or cut to {width:g} mm"
 
 
 def _list_tools(data: Data) -> Iterator[Supply]:
@@ -82,5 +108,6 @@ def _list_tools(data: Data) -> Iterator[Supply]:
         yield Supply("pin vise for the drills", "Drill the hole", "", 1)
         for size in (chaplet["hole_mm"], chaplet["pilot_mm"]):
             yield Supply("drill bit", "Drill the hole", f"{size:g} mm", 1)
+    yield Supply("drill bit for bolt holes that print narrow", "bolts", f"{data['mold']['bolt_hole_mm']:g} mm", 1)
     if joint := data["joint"]:
         yield Supply("reamer", "Ream the bore", f"{joint['pin_mm']:g} mm", 1)

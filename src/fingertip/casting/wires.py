@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.component_values import select_components
-from fingertip.board.parts.mating import PlugWire, find_plug_wire
+from fingertip.board.parts.mating import PlugWire, find_plug_wire, list_mating_parts
 from fingertip.design import Design
 
 _SLACK_MM = 10.0
 """Slack of the wires besides what a joint takes up [mm]. An assumption."""
+MIN_LENGTH_MM = 150.0
+"""Least length of each wire, from the solder joint to the plug of the board [mm]. An assumption."""
 _FLEXIBLE_AWG = (28, 32)
 """Thickest and thinnest conductor if the board has no plug for the sensor. An assumption: it stays flexible."""
 _AWG_36_MM = 0.127
@@ -43,6 +46,31 @@ def describe_plug_wires(design: Design, wires: Wires) -> str:
         return ""
     common = plug.describe_common(wires.max_diameter_mm, wires.conductor_awg)
     return f"The plug of the board ({plug.series} at {SENSOR_CONNECTOR}) takes {plug.description}; {common}."
+
+
+def describe_bought_wires(design: Design) -> dict[str, Any]:
+    """Describe the wires to buy: what fits the finger and, where it can, the plug of the board."""
+    wires, plug = size_wires(design), _find_plug(design)
+    bought: dict[str, Any] = {
+        "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
+        "min_length_mm": max(MIN_LENGTH_MM, round(wires.slack_mm + design.dimensions.sensor.length_mm, -1)),
+    }
+    if plug is None or wires.max_diameter_mm < plug.min_insulation_mm:
+        return bought | {"thinner_than_mm": wires.max_diameter_mm}
+    bought["insulation_mm"] = [plug.min_insulation_mm, min(plug.max_insulation_mm, wires.max_diameter_mm)]
+    all_fit = wires.conductor_awg == plug.min_awg and wires.max_diameter_mm >= plug.max_insulation_mm
+    if all_fit and (lead := _find_lead(design)):
+        bought["or_lead"] = lead
+    return bought
+
+
+def _find_lead(design: Design) -> str:
+    """Find the lead with contacts that the plug takes; empty without one."""
+    connector = board_circuit(select_components(design)).component(SENSOR_CONNECTOR)
+    for mating in list_mating_parts(connector):
+        if mating.part and mating.item.startswith("or leads"):
+            return f"{mating.part.manufacturer} {mating.part.number}, one for each wire, its second contact cut off"
+    return ""
 
 
 def size_wires(design: Design) -> Wires:

@@ -30,7 +30,7 @@ from fingertip.print_materials import PRINT_MATERIALS
 
 _ARROW_DEG = 5.0
 """Angle between the end of an arc and the arrow that points to it."""
-_PILOT = "narrow: drill it to size; wide: take the next thicker screw"
+_PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or print again"
 
 
 def bone_drawing(design: Design) -> PartDrawing:
@@ -153,7 +153,8 @@ def _pocket_sizes(design: Design) -> list[Size]:
         Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
                is_reference=True),
         Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
-               located(design, dims.pocket_depth)),
+               located(design, dims.pocket_depth),
+               "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it"),
     ]  # fmt: skip
 
 

@@ -15,18 +15,22 @@ from fingertip.design import Design
 
 TAPE_MM = 0.1
 """Thickness of the tape [mm]. An assumption."""
-_TAPE_RIM_MM = 0.5
+TAPE_RIM_MM = 0.5
 """Width by which the tape reaches past what it covers [mm]."""
 _INTO_COLLAR_MM = 0.3
 """Depth to which the tape reaches under the collar's seal [mm]."""
 
 
-def tape(design: Design) -> Solid:
-    """Build the tape on the flat of the bone, from the collar over the sensor's head."""
+def tape_outline_mm(design: Design) -> tuple[float, float]:
+    """Return half the width of the tape over the sensor, and the height z at which it ends [mm]."""
     dims = design.dimensions
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    half, top = max(head, dims.tail_half_width) + _TAPE_RIM_MM, dims.sensor_z + head + _TAPE_RIM_MM
-    flat = -dims.flat_depth
+    return max(head, dims.tail_half_width) + TAPE_RIM_MM, dims.sensor_z + head + TAPE_RIM_MM
+
+
+def tape(design: Design) -> Solid:
+    """Build the tape on the flat of the bone, from the collar over the sensor's head."""
+    (half, top), flat = tape_outline_mm(design), -design.dimensions.flat_depth
     return Box((-half, flat - TAPE_MM, -_INTO_COLLAR_MM), (half, flat, top))
 
 

@@ -25,6 +25,10 @@ class ClampBolts:
     length_mm: float
     """Length below the head."""
 
+    def stand_out_mm(self, design: DesignTables) -> float:
+        """Length by which they stand out of the palmar face; negative if they end below it."""
+        return self.length_mm - design.mold_layout.dorsal_height - design.mold_layout.palmar_height
+
 
 def size_clamp_bolts(design: DesignTables) -> ClampBolts:
     """Size the bolts that hold the mold halves together.
@@ -34,5 +38,9 @@ def size_clamp_bolts(design: DesignTables) -> ClampBolts:
     layout, mold = design.mold_layout, design.mold
     thread = select_thread(mold.bolt_diameter_mm)
     grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
-    length = next((length for length in _BOLT_LENGTHS_MM if length >= grip_mm), _BOLT_LENGTHS_MM[-1])
-    return ClampBolts(len(layout.bolts), thread, float(length))
+    return ClampBolts(len(layout.bolts), thread, standard_length_mm(grip_mm))
+
+
+def standard_length_mm(wanted_mm: float) -> float:
+    """Return the shortest standard length of a bolt that is at least this long [mm], or the longest of all."""
+    return float(next((length for length in _BOLT_LENGTHS_MM if length >= wanted_mm), _BOLT_LENGTHS_MM[-1]))

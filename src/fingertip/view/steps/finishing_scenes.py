@@ -16,7 +16,8 @@ Data = Mapping[str, Any]
 def open_mold(bench: Bench, data: Data) -> Scene:
     """Show the halves apart, and the casting with what is cut off."""
     m, apart, inlet = bench.design.mold_layout, 1.3 * bench.apart_mm, bench.design.mold_layout.inlet
-    labels = [Label("push the finger out\nat this end", (0.0, 0.0, bench.design.dimensions.base_end_z))]
+    pushed = "core" if bench.insert == "core" else "finger"
+    labels = [Label(f"push the {pushed} out\nhere, on the base", (0.0, 0.0, bench.design.mold_layout.proximal_z - 1.0))]
     if inlet:
         labels.append(Label("cut the runner\nflush here", (inlet.gate_x, 0.3, inlet.gate_z)))
     for vent in place_vents(bench.design):

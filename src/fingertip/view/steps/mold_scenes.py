@@ -12,6 +12,7 @@ from fingertip.cad.shapes.chaplet import axis_z
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.shapes.seals import tape
 from fingertip.cad.solids import Box, Cone, Solid, cylinder, union
+from fingertip.casting.uses import uses_adhesive, uses_primer
 from fingertip.design import Design
 from fingertip.view.raster import Camera
 from fingertip.view.steps.bench import GLASS, PAPER, PRODUCT, STEEL, TAPE, Bench
@@ -25,11 +26,20 @@ _SPARE_MM, _DROP_MM = 10.0, 2.5
 
 
 def cure_test(bench: Bench, data: Data) -> Scene:
-    """Show drops of silicone on a spare print of each material, and on what else silicone touches."""
-    names = ["print\nof the mold", f"print\nof the {bench.insert}", "tape", "adhesive,\nvarnish, primer", "plunger"]
-    colours = (*(PARTS[name].colour for name in ("mold_palmar", bench.insert)), TAPE, GLASS, STEEL)
+    """Show drops of silicone on the coupon of each material, and on what else silicone touches."""
+    peels = ": peels off"
+    tested = [
+        (f"print\nof the mold{peels}", PARTS["mold_palmar"].colour),
+        (f"print\nof the {bench.insert}{peels}", PARTS[bench.insert].colour),
+        (f"released\nprint{peels}", PARTS["mold_palmar"].colour),
+        ("tape:\npeels off", TAPE),
+    ]
+    if bonding := [name for name, used in (("adhesive", uses_adhesive), ("primer", uses_primer)) if used(data)]:
+        tested.append((",\n".join(bonding) + ": must stick", GLASS))
+    if data["filling"]["syringe"]:
+        tested.append(("plunger:\npeels off", STEEL))
     shown, labels = [], []
-    for i, (name, colour) in enumerate(zip(names, colours, strict=True)):
+    for i, (name, colour) in enumerate(tested):
         # In steps, so that no leader crosses another piece.
         x, z = i * 1.3 * _SPARE_MM, i * 0.9 * _SPARE_MM
         spare = Box((x, 0.0, z), (x + _SPARE_MM, 2.0, z + _SPARE_MM))
@@ -122,7 +132,7 @@ def release(bench: Bench, data: Data) -> Scene:
         Label("recess: leave bare", (0.0, -2.0, -bench.design.mold.recess_length_mm / 2)),
     ]
     if data["chaplet"]:
-        marks.append(Label("boss: leave bare", (beside, -1.0, axis_z(bench.design))))
+        marks.append(Label("face of the boss:\nleave bare", (beside, -1.0, axis_z(bench.design))))
     return Scene((bench.part("mold_palmar"), Shown(turned, dorsal.colour)), camera, tuple(marks))
 
 
@@ -160,7 +170,7 @@ def prime(bench: Bench, data: Data) -> Scene:
     dims = bench.design.dimensions
     (_, y, z) = (0.0, -dims.flat_depth, dims.sensor_z)
     return Scene(
-        (*bench.assembled_bone(), bench.solid(tape(bench.design), TAPE)),
+        (*bench.assembled_bone(), bench.solid(tape(bench.design), TAPE), *bench.seat_tape()),
         PALMAR,
         (
             Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
@@ -178,6 +188,9 @@ def hold(bench: Bench, data: Data) -> Scene:
         Label("dorsal half", (0.0, m.dorsal_height * 0.8, m.proximal_z)),
         Label(bench.insert, (0.0, 0.0, bench.design.dimensions.base_end_z + 2.0)),
     ]
+    if seat := data["fit"]["seat_tape"]:  # whole, or its cut edges alone would show
+        middle = -(seat["from_mm"] + seat["to_mm"]) / 2
+        labels.append(Label("tape on the seat", (0.0, -bench.design.dimensions.base_flat_depth, middle)))
     if data["chaplet"]:
         chaplet = data["chaplet"]
         labels += [
@@ -185,7 +198,12 @@ def hold(bench: Bench, data: Data) -> Scene:
             Label("facet on boss,\npaper between\nuntil it is held", (0.0, _facet_y(bench.design), z + 2.0)),
         ]
     return Scene(
-        (bench.part("mold_dorsal", cut=True), *bench.in_mold(cut=True), *bench.chaplet_screw((0.0, lift, 0.0))),
+        (
+            bench.part("mold_dorsal", cut=True),
+            *bench.in_mold(cut=True),
+            *bench.seat_tape(),
+            *bench.chaplet_screw((0.0, lift, 0.0)),
+        ),
         SIDE,
         tuple(labels),
         (Arrow((0.0, m.dorsal_height + lift, z + 6.0), (0.0, m.dorsal_height + 1.0, z + 6.0)),)

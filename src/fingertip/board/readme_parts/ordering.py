@@ -6,7 +6,7 @@ from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
-from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations
+from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations, missing_numbers_note
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.symbols import CAPACITOR, RESISTOR
 from fingertip.board.parts.table import load_sources
@@ -31,6 +31,7 @@ def ordering_notes(circuit: Circuit, values: BoardValues, design: Design) -> lis
         "Part numbers are copied from the sources that `bom.csv` names, and nobody checked what is in stock. Those of "
         "resistors without an LCSC number follow the maker's ordering code; whether every value is made was not "
         "checked. Compare the assembly house's preview of each part with its rating in `bom.csv`.",
+        *filter(None, [missing_numbers_note(circuit)]),
         _rotation_note(circuit),
         "Nobody has built this board yet. It passes KiCad's electrical and design rules checks, and ngspice "
         "simulations agree with the formulas.",

@@ -51,7 +51,7 @@ def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> 
     return BringUp(
         board,
         identify_board(board),
-        _resistances(board),
+        resistance_limits(board),
         {SUPPLY_MA: _scale(1e3 * supply_current_a(board), CURRENT_RATIOS)},
         levels,
         _others(board, values, levels, tone_v),
@@ -63,7 +63,7 @@ def identify_board(board: Board) -> str:
     return hash_parameters({part.reference: part.value for part in board.circuit.components})[:8]
 
 
-def _resistances(board: Board) -> dict[str, Limits]:
+def resistance_limits(board: Board) -> dict[str, Limits]:
     """Resistances without power. Below the lower limit there is a short; a meter may read infinity."""
     found = {SUPPLY_OHM: (VCC, GND), NEGATIVE_OHM: (GND, VEE)}
     if board.signal_ground != GND:

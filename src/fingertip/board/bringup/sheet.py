@@ -8,14 +8,28 @@ from collections.abc import Iterable
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
 from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
-from fingertip.board.bringup.places import FRONT, find_end, find_widest
+from fingertip.board.bringup.hidden import list_hidden_faults, list_unsimulated
+from fingertip.board.bringup.pins import (
+    HOST,
+    METER_OHM,
+    TOP_HZ,
+    attenuate_tones,
+    has_tone,
+    largest_drop_v,
+    list_output_pins,
+)
+from fingertip.board.bringup.places import FRONT, find_end, find_pin_1_end, find_widest
 from fingertip.board.bringup.plan import NEGATIVE_OHM, QUIET, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
-from fingertip.board.bringup.prediction import list_levels, name_tone, name_voltage
+from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
+from fingertip.board.bringup.wiring import list_pins as list_connector_pins
 from fingertip.board.circuit import format_component_value
 from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.kicad.symbols import LOCKING_CONNECTORS
 from fingertip.board.layout.placement import Placement
 from fingertip.board.nets import (
+    ADC_ENVELOPE,
+    ADC_FILTERED,
+    ADC_TACTILE,
     ENVELOPE,
     FILTERED,
     GND,
@@ -25,6 +39,7 @@ from fingertip.board.nets import (
     STAGE2_MID,
     TACTILE,
     VMID,
+    VMID_OUT,
 )
 from fingertip.board.readme_parts.offset import trimming_procedure
 from fingertip.board.variants import find_configuration
@@ -52,6 +67,13 @@ _MEANINGS = {
     REFERENCE: "R12, R13",
 }
 """Parts that a constant voltage depends on."""
+_OUTPUT_PARTS = {
+    ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
+    ADC_FILTERED: "R27, D5; C25 bridged",
+    ADC_ENVELOPE: "R7, D2; C8 bridged",
+    VMID_OUT: "R24",
+}
+"""Parts between a test point and its pin of J3."""
 
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
@@ -113,23 +135,29 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         "## 4. Voltages",
         f"Black probe at {ground}. First with J1 open, then with each resistor in the sensor's place.",
         _table(("reading", "red probe", "expected", "accept", "depends on"), _list_voltages(plan, placement)),
-        "## 5. Tone",
+        "## 5. Outputs",
+        _describe_outputs(plan, placement),
+        _table(("reading", "red probe", "expected", "accept", "depends on"), _list_outputs(plan)),
+        "## 6. Tone",
         f"{_ohm(light)} at J1. Set the tone to {TONE_V:g} V RMS, measured at the generator while it is connected; the "
         "file takes another value too. Meter at alternating voltage, except where direct voltage is stated.",
         _table(("reading", "tone", "red probe", "expected", "accept"), _list_tones(plan, placement)),
         f"The filter passes {high:g} Hz and stops what is well below {middle:g} Hz, so the readings must rise from "
-        f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}",
-        "## 6. Quiet",
+        f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}".rstrip(),
+        *_describe_output_tones(plan),
+        "## 7. Quiet",
         "The tone off, the resistor still at J1, with the cables as long as in the hand.",
         _table(
             ("reading", "where", "expected", "accept", "else"),
             [_row(plan, QUIET, "TP3, alternating", "hum or oscillation: shorten and twist the wires, try a battery")],
         ),
-        "## 7. Threshold",
+        "## 8. Threshold",
         _describe_threshold(plan, values, design),
         "## When a reading fails",
         "Fill in what you have: three voltages are enough for a diagnosis, more tell more faults apart.",
         "    fingertip board DESIGN --readings FILE",
+        "## What no reading reveals",
+        _describe_hidden(plan),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -201,7 +229,59 @@ def _list_tones(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
             *_figures(plan.all[name_tone(net, hz)], "V"),
         )
         for net, hz in found
+    ] + [
+        (
+            f"`{pin.tone_name}`", f"{TOP_HZ:g} Hz", f"{pin.letter} at {HOST}, alternating",
+            *_figures(plan.all[pin.tone_name], "V"),
+        )
+        for pin in list_output_pins(plan.board.circuit) if has_tone(pin)
     ]  # fmt: skip
+
+
+def _describe_outputs(plan: BringUp, placement: Placement) -> str:
+    """Say where the pins of J3 are, and by how much they may differ from their test points."""
+    pins, circuit = list_output_pins(plan.board.circuit), plan.board.circuit
+    drop_v = largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()})
+    points = ", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in pins)
+    return (
+        f"J1 open again. Black probe at supply ground, red probe at the legs of {HOST}: pin 1 is its "
+        f"{find_pin_1_end(circuit, placement, HOST)} end. A probe that bridges two legs does no harm: a resistor lies "
+        f"ahead of each signal. Each pin equals its test point ({points}), measured from supply ground too, within "
+        f"{1e3 * (drop_v + 2.0 * METER_DC[1]):.0f} mV: a meter of {METER_OHM / 1e6:g} Mohm takes up to "
+        f"{1e3 * drop_v:.1f} mV in the resistors ahead, and may be off by {1e3 * METER_DC[1]:g} mV in both readings."
+    )
+
+
+def _list_outputs(plan: BringUp) -> list[tuple[str, ...]]:
+    circuit = plan.board.circuit
+    pins = {pin.net: pin for pin in list_output_pins(circuit)}
+    rows = []
+    for number, net in list_connector_pins(circuit, circuit.component(HOST)):
+        if net in pins:
+            where = f"{pins[net].letter}, pin {number}"
+            rows.append(_row(plan, pins[net].constant_name, where, _OUTPUT_PARTS[net]))
+    return rows
+
+
+def _describe_output_tones(plan: BringUp) -> list[str]:
+    """Describe how much of the filtered signal's tone its pin has."""
+    return [
+        f"At {TOP_HZ:g} Hz {HOST} pin {letter} has {100.0 * ratio:.0f} % of the tone at TP3: R27 and C25 take the rest."
+        for name, ratio in attenuate_tones(plan.board.circuit).items()
+        for letter in [name.split("_")[1].upper()]
+    ]
+
+
+def _describe_hidden(plan: BringUp) -> str:
+    """Name the faults that the readings cannot show."""
+    items = [f"{what.capitalize()}: {_join(references)}." for what, references in list_hidden_faults(plan).items()]
+    return _bullets(
+        [
+            *items,
+            f"Missing: {_join(list_unsimulated(plan))}, which clamp the outputs.",
+            "Values that are off by less than the limits allow, and everything at frequencies above those measured.",
+        ]
+    )
 
 
 def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
@@ -248,7 +328,7 @@ def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> s
         "RV1 at its midpoint, the tone off. SLIP must be above "
         f"{high_v:.1f} V. If it is not, turn RV1 anticlockwise until it is. Raise the tone from 0 until SLIP falls, "
         f"and note the tone. Lower the tone: SLIP must rise again at about {100 * levels.off_v / levels.on_v:.0f} % of "
-        f"it. If SLIP never falls, or never rises, check R18 to R21 and U4.\n\n{table}\n\n## 8. "
+        f"it. If SLIP never falls, or never rises, check R18 to R21 and U4.\n\n{table}\n\n## 9. "
         f"Trim\n\n{trimming_procedure(levels, values, design)}"
     )
 

@@ -327,7 +327,7 @@ def test_a_fault_behind_the_wrong_ground_is_named_with_the_mistake() -> None:
 
 def test_open_parts_ahead_of_the_controller_are_diagnosed() -> None:
     plan = plan_of(CONTROLLER)[1]
-    near = {"R7": {"C8"}, "R8": {"R9", "C9", "C19"}, "R9": {"R8", "C9", "C19"}, "R27": {"C25"}, "R24": set(), "C25": set()}
+    near = {"R7": {"C8"}, "R8": {"R9", "C9", "C19"}, "R9": {"R8", "C9", "C19"}, "R27": {"C25"}, "R24": set(), "C25": {"R27"}}
     parts = {"R7", "R8", "R9", "R24", "R27", "C25", "C8", "C9", "C19", "R10", "R14", "C2"}
     faults = [f for f in list_faults(plan.board.circuit, plan.board.ends_v) if f.reference in parts]
     predicted = list(zip(faults, predict(plan.board, faults), strict=True))
@@ -374,6 +374,30 @@ def test_envelope_converges_with_the_time_step(monkeypatch: pytest.MonkeyPatch) 
     # A precision half-wave rectifier of gain 1 gives 1 / pi of the peak, plus the low-pass of R_LP and C_LP: none.
     filtered = plan.levels[name_tone(FILTERED, plan.board.bench.tones_hz[-1])].expected_v
     assert fine == pytest.approx(math.sqrt(2.0) * filtered / math.pi, rel=0.01)
+
+
+def test_a_single_odd_reading_is_to_be_measured_again() -> None:
+    """A reading that no fault moves alone is no reason to name parts that cannot move it."""
+    plan = plan_of(CONTROLLER)[1]
+    faults = [Fault("", "", plan.board.circuit), *list_faults(plan.board.circuit, plan.board.ends_v)]
+    predicted = list(zip(faults, predict(plan.board, faults), strict=True))
+    nominal = {name: limits.expected_v for name, limits in plan.levels.items()}
+    for name, volts in (("tp1_open_v", 1.14), ("tp5_open_v", 1.40)):
+        for each in explain(predicted, plan.levels, {**nominal, name: volts}, list_mistakes(plan.board)):
+            moved = next(values for fault, values in predicted if fault == each.fault)[name]
+            assert abs(moved - volts) < abs(nominal[name] - volts), each.fault.sentence
+            assert not each.is_near
+
+
+def test_a_reading_in_millivolts_is_refused_with_what_to_write(tmp_path: Path) -> None:
+    design, plan = plan_of(CONTROLLER)
+    path = tmp_path / "mine.toml"
+    template = readings_template(plan, design.name)
+    path.write_text(template.replace("tp5_open_v = nan", "tp5_open_v = 1472"))
+    with pytest.raises(BoardError, match=r"1472 V cannot be: no voltage of this board exceeds 3.3 V; write 1.472 if"):
+        read_readings(path, plan)
+    path.write_text(template.replace("tp5_open_v = nan", "tp5_open_v = 1.472"))
+    assert dict(read_readings(path, plan).values) == {"tp5_open_v": 1.472}
 
 
 def test_template_reads_back_and_faults_of_a_file_are_reported_at_once(tmp_path: Path) -> None:

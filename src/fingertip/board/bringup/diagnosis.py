@@ -25,6 +25,8 @@ _FAR = 15.0
 """Difference of misfits beyond which a mistake together with one of some hundred faults is more than a coincidence."""
 _EXPLAINED = 6.0
 """Mean squared difference per reading up to which a fault explains the readings."""
+_CLOSER = 0.5
+"""Largest share of a failing reading's difference that is left by a fault which explains it."""
 _MOST = 6
 
 
@@ -51,7 +53,8 @@ class Diagnosis:
     failed: tuple[str, ...]
     """Readings beyond their limits."""
     likely: tuple[Explanation, ...]
-    """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed."""
+    """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed, or if no
+    fault explains any that did."""
 
     @property
     def is_explained(self) -> bool:
@@ -98,8 +101,16 @@ def explain(
     nearly everything, so it is named only if it is nearer by far than the mistake alone, and than any fault alone.
     """
     predicted = list(predicted)
-    alone = [Explanation(fault, _misfit(values, readings, limits)) for fault, values in predicted if fault.reference]
-    likely = _select_closest(alone, len(readings))
+    expected = {name: limits[name].expected_v for name in readings}
+    no_fault = _misfit(expected, readings, limits)
+    # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
+    alone = [
+        Explanation(fault, misfit)
+        for fault, values in predicted
+        if fault.reference and _explains_one(values, expected, readings, limits)
+        if (misfit := _misfit(values, readings, limits)) < no_fault
+    ]
+    likely = _select_closest(alone, len(readings)) if alone else ()
     for mistake in mistakes:
         found = [Explanation(f, _misfit(mistake.apply(values), readings, limits), mistake) for f, values in predicted]
         closest = [each for each in found if not each.fault.reference]
@@ -108,7 +119,7 @@ def explain(
             closest = [each for each in found if each.fault.reference]
         margin = _FAR if closest[0].fault.reference else _ALIKE
         best = min(each.misfit for each in closest)
-        if best <= _EXPLAINED and (min(each.misfit for each in likely) - best) * len(readings) >= margin:
+        if best <= _EXPLAINED and (min((each.misfit for each in likely), default=no_fault) - best) * len(readings) >= margin:
             likely = _select_closest(closest, len(readings))
     return likely
 
@@ -122,13 +133,30 @@ def _select_closest(found: list[Explanation], count: int) -> tuple[Explanation, 
     return tuple(close[:_MOST])
 
 
+def _explains_one(
+    predicted: Mapping[str, float],
+    expected: Mapping[str, float],
+    readings: Mapping[str, float],
+    limits: Mapping[str, Limits],
+) -> bool:
+    """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
+    return any(
+        abs(_difference(name, predicted[name], v, limits)) <= _CLOSER * abs(_difference(name, expected[name], v, limits))
+        for name, v in readings.items()
+        if not limits[name].low_v <= v <= limits[name].high_v
+    )
+
+
 def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
-    total = 0.0
-    for name, measured in readings.items():
-        spread = (limits[name].high_v - limits[name].low_v) / 4.0
-        if is_tone(name) and limits[name].low_v > 0.0:
-            # What is left of a tone has the same relative spread, and the meter's own error.
-            spread = spread / limits[name].expected_v * abs(predicted[name]) + METER_AC[1]
-        spread += _MODEL_RATIO * abs(predicted[name])
-        total += ((measured - predicted[name]) / spread) ** 2
-    return total / len(readings)
+    """Mean squared difference per reading, in units of the expected spread."""
+    return sum(_difference(name, predicted[name], v, limits) ** 2 for name, v in readings.items()) / len(readings)
+
+
+def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
+    """Difference of a reading from its prediction, in units of the expected spread."""
+    spread = (limits[name].high_v - limits[name].low_v) / 4.0
+    if is_tone(name) and limits[name].low_v > 0.0:
+        # What is left of a tone has the same relative spread, and the meter's own error.
+        spread = spread / limits[name].expected_v * abs(predicted_v) + METER_AC[1]
+    spread += _MODEL_RATIO * abs(predicted_v)
+    return (measured_v - predicted_v) / spread

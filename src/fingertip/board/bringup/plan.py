@@ -44,6 +44,11 @@ class BringUp:
         """All readings in the order in which they are taken."""
         return {**self.before_power, **self.current, **self.levels, **self.others}
 
+    @property
+    def voltages(self) -> frozenset[str]:
+        """Names of the readings at the board itself that are voltages."""
+        return frozenset({*self.levels, QUIET} & set(self.all))
+
 
 def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> BringUp:
     """Plan the bring-up of a board with a tone of this RMS [V]."""

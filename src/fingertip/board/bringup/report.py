@@ -70,20 +70,23 @@ def _verdict(diagnosis: Diagnosis, count: int, all_passed: bool) -> str:
         return "All readings are within their limits."
     if not diagnosis.failed:
         return "The voltages are within their limits; see the readings that fail."
+    again = f"measure {', '.join(diagnosis.failed)} again"
+    if not diagnosis.likely and count >= MIN_READINGS:
+        return f"No single fault explains this; {again}."
     if not diagnosis.likely:
         needed = f"take at least {MIN_READINGS} voltages for a diagnosis ({count} so far)"
         return f"Readings fail: {', '.join(diagnosis.failed)}; {needed}."
     if not (mistake := diagnosis.mistake):
-        return _name_faults(names, diagnosis.is_explained)
+        return _name_faults(names, diagnosis.is_explained, again)
     said = f"Likely a mistake of the measurement{'' if names else ', and no fault'}: {mistake.sentence}."
     if names:
-        said += f" Together with it: {_name_faults(names, diagnosis.is_explained)}"
+        said += f" Together with it: {_name_faults(names, diagnosis.is_explained, again)}"
     return f"{said} To be sure, {mistake.remedy}."
 
 
-def _name_faults(names: list[str], is_explained: bool) -> str:
+def _name_faults(names: list[str], is_explained: bool, again: str) -> str:
     if not is_explained:
-        return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or measure again."
+        return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or {again}."
     if len(names) == 1:
         return f"Likely fault: {names[0]}."
     return (

@@ -19,7 +19,7 @@ from fingertip.board.bringup.pins import (
     list_output_pins,
 )
 from fingertip.board.bringup.places import FRONT, find_end, find_pin_1_end, find_widest
-from fingertip.board.bringup.plan import NEGATIVE_OHM, QUIET, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
+from fingertip.board.bringup.plan import NEGATIVE_OHM, OFFSET_SHARE, QUIET, QUIET_ENVELOPE, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
 from fingertip.board.bringup.wiring import list_pins as list_connector_pins
 from fingertip.board.circuit import format_component_value
@@ -38,6 +38,7 @@ from fingertip.board.nets import (
     STAGE1_OUT,
     STAGE2_MID,
     TACTILE,
+    VCC,
     VMID,
     VMID_OUT,
 )
@@ -115,10 +116,11 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         "## 1. Look",
         _bullets(_list_looks(plan)),
         "## 2. Ohmmeter, without power",
-        _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan)),
+        _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan, placement)),
         "Wait until the reading stands still: it charges the capacitors. The amplifiers lie in parallel with the "
         "resistors: a meter may read less than the resistors alone would give, and something else with its probes "
-        "exchanged.",
+        "exchanged. With the red probe at plus expect kilohms or more. The other way round the meter drives the diodes of the "
+        "amplifiers: it reads a few kilohms or less, and 0.4 to 0.7 V on its diode range. That is no short.",
         "## 3. First power",
         f"Nothing at J1 and J3. {_describe_reversal(plan)}",
         _table(
@@ -199,9 +201,13 @@ def _list_looks(plan: BringUp) -> list[str]:
     return looks
 
 
-def _list_resistances(plan: BringUp) -> list[tuple[str, ...]]:
+def _list_resistances(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
     # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
-    where = "C10: between its ends" if _is_protected(plan) else "J2: plus to ground"
+    if _is_protected(plan):
+        plus = find_end(plan.board.circuit, placement, "C10", VCC)
+        where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
+    else:
+        where = "J2: red probe at plus, black at ground"
     rows = [_row(plan, SUPPLY_OHM, where, "a short: do not apply power")]
     if NEGATIVE_OHM in plan.before_power:
         rows.append(_row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power"))
@@ -317,9 +323,20 @@ def _warn_of_range(low_hz: float) -> str:
 def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> str:
     levels = values.comparator_levels
     if SLIP_TONE not in plan.others or levels is None:
-        return (
+        text = (
             "The threshold of this board lies in the detector's software: `fingertip detect` states it. Press the "
             "sensor, stroke it, and look at the recorded signal."
+        )
+        if values.output_offset is None:
+            return text
+        threshold_mv = 1e3 * design.detector.threshold_v
+        level = f"{'E minus M' if plan.board.signal_ground == VMID else 'E'} at {HOST}"
+        return (
+            f"{text}\n\nA detector of the envelope compares it with `detector.threshold_v` ({threshold_mv:g} mV) and "
+            f"subtracts no offset, while a good board may read up to {1e3 * plan.levels[QUIET_ENVELOPE].high_v:.0f} mV "
+            f"at TP4. With the sensor at J1, untouched, and the ADC connected, measure {level} and add it to "
+            f"`detector.threshold_v`. `--readings` says so where `{QUIET_ENVELOPE}` exceeds "
+            f"{100 * OFFSET_SHARE:.0f} % of the threshold."
         )
     hz, high_v = plan.board.bench.tones_hz[-1], 0.8 * design.board.supply_v
     row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")

@@ -160,8 +160,7 @@ def measure_in_ngspice(folder: Path, design: Design, board: Board, circuit: Circ
     readings |= {f"j3_{letters[pin]}_open_v": v for pin, v in zip(pins, row, strict=True)}
     if "ADC_FILTERED" in pins:
         tone = (
-            f"VT tone 0 dc 0 ac {TONE_V:g}\nCT tone tm {COUPLING_FARAD:g}\n"
-            f"RT tm sensor {board.bench.coupling_ohm:g}\n"
+            f"VT tone 0 dc 0 ac {TONE_V:g}\nCT tone tm {COUPLING_FARAD:g}\nRT tm sensor {board.bench.coupling_ohm:g}\n"
         )
         text = re.sub(r"(?m)^(V\w+ .*) ac 1$", r"\1", with_sensor(light), flags=re.I)
         text = re.sub(r"(?m)^(I\w+ .*) ac \S+$", r"\1 ac 0", text, flags=re.I)
@@ -327,7 +326,14 @@ def test_a_fault_behind_the_wrong_ground_is_named_with_the_mistake() -> None:
 
 def test_open_parts_ahead_of_the_controller_are_diagnosed() -> None:
     plan = plan_of(CONTROLLER)[1]
-    near = {"R7": {"C8"}, "R8": {"R9", "C9", "C19"}, "R9": {"R8", "C9", "C19"}, "R27": {"C25"}, "R24": set(), "C25": {"R27"}}
+    near = {
+        "R7": {"C8"},
+        "R8": {"R9", "C9", "C19"},
+        "R9": {"R8", "C9", "C19"},
+        "R27": {"C25"},
+        "R24": set(),
+        "C25": {"R27"},
+    }
     parts = {"R7", "R8", "R9", "R24", "R27", "C25", "C8", "C9", "C19", "R10", "R14", "C2"}
     faults = [f for f in list_faults(plan.board.circuit, plan.board.ends_v) if f.reference in parts]
     predicted = list(zip(faults, predict(plan.board, faults), strict=True))

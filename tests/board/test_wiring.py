@@ -104,7 +104,9 @@ def test_notes_fit_the_board(name: str) -> None:
     assert ("Pin 1 of J1 and J3 has a dot" in text) == ("3v3" in name)
     assert ("Firmware and detector fast need T and S" in text) == ("3v3" in name)
     if "3v3" in name:
-        pads = {p.pad.number: p for p in place_pads(circuit, BOARD_CONFIGURATIONS[name].placement) if p.reference == "J3"}
+        pads = {
+            p.pad.number: p for p in place_pads(circuit, BOARD_CONFIGURATIONS[name].placement) if p.reference == "J3"
+        }
         assert pads["1"].y > pads["10"].y, "pin 1 is the lower end"
     assert f"The outputs lie between 0 and {supply_v:g} V" in text
 

@@ -119,7 +119,10 @@ def explain(
             closest = [each for each in found if each.fault.reference]
         margin = _FAR if closest[0].fault.reference else _ALIKE
         best = min(each.misfit for each in closest)
-        if best <= _EXPLAINED and (min((each.misfit for each in likely), default=no_fault) - best) * len(readings) >= margin:
+        if (
+            best <= _EXPLAINED
+            and (min((each.misfit for each in likely), default=no_fault) - best) * len(readings) >= margin
+        ):
             likely = _select_closest(closest, len(readings))
     return likely
 
@@ -141,7 +144,8 @@ def _explains_one(
 ) -> bool:
     """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
     return any(
-        abs(_difference(name, predicted[name], v, limits)) <= _CLOSER * abs(_difference(name, expected[name], v, limits))
+        abs(_difference(name, predicted[name], v, limits))
+        <= _CLOSER * abs(_difference(name, expected[name], v, limits))
         for name, v in readings.items()
         if not limits[name].low_v <= v <= limits[name].high_v
     )

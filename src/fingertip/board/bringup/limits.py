@@ -85,9 +85,7 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     return limits | _limit_pins(board, limits, nominal, tone_v, random)
 
 
-def _draw_constant(
-    board: Board, net: str, ground: str, random: np.random.Generator, ohm: float | None = None
-) -> Array:
+def _draw_constant(board: Board, net: str, ground: str, random: np.random.Generator, ohm: float | None = None) -> Array:
     """Draw the constant voltage of a net above a ground [V], with the sensor open or a resistor in its place."""
     circuit = connect_meter(board.circuit) if ground != board.signal_ground else board.circuit
     network = build_network(circuit, board.gain_bandwidth_hz, sensor_s=1.0 / ohm if ohm else 0.0)

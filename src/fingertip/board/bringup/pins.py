@@ -124,4 +124,3 @@ def _ratios(circuit: Circuit) -> dict[OutputPin, float]:
     pins = list_output_pins(circuit)
     volts = predict_constants(circuit, {pin.source: 1.0 for pin in pins})
     return {pin: volts[pin.constant_name] for pin in pins}
-

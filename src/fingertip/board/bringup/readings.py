@@ -95,7 +95,8 @@ def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterat
             volts = value / 1e3
             remedy = f"write {volts:g} if the meter showed mV" if abs(volts) <= bound else "measure again, or write nan"
             yield Issue(
-                name, f"{value:g} V cannot be: no voltage of this board exceeds {plan.board.rails_v[VCC]:g} V; {remedy}."
+                name,
+                f"{value:g} V cannot be: no voltage of this board exceeds {plan.board.rails_v[VCC]:g} V; {remedy}.",
             )
         elif math.isinf(value) and not name.endswith("_ohm"):
             yield Issue(name, f"{value} {unit_of(name)} is no reading; write a number, or nan.")

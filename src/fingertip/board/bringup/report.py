@@ -72,8 +72,9 @@ def format_assessment(data: dict[str, Any]) -> str:
         measured = "infinite" if row["measured"] is None else f"{row['measured']:.4g}"
         low, high = row["limits"]
         bounds = f"above {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
+        expected = _text(row["expected"], "-")
         mark = "" if row["passed"] else "  FAILS"
-        lines.append(f"{row['name']:20} {measured:>10} {_text(row['expected'], '-'):>10}   {bounds:20}{row['unit']:4}{mark}")
+        lines.append(f"{row['name']:20} {measured:>10} {expected:>10}   {bounds:20}{row['unit']:4}{mark}")
     if data["missing"]:
         lines.append(f"not measured: {', '.join(data['missing'])}")
     return "\n".join(lines)

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
-from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
 from fingertip.board.bringup.hidden import list_hidden_faults, list_unsimulated
+from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
 from fingertip.board.bringup.pins import (
     HOST,
     METER_OHM,
@@ -19,7 +19,17 @@ from fingertip.board.bringup.pins import (
     list_output_pins,
 )
 from fingertip.board.bringup.places import FRONT, find_end, find_pin_1_end, find_widest
-from fingertip.board.bringup.plan import NEGATIVE_OHM, OFFSET_SHARE, QUIET, QUIET_ENVELOPE, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
+from fingertip.board.bringup.plan import (
+    NEGATIVE_OHM,
+    OFFSET_SHARE,
+    QUIET,
+    QUIET_ENVELOPE,
+    SENSOR_OHM,
+    SLIP_TONE,
+    SUPPLY_MA,
+    SUPPLY_OHM,
+    BringUp,
+)
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
 from fingertip.board.bringup.wiring import list_pins as list_connector_pins
 from fingertip.board.circuit import format_component_value
@@ -119,8 +129,8 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan, placement)),
         "Wait until the reading stands still: it charges the capacitors. The amplifiers lie in parallel with the "
         "resistors: a meter may read less than the resistors alone would give, and something else with its probes "
-        "exchanged. With the red probe at plus expect kilohms or more. The other way round the meter drives the diodes of the "
-        "amplifiers: it reads a few kilohms or less, and 0.4 to 0.7 V on its diode range. That is no short.",
+        "exchanged. With the red probe at plus expect kilohms or more. The other way round the meter "
+        "drives the diodes of the amplifiers: it reads a few kilohms or less, and 0.4 to 0.7 V on its diode range. That is no short.",
         "## 3. First power",
         f"Nothing at J1 and J3. {_describe_reversal(plan)}",
         _table(

@@ -17,9 +17,7 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.amplifier_stages import DIODE_V
 
-NEEDED_PINS = (
-    "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
-)
+NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""
 MAX_PIN_LEAK_V = 1e-3
 """Shift by an ADC's leakage current for which that current is stated [V]."""

@@ -366,6 +366,7 @@ def test_sheet_names_the_faults_that_no_reading_reveals(changes: tuple[str, ...]
     assert {"C9", "C19", "C8", "C5"} <= set(hidden["open"])
     assert "C10" not in hidden["bridged"], "a shorted supply shows at the ohmmeter"
     assert not {"R8", "R10", "C1"} & set(hidden["open"])
+    assert "C14" not in hidden["bridged"], "the first stage then amplifies its own offset"
     assert all(f" {r}" in text for references in hidden.values() for r in references)
 
 
@@ -393,6 +394,14 @@ def test_a_single_odd_reading_is_to_be_measured_again() -> None:
             moved = next(values for fault, values in predicted if fault == each.fault)[name]
             assert abs(moved - volts) < abs(nominal[name] - volts), each.fault.sentence
             assert not each.is_near
+
+
+def test_bridged_c14_shows_by_the_offset_that_it_lets_through() -> None:
+    plan = plan_of(CONTROLLER)[1]
+    nominal = {name: limits.expected_v for name, limits in plan.levels.items()}
+    diagnosis = diagnose(plan.board, plan.levels, {**nominal, "tp2_open_v": 0.2}, TONE_V)
+    assert diagnosis.is_explained
+    assert [each.fault.sentence for each in diagnosis.likely] == ["C14 is bridged"]
 
 
 def test_a_reading_in_millivolts_is_refused_with_what_to_write(tmp_path: Path) -> None:

@@ -193,8 +193,8 @@ def _summary(configuration: BoardConfiguration, values: BoardValues, component_c
     )
     unlabelled = [ref for ref in placement.positions if ref[0] in "RC" and ref not in placement.reference_labels]
     what += (
-        f"; {len(unlabelled)} of them have no reference on the front, so look them up in the assembly drawing (`--fab`) "
-        "or the layout."
+        f"; {len(unlabelled)} of them have no reference on the front, so look them up in the assembly drawing "
+        "(`--fab`) or the layout."
         if unlabelled
         else "."
     )

@@ -12,8 +12,11 @@ from dataclasses import dataclass
 
 from fingertip.board.bringup.faults import Fault, list_faults
 from fingertip.board.bringup.limits import METER_AC, Limits
-from fingertip.board.bringup.prediction import Board, is_tone, predict
+from fingertip.board.bringup.prediction import Board, is_tone, name_voltage, predict
 from fingertip.board.bringup.probing import Mistake, list_mistakes
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.nets import STAGE1_OUT
+from fingertip.board.network import build_network
 
 MIN_READINGS = 3
 """Least number of readings for a diagnosis."""
@@ -28,6 +31,8 @@ _EXPLAINED = 6.0
 _CLOSER = 0.5
 """Largest share of a failing reading's difference that is left by a fault which explains it."""
 _MOST = 6
+_AMPLIFIED = 10.0
+"""Gain for direct voltage from which the first stage's own offset shows."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +90,31 @@ def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, 
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
     faults = [Fault("", "", board.circuit), *list_faults(board.circuit, board.ends_v)]
-    predicted = zip(faults, predict(board, faults, tone_v), strict=True)
+    found = zip(faults, predict(board, faults, tone_v), strict=True)
+    predicted = [(fault, fit_offset(board, fault, values, readings)) for fault, values in found]
     return Diagnosis(failed, explain(predicted, limits, readings, list_mistakes(board)))
+
+
+def fit_offset(
+    board: Board, fault: Fault, values: Mapping[str, float], readings: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Readings of a fault with the offset of U1 that explains the first stage best.
+
+    A bridged capacitor may let the first stage amplify its own offset, which a board without a fault does not. The
+    offset is not known, only its maximum.
+    """
+    name = name_voltage(STAGE1_OUT)
+    if fault.rarity != 1 or not fault.reference.startswith("C") or name not in readings:
+        return values
+    transfers = (
+        build_network(fault.circuit, board.gain_bandwidth_hz).restrict(STAGE1_OUT).constant_transfers(STAGE1_OUT)
+    )
+    symbol = board.circuit.component("U1").symbol.name
+    span_v = abs(transfers[STAGE1_OUT]) * AMPLIFIERS[symbol].max_offset_v
+    if abs(transfers[STAGE1_OUT]) < _AMPLIFIED:
+        return values
+    low_v, high_v = values[name] - span_v, values[name] + span_v
+    return {**values, name: min(max(readings[name], low_v), high_v)}
 
 
 def explain(

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from fingertip.board.bringup.diagnosis import fit_offset
 from fingertip.board.bringup.faults import Fault, list_faults
 from fingertip.board.bringup.plan import BringUp, resistance_limits
-from fingertip.board.bringup.prediction import predict
+from fingertip.board.bringup.prediction import name_voltage, predict
+from fingertip.board.nets import STAGE1_OUT
 
 _VALUES = 2
 """Rarity from which a fault is a wrong value: those are left to the placement file."""
@@ -18,7 +20,11 @@ def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
     board = plan.board
     faults = [fault for fault in list_faults(board.circuit, board.ends_v) if fault.rarity < _VALUES]
     hidden: dict[str, list[str]] = {}
-    for fault, values in zip(faults, predict(board, faults), strict=True):
+    first_stage = name_voltage(STAGE1_OUT)
+    beyond = {first_stage: 2.0 * plan.levels[first_stage].high_v}
+    for fault, found in zip(faults, predict(board, faults), strict=True):
+        # An offset that the fault lets through shows, unless it happens to be nearly none.
+        values = fit_offset(board, fault, found, beyond)
         is_within = all(limits.low_v <= values[name] <= limits.high_v for name, limits in plan.levels.items())
         if is_within and not any(_list_wrong_resistances(plan, fault)):
             what = fault.description.removeprefix("is ").partition(":")[0]

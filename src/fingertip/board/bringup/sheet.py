@@ -117,7 +117,8 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
             ]
         ),
         "## Where there is no test point",
-        FRONT,
+        f"{FRONT} Not every part has its reference printed beside it: the assembly drawing, `fab/"
+        f"{board.circuit.name}_assembly.pdf` of `--fab`, shows all of them. {_warn_of_fiducials(placement)}",
         _table(("net", "place"), _list_places(plan, placement)),
         "## Wiring",
         f"![Wiring of sensor, supply and controller]({wiring})",
@@ -128,9 +129,9 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         "## 2. Ohmmeter, without power",
         _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan, placement)),
         "Wait until the reading stands still: it charges the capacitors. The amplifiers lie in parallel with the "
-        "resistors: a meter may read less than the resistors alone would give, and something else with its probes "
-        "exchanged. With the red probe at plus expect kilohms or more. The other way round the meter "
-        "drives the diodes of the amplifiers: it reads a few kilohms or less, and 0.4 to 0.7 V on its diode range. That is no short.",
+        "resistors: a meter may read less than the resistors alone would give. With the red probe at plus expect "
+        "kilohms or more. With the probes exchanged the meter drives the diodes of the amplifiers: it reads less, and "
+        "0.4 to 0.7 V on its diode range. That is no short.",
         "## 3. First power",
         f"Nothing at J1 and J3. {_describe_reversal(plan)}",
         _table(
@@ -235,23 +236,17 @@ def _list_voltages(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]
 
 def _list_tones(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
     high = plan.board.bench.tones_hz[-1]
+    rows: list[tuple[str, ...]] = []
     found = [*list_levels(plan.board.bench), (ENVELOPE, high)]
     if name_tone(RECT_OUT, high) in plan.levels:
         found.append((RECT_OUT, high))
-    return [
-        (
-            f"`{name_tone(net, hz)}`", f"{hz:g} Hz",
-            _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else ""),
-            *_figures(plan.all[name_tone(net, hz)], "V"),
-        )
-        for net, hz in found
-    ] + [
-        (
-            f"`{pin.tone_name}`", f"{TOP_HZ:g} Hz", f"{pin.letter} at {HOST}, alternating",
-            *_figures(plan.all[pin.tone_name], "V"),
-        )
-        for pin in list_output_pins(plan.board.circuit) if has_tone(pin)
-    ]  # fmt: skip
+    for net, hz in found:
+        where = _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else "")
+        rows.append((f"`{name_tone(net, hz)}`", f"{hz:g} Hz", where, *_figures(plan.all[name_tone(net, hz)], "V")))
+    for pin in filter(has_tone, list_output_pins(plan.board.circuit)):
+        where = f"{pin.letter} at {HOST}, alternating"
+        rows.append((f"`{pin.tone_name}`", f"{TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")))
+    return rows
 
 
 def _describe_outputs(plan: BringUp, placement: Placement) -> str:
@@ -322,6 +317,11 @@ def _list_places(plan: BringUp, placement: Placement) -> list[tuple[str, str]]:
             ),
         ]
     return places
+
+
+def _warn_of_fiducials(placement: Placement) -> str:
+    count = len(placement.fiducials)
+    return f"The {count} ringed dots of bare copper are fiducials, marks for the assembly: nothing is connected there."
 
 
 def _warn_of_range(low_hz: float) -> str:

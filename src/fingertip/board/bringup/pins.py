@@ -38,7 +38,7 @@ class OutputPin:
     """Pin of J3 that carries a signal."""
 
     letter: str
-    """What the board prints beside it."""
+    """Letter that the board prints beside it."""
     net: str
     source: str
     """Net with a test point that feeds it."""

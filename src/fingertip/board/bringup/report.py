@@ -67,14 +67,14 @@ def _list_notes(readings: Readings, threshold_v: float | None) -> list[str]:
 def format_assessment(data: dict[str, Any]) -> str:
     """Format an assessment as text, the verdict first."""
     lines = [data["verdict"], *data["hints"], ""]
-    lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':20}")
+    lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':24}")
     for row in data["readings"]:
         measured = "infinite" if row["measured"] is None else f"{row['measured']:.4g}"
         low, high = row["limits"]
         bounds = f"above {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
         expected = _text(row["expected"], "-")
         mark = "" if row["passed"] else "  FAILS"
-        lines.append(f"{row['name']:20} {measured:>10} {expected:>10}   {bounds:20}{row['unit']:4}{mark}")
+        lines.append(f"{row['name']:20} {measured:>10} {expected:>10}   {bounds:24}{row['unit']:4}{mark}")
     if data["missing"]:
         lines.append(f"not measured: {', '.join(data['missing'])}")
     return "\n".join(lines)

@@ -17,11 +17,14 @@ from fingertip.board.fabrication.assembly import (
     find_rotation_deg,
     is_assembled,
     load_rotations,
+    missing_numbers_note,
 )
 from fingertip.board.fabrication.bom import bill_of_materials, purchased_components
 from fingertip.board.fabrication.fabrication_files import placement_file
 from fingertip.board.kicad import symbols
 from fingertip.board.kicad.footprints import FOOTPRINTS
+from fingertip.board.output import README, board_files
+from fingertip.board.parts.select_part import select_part
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from tests.designs import ARTICLE, load_article
 
@@ -37,6 +40,8 @@ class BomRow:
     designators: tuple[str, ...]
     footprint: str
     number: str
+    mpn: str = ""
+    manufacturer: str = ""
 
 
 def parse_bom(data: bytes) -> list[BomRow]:
@@ -44,16 +49,17 @@ def parse_bom(data: bytes) -> list[BomRow]:
     lines = data.decode("utf-8").splitlines()
     assert all(0 < len(line) <= MAX_ROW_CHARACTERS for line in lines)
     header, *rows = csv.reader(lines, strict=True)
-    assert header == ["Comment", "Designator", "Footprint", "JLCPCB Part #"]
+    assert header[:4] == ["Comment", "Designator", "Footprint", "JLCPCB Part #"]
+    assert header[4:] in ([], ["MPN", "Manufacturer"]), "the house ignores further columns; people read them"
     parsed = []
     for row in rows:
-        assert len(row) == 4
-        comment, designators, footprint, number = row
+        assert len(row) == len(header)
+        comment, designators, footprint, number, *others = row
         assert "" not in (comment, footprint), "a line without comment or footprint cannot be matched"
         names = designators.split(",")
         assert all(re.fullmatch(r"[A-Z]+[1-9]\d*", name) for name in names), designators
         assert re.fullmatch(r"(C[1-9]\d*)?", number), number
-        parsed.append(BomRow(comment, tuple(names), footprint, number))
+        parsed.append(BomRow(comment, tuple(names), footprint, number, *others))
     every = [name for row in parsed for name in row.designators]
     assert len(set(every)) == len(every), "a designator stands in one line only"
     return parsed
@@ -99,6 +105,8 @@ def test_independent_parser_accepts_both_files(name: str) -> None:
     }
     for row in bom:
         assert {numbers[d] for d in row.designators} == {row.number}
+        assert {select_part(circuit.component(d)).fields["MPN"] for d in row.designators} == {row.mpn}
+        assert {select_part(circuit.component(d)).fields["Manufacturer"] for d in row.designators} == {row.manufacturer}
         assert {circuit.component(d).footprint.split(":")[1] for d in row.designators} == {row.footprint}
     width, height = configuration.placement.width, configuration.placement.height
     assert all(0 < p.x_mm < width and 0 < p.y_mm < height and p.layer == "Top" for p in placed.values())
@@ -169,3 +177,16 @@ def test_comments_state_ratings_and_values() -> None:
     assert board.component("C17").value == board.component("C18").value == "100n"
     for row in parse_bom(assembly_bom_file(board)):
         assert len({board.component(r).rating for r in row.designators}) == 1
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_readme_lists_the_lines_without_a_number_of_the_house(name: str) -> None:
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    circuit = board_circuit(board_values(design))
+    bom = parse_bom(assembly_bom_file(circuit))
+    missing = [row for row in bom if not row.number]
+    note = missing_numbers_note(circuit)
+    assert note.startswith(f"{len(missing)} of {len(bom)} lines ")
+    assert all(f"{' '.join(row.designators)} ({row.mpn or row.comment.split(',')[0]}" in note for row in missing)
+    assert not any(f" {row.designators[0]} (" in note for row in bom if row.number)
+    assert note in " ".join(board_files(design)[README].decode().split())

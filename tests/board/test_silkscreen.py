@@ -15,8 +15,9 @@ import pytest
 from fingertip.board import board_circuit, board_files, board_values
 from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.footprints import FIDUCIAL
+from fingertip.board.kicad.project import REVISION
 from fingertip.board.layout.back_print import back_print, list_values
-from fingertip.board.layout.pcb_file import PAGE_OFFSET_MM, REVISION
+from fingertip.board.layout.pcb_file import PAGE_OFFSET_MM
 from fingertip.board.layout.placement import Placement
 from fingertip.board.output import LAYOUT
 from fingertip.board.variants import BOARD_CONFIGURATIONS

@@ -13,6 +13,7 @@ from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.netlist import kicad_netlist_file
+from fingertip.board.layout.placement import place_pads
 from fingertip.board.output import BRING_UP, WIRING
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from tests.designs import ARTICLE, load_article
@@ -100,7 +101,13 @@ def test_notes_fit_the_board(name: str) -> None:
     assert ("A reversed supply destroys the board" in text) == ("Q1" not in references)
     assert ("sample M too" in text) == ("single" in name)
     assert ("Pin 2 of J1 is at signal ground" in text) == ("single" in name)
-    assert ("Pin 1 has a dot" in text) == ("3v3" in name)
+    assert ("Pin 1 of J1 and J3 has a dot" in text) == ("3v3" in name)
+    assert ("Firmware and detector fast need T and S" in text) == ("3v3" in name)
+    if "3v3" in name:
+        pads = {
+            p.pad.number: p for p in place_pads(circuit, BOARD_CONFIGURATIONS[name].placement) if p.reference == "J3"
+        }
+        assert pads["1"].y > pads["10"].y, "pin 1 is the lower end"
     assert f"The outputs lie between 0 and {supply_v:g} V" in text
 
 

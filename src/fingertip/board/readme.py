@@ -9,9 +9,11 @@ from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
 from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.kicad.symbols import TEST_POINT
+from fingertip.board.layout.template import load_template
 from fingertip.board.readme_parts.cables import cable_notes, cable_table
 from fingertip.board.readme_parts.connectors import connector_table
 from fingertip.board.readme_parts.offset import offset_section
+from fingertip.board.readme_parts.order_form import order_form
 from fingertip.board.readme_parts.ordering import ordering_notes
 from fingertip.board.readme_parts.power import limitation_notes, power_notes
 from fingertip.board.readme_parts.signals import signal_notes
@@ -57,7 +59,8 @@ edits.
 - `--check` tells whether a folder is up to date.
 - `--fab` adds the fabrication files: gerbers and drill files in one zip, renderings, and parts and placement for the
   assembly: `bom_assembly.csv` and `placement_assembly.csv` in the columns and with the rotations of JLCPCB,
-  `{name}_placement.csv` with KiCad's rotations for any other house. It needs KiCad 9.
+  `{name}_placement.csv` with KiCad's rotations for any other house; `{name}_assembly.pdf`, the place of every part by
+  its reference. It needs KiCad 9.
 
 ## 3D models
 
@@ -111,6 +114,10 @@ Plugs and wires for the connectors. Nothing of this is on the board, so `bom.csv
 | --- | --- | --- |
 {components}
 
+## Order form
+
+{order_form}
+
 ## Before you order
 
 {ordering}
@@ -161,6 +168,11 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         power=bullet_list(power_notes(values, design)),
         offset=offset_section(values, design),
         components="\n".join(f"| {c.reference} | {c.value} | {c.role} |" for c in components),
+        order_form=order_form(
+            circuit,
+            configuration.placement,
+            load_template(configuration.name, circuit, configuration.placement),
+        ),
         ordering=bullet_list(ordering_notes(circuit, values, design)),
         limitations=bullet_list(limitation_notes(values)),
         errata=bullet_list(
@@ -181,7 +193,8 @@ def _summary(configuration: BoardConfiguration, values: BoardValues, component_c
     )
     unlabelled = [ref for ref in placement.positions if ref[0] in "RC" and ref not in placement.reference_labels]
     what += (
-        f"; {len(unlabelled)} of them have no reference on the front, so look them up in the layout."
+        f"; {len(unlabelled)} of them have no reference on the front, so look them up in the assembly drawing "
+        "(`--fab`) or the layout."
         if unlabelled
         else "."
     )

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fingertip.board.components.component_values import ComponentValues
-from fingertip.board.layout.pcb_file import REVISION
+from fingertip.board.kicad.project import REVISION
 from fingertip.board.layout.placement import Placement, load_placement
 from fingertip.board.schematic.sheet import Sheet
 from fingertip.board.schematic.variant_sheets import article_sheet, comparator_sheet, precision_sheet

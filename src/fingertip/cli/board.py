@@ -154,6 +154,12 @@ def board(
     text = "\n".join([f"{loaded.name}, {verdict}", *_summary_lines(values, out), "", _format_tables(loaded, values)])
     if verbose:
         text += "\n\n" + "\n".join([*_load_lines(loaded, values), "", *_gate_lines(values)])
+    if fab:
+        from fingertip.board.circuits.signal_paths import board_circuit
+        from fingertip.board.fabrication.assembly import missing_numbers_note
+
+        data["to_order"] = missing_numbers_note(board_circuit(values))
+        text += f"\n\n{data['to_order']}".rstrip()
     if article:
         text += "\n\n" + "\n".join(_errata_lines(values))
     if bode:

@@ -12,8 +12,11 @@ from dataclasses import dataclass
 
 from fingertip.board.bringup.faults import Fault, list_faults
 from fingertip.board.bringup.limits import METER_AC, Limits
-from fingertip.board.bringup.prediction import Board, is_tone, predict
+from fingertip.board.bringup.prediction import Board, is_tone, name_voltage, predict
 from fingertip.board.bringup.probing import Mistake, list_mistakes
+from fingertip.board.components.amplifiers import AMPLIFIERS
+from fingertip.board.nets import STAGE1_OUT
+from fingertip.board.network import build_network
 
 MIN_READINGS = 3
 """Least number of readings for a diagnosis."""
@@ -25,7 +28,11 @@ _FAR = 15.0
 """Difference of misfits beyond which a mistake together with one of some hundred faults is more than a coincidence."""
 _EXPLAINED = 6.0
 """Mean squared difference per reading up to which a fault explains the readings."""
+_CLOSER = 0.5
+"""Largest share of a failing reading's difference that is left by a fault which explains it."""
 _MOST = 6
+_AMPLIFIED = 10.0
+"""Gain for direct voltage from which the first stage's own offset shows."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +58,8 @@ class Diagnosis:
     failed: tuple[str, ...]
     """Readings beyond their limits."""
     likely: tuple[Explanation, ...]
-    """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed."""
+    """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed, or if no
+    fault explains any that did."""
 
     @property
     def is_explained(self) -> bool:
@@ -82,8 +90,31 @@ def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, 
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
     faults = [Fault("", "", board.circuit), *list_faults(board.circuit, board.ends_v)]
-    predicted = zip(faults, predict(board, faults, tone_v), strict=True)
+    found = zip(faults, predict(board, faults, tone_v), strict=True)
+    predicted = [(fault, fit_offset(board, fault, values, readings)) for fault, values in found]
     return Diagnosis(failed, explain(predicted, limits, readings, list_mistakes(board)))
+
+
+def fit_offset(
+    board: Board, fault: Fault, values: Mapping[str, float], readings: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Readings of a fault with the offset of U1 that explains the first stage best.
+
+    A bridged capacitor may let the first stage amplify its own offset, which a board without a fault does not. The
+    offset is not known, only its maximum.
+    """
+    name = name_voltage(STAGE1_OUT)
+    if fault.rarity != 1 or not fault.reference.startswith("C") or name not in readings:
+        return values
+    transfers = (
+        build_network(fault.circuit, board.gain_bandwidth_hz).restrict(STAGE1_OUT).constant_transfers(STAGE1_OUT)
+    )
+    symbol = board.circuit.component("U1").symbol.name
+    span_v = abs(transfers[STAGE1_OUT]) * AMPLIFIERS[symbol].max_offset_v
+    if abs(transfers[STAGE1_OUT]) < _AMPLIFIED:
+        return values
+    low_v, high_v = values[name] - span_v, values[name] + span_v
+    return {**values, name: min(max(readings[name], low_v), high_v)}
 
 
 def explain(
@@ -98,8 +129,16 @@ def explain(
     nearly everything, so it is named only if it is nearer by far than the mistake alone, and than any fault alone.
     """
     predicted = list(predicted)
-    alone = [Explanation(fault, _misfit(values, readings, limits)) for fault, values in predicted if fault.reference]
-    likely = _select_closest(alone, len(readings))
+    expected = {name: limits[name].expected_v for name in readings}
+    no_fault = _misfit(expected, readings, limits)
+    # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
+    alone = [
+        Explanation(fault, misfit)
+        for fault, values in predicted
+        if fault.reference and _explains_one(values, expected, readings, limits)
+        if (misfit := _misfit(values, readings, limits)) < no_fault
+    ]
+    likely = _select_closest(alone, len(readings)) if alone else ()
     for mistake in mistakes:
         found = [Explanation(f, _misfit(mistake.apply(values), readings, limits), mistake) for f, values in predicted]
         closest = [each for each in found if not each.fault.reference]
@@ -108,7 +147,10 @@ def explain(
             closest = [each for each in found if each.fault.reference]
         margin = _FAR if closest[0].fault.reference else _ALIKE
         best = min(each.misfit for each in closest)
-        if best <= _EXPLAINED and (min(each.misfit for each in likely) - best) * len(readings) >= margin:
+        if (
+            best <= _EXPLAINED
+            and (min((each.misfit for each in likely), default=no_fault) - best) * len(readings) >= margin
+        ):
             likely = _select_closest(closest, len(readings))
     return likely
 
@@ -122,13 +164,31 @@ def _select_closest(found: list[Explanation], count: int) -> tuple[Explanation, 
     return tuple(close[:_MOST])
 
 
+def _explains_one(
+    predicted: Mapping[str, float],
+    expected: Mapping[str, float],
+    readings: Mapping[str, float],
+    limits: Mapping[str, Limits],
+) -> bool:
+    """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
+    return any(
+        abs(_difference(name, predicted[name], v, limits))
+        <= _CLOSER * abs(_difference(name, expected[name], v, limits))
+        for name, v in readings.items()
+        if not limits[name].low_v <= v <= limits[name].high_v
+    )
+
+
 def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
-    total = 0.0
-    for name, measured in readings.items():
-        spread = (limits[name].high_v - limits[name].low_v) / 4.0
-        if is_tone(name) and limits[name].low_v > 0.0:
-            # What is left of a tone has the same relative spread, and the meter's own error.
-            spread = spread / limits[name].expected_v * abs(predicted[name]) + METER_AC[1]
-        spread += _MODEL_RATIO * abs(predicted[name])
-        total += ((measured - predicted[name]) / spread) ** 2
-    return total / len(readings)
+    """Mean squared difference per reading, in units of the expected spread."""
+    return sum(_difference(name, predicted[name], v, limits) ** 2 for name, v in readings.items()) / len(readings)
+
+
+def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
+    """Difference of a reading from its prediction, in units of the expected spread."""
+    spread = (limits[name].high_v - limits[name].low_v) / 4.0
+    if is_tone(name) and limits[name].low_v > 0.0:
+        # What is left of a tone has the same relative spread, and the meter's own error.
+        spread = spread / limits[name].expected_v * abs(predicted_v) + METER_AC[1]
+    spread += _MODEL_RATIO * abs(predicted_v)
+    return (measured_v - predicted_v) / spread

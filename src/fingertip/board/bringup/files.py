@@ -38,7 +38,9 @@ def assess_board(design: Design, path: Path) -> dict[str, Any]:
     """
     values = board_values(design)
     readings = read_readings(path, _plan(design, values))
-    return assess_readings(_plan(design, values, readings.tone_v), readings)
+    is_in_software = values.comparator_levels is None and values.output_offset is not None
+    threshold_v = design.detector.threshold_v if is_in_software else None
+    return assess_readings(_plan(design, values, readings.tone_v), readings, threshold_v)
 
 
 def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:

@@ -11,6 +11,7 @@ from fingertip.arrays import Array
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_F, COUPLING_OHM, TONE, TONE_V, connect_tone
 from fingertip.board.bringup.faults import Fault
+from fingertip.board.bringup.pins import TOP_HZ, connect_meter, has_tone, list_output_pins
 from fingertip.board.bringup.prediction import (
     Board,
     batch_constant,
@@ -61,20 +62,11 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     drawn: dict[str, Array] = {}
     light, firm = board.bench.dummy_ohm
 
-    def constants(net: str, ohm: float | None) -> Array:
-        network = build_network(board.circuit, board.gain_bandwidth_hz, sensor_s=1.0 / ohm if ohm else 0.0)
-        path = network.restrict(net, *({board.signal_ground} - {GND}))
-        sensor = {"J1": 1.0 / ohm / (1.0 + _DUMMY_RATIO * random.uniform(-1, 1, BOARDS))} if ohm else {}
-        parts = _draw(path, board, random) | sensor
-        supply = 1.0 + 0.01 * SUPPLY_PERCENT * random.uniform(-1.0, 1.0, BOARDS)
-        volts = batch_constant(path.with_values(parts), board.rails_v, net, board.signal_ground)
-        return volts * supply + _draw_offset(path, board, net, random)
-
     for net in board.nets:
         if net != ENVELOPE:
-            drawn[name_voltage(net)] = constants(net, None)
+            drawn[name_voltage(net)] = _draw_constant(board, net, board.signal_ground, random)
     for ohm in (light, firm):
-        drawn[name_voltage(TACTILE, ohm)] = constants(TACTILE, ohm)
+        drawn[name_voltage(TACTILE, ohm)] = _draw_constant(board, TACTILE, board.signal_ground, random, ohm)
     toned = build_network(connect_tone(board.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
     path = toned.drive(TONE).restrict(FILTERED)
     parts = path.with_values(_draw(path, board, random))
@@ -89,7 +81,50 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     nominal, *ends = predict(board, [Fault("", "", circuit) for circuit in circuits], *tones_v)
     limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
     limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
-    return limits | _limit_envelope(board, values, nominal, ends)
+    limits |= _limit_envelope(board, values, nominal, ends)
+    return limits | _limit_pins(board, limits, nominal, tone_v, random)
+
+
+def _draw_constant(board: Board, net: str, ground: str, random: np.random.Generator, ohm: float | None = None) -> Array:
+    """Draw the constant voltage of a net above a ground [V], with the sensor open or a resistor in its place."""
+    circuit = connect_meter(board.circuit) if ground != board.signal_ground else board.circuit
+    network = build_network(circuit, board.gain_bandwidth_hz, sensor_s=1.0 / ohm if ohm else 0.0)
+    path = network.restrict(net, *({ground} - {GND}))
+    sensor = {"J1": 1.0 / ohm / (1.0 + _DUMMY_RATIO * random.uniform(-1, 1, BOARDS))} if ohm else {}
+    parts = _draw(path, board, random) | sensor
+    supply = 1.0 + 0.01 * SUPPLY_PERCENT * random.uniform(-1.0, 1.0, BOARDS)
+    volts = batch_constant(path.with_values(parts), board.rails_v, net, ground)
+    return volts * supply + _draw_offset(path, board, net, ground, random)
+
+
+def _limit_pins(
+    board: Board,
+    limits: Mapping[str, Limits],
+    nominal: Mapping[str, float],
+    tone_v: float,
+    random: np.random.Generator,
+) -> dict[str, Limits]:
+    """Limits of the readings at J3, against supply ground."""
+    found = {}
+    for pin in list_output_pins(board.circuit):
+        if pin.source == ENVELOPE:
+            # The rectifier is not linear: its own limits, above every level that the signal ground may have.
+            has_middle = board.signal_ground != GND
+            ground_v = _draw_constant(board, board.signal_ground, GND, random) if has_middle else np.zeros(BOARDS)
+            quiet, expected_v = limits[name_voltage(ENVELOPE)], nominal[pin.constant_name]
+            change_v = quiet.expected_v - nominal[name_voltage(ENVELOPE)]
+            ends_v = np.array([ground_v.min() + quiet.low_v, ground_v.max() + quiet.high_v])
+            found[pin.constant_name] = _widen(expected_v + change_v, ends_v, METER_DC)
+        else:
+            volts = _draw_constant(board, pin.net, GND, random)
+            found[pin.constant_name] = _widen(nominal[pin.constant_name], volts, METER_DC)
+        if has_tone(pin):
+            light = board.bench.dummy_ohm[0]
+            circuit = connect_tone(connect_meter(board.circuit), board.bench)
+            path = build_network(circuit, board.gain_bandwidth_hz, sensor_s=1.0 / light).drive(TONE).restrict(pin.net)
+            level = tone_v * batch_level(path.with_values(_draw(path, board, random)), TOP_HZ, pin.net)
+            found[pin.tone_name] = _widen(nominal[pin.tone_name], level, METER_AC)
+    return found
 
 
 def _widen(expected_v: float, drawn_v: Array, meter: tuple[float, float]) -> Limits:
@@ -151,12 +186,12 @@ def _find_tolerance(reference: str, board: Board) -> float:
     return requirement.tolerance_percent / 100.0 if requirement else 0.0
 
 
-def _draw_offset(path: Network, board: Board, net: str, random: np.random.Generator) -> Array:
-    """Draw the offsets of the amplifiers before a net, as they appear between it and the signal ground [V]."""
+def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.random.Generator) -> Array:
+    """Draw the offsets of the amplifiers before a net, as they appear between it and a ground [V]."""
     transfers, total = path.constant_transfers(net), np.zeros(BOARDS)
-    if board.signal_ground not in (net, GND):
-        ground = path.constant_transfers(board.signal_ground)
-        transfers = {name: transfer - ground[name] for name, transfer in transfers.items()}
+    if ground not in (net, GND):
+        of_ground = path.constant_transfers(ground)
+        transfers = {name: transfer - of_ground[name] for name, transfer in transfers.items()}
     gain = 1.0 + GAIN_CONSTANT_OHM / parse_component_value(board.circuit.component(GAIN_RESISTOR).value)
     for output in list_amplifiers(board.circuit):
         if output.net in transfers:

@@ -28,6 +28,13 @@ def find_end(circuit: Circuit, placement: Placement, reference: str, net: str) -
     return f"{_name_side(here, other)} end of {reference}"
 
 
+def find_pin_1_end(circuit: Circuit, placement: Placement, reference: str) -> str:
+    """Name the end of a connector at which pin 1 lies, such as "lower"."""
+    pads = {pad.pad.number: pad for pad in place_pads(circuit, placement) if pad.reference == reference}
+    last = max((name for name in pads if name.isdigit()), key=int)
+    return _name_side(pads["1"], pads[last])
+
+
 def find_widest(circuit: Circuit, placement: Placement, net: str) -> str:
     """Find the two-terminal part whose pad at a net is the largest, and name that end."""
     by_part: dict[str, list[PlacedPad]] = {}

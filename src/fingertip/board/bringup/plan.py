@@ -16,6 +16,9 @@ from fingertip.output_set import hash_parameters
 
 SUPPLY_OHM, SENSOR_OHM, SUPPLY_MA = "supply_ohm", "sensor_ohm", "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
+QUIET_ENVELOPE = name_voltage(ENVELOPE)
+OFFSET_SHARE = 0.5
+"""Share of the detector's threshold above which the envelope at rest is to be added to it."""
 NEGATIVE_OHM = "negative_supply_ohm"
 _SENSOR_RATIO = 0.1
 """Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""
@@ -44,6 +47,11 @@ class BringUp:
         """All readings in the order in which they are taken."""
         return {**self.before_power, **self.current, **self.levels, **self.others}
 
+    @property
+    def voltages(self) -> frozenset[str]:
+        """Names of the readings at the board itself that are voltages."""
+        return frozenset({*self.levels, QUIET} & set(self.all))
+
 
 def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> BringUp:
     """Plan the bring-up of a board with a tone of this RMS [V]."""
@@ -51,7 +59,7 @@ def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> 
     return BringUp(
         board,
         identify_board(board),
-        _resistances(board),
+        resistance_limits(board),
         {SUPPLY_MA: _scale(1e3 * supply_current_a(board), CURRENT_RATIOS)},
         levels,
         _others(board, values, levels, tone_v),
@@ -63,7 +71,7 @@ def identify_board(board: Board) -> str:
     return hash_parameters({part.reference: part.value for part in board.circuit.components})[:8]
 
 
-def _resistances(board: Board) -> dict[str, Limits]:
+def resistance_limits(board: Board) -> dict[str, Limits]:
     """Resistances without power. Below the lower limit there is a short; a meter may read infinity."""
     found = {SUPPLY_OHM: (VCC, GND), NEGATIVE_OHM: (GND, VEE)}
     if board.signal_ground != GND:

@@ -18,6 +18,7 @@ from fingertip.arrays import Array
 from fingertip.board.analysis.limits import OUTPUT_LOWER_MARGIN_V, OUTPUT_UPPER_MARGIN_V
 from fingertip.board.bringup.bench import TONE, TONE_V, Bench, connect_tone, set_up_bench
 from fingertip.board.bringup.faults import Fault
+from fingertip.board.bringup.pins import TOP_HZ, attenuate_tones, list_output_pins, predict_constants
 from fingertip.board.bringup.rectifier import Drive, mean_voltages
 from fingertip.board.circuit import Circuit
 from fingertip.board.circuits.signal_paths import RECT_OUT
@@ -140,7 +141,18 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         )
         if RECT_OUT in means:
             values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
+        values |= _predict_pins(board, faults[i].circuit, values)
     return readings
+
+
+def _predict_pins(board: Board, circuit: Circuit, values: Mapping[str, float]) -> dict[str, float]:
+    """Constant voltages at the pins of J3 above supply ground, from the readings above signal ground."""
+    ground_v = values[name_voltage(VMID)] if board.signal_ground == VMID else 0.0
+    sources_v = {
+        pin.source: values[name_voltage(pin.source)] + (0.0 if pin.source == VMID else ground_v)
+        for pin in list_output_pins(circuit)
+    }
+    return predict_constants(circuit, {**board.rails_v, **sources_v})
 
 
 def name_voltage(net: str, ohm: float | None = None) -> str:
@@ -186,6 +198,10 @@ def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str
         gain = abs(path.response(np.array([hz]), {TONE: 1.0}, net)[0, 0]) if net in path.nets else 0.0
         peaks[net, hz] = math.sqrt(2.0) * tone_v * float(gain)
         values[name_tone(net, hz)] = _clipped_rms(volts.get(net, 0.0), peaks[net, hz], board.swing_v)
+    if ratios := attenuate_tones(fault.circuit):
+        gain = abs(path.response(np.array([TOP_HZ]), {TONE: 1.0}, FILTERED)[0, 0]) if FILTERED in path.nets else 0.0
+        rms = _clipped_rms(volts[FILTERED], math.sqrt(2.0) * tone_v * float(gain), board.swing_v)
+        values |= {name: ratio * rms for name, ratio in ratios.items()}
     level = volts[FILTERED]
     given = {name: v for name, v in board.rails_v.items() if name != VEE or board.signal_ground == GND}
     if board.signal_ground == VMID:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from fingertip.board.bringup.pins import HOST
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage
 from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.nets import ENVELOPE, VMID
@@ -40,7 +41,22 @@ def is_direct(name: str) -> bool:
 
 def _from_supply_ground(values: Voltages) -> Voltages:
     ground_v = values[_GROUND]
-    return {name: v + ground_v if is_direct(name) and name != _GROUND else v for name, v in values.items()}
+    return {name: v + ground_v if is_above_signal_ground(name) else v for name, v in values.items()}
+
+
+def _from_signal_ground(values: Voltages) -> Voltages:
+    ground_v = values[_GROUND]
+    return {name: v - ground_v if _is_at_host(name) else v for name, v in values.items()}
+
+
+def is_above_signal_ground(name: str) -> bool:
+    """Return whether a reading is a direct voltage with the black probe at signal ground."""
+    return is_direct(name) and name != _GROUND and not _is_at_host(name)
+
+
+def _is_at_host(name: str) -> bool:
+    """Return whether a reading is a direct voltage at a pin of the output connector, against supply ground."""
+    return name.startswith(f"{HOST.lower()}_") and is_direct(name)
 
 
 def _replace_ground(values: Voltages, ratio: float) -> Voltages:
@@ -50,8 +66,13 @@ def _replace_ground(values: Voltages, ratio: float) -> Voltages:
 _TWO_GROUNDS = (
     Mistake(
         "the direct voltages were taken with the black probe at supply ground (GND) instead of signal ground (TP5)",
-        f"move the black probe to TP5, for all but {_GROUND}, and measure again",
+        f"move the black probe to TP5, for all but {_GROUND} and those at {HOST}, and measure again",
         _from_supply_ground,
+    ),
+    Mistake(
+        f"the direct voltages at {HOST} were taken with the black probe at signal ground (TP5)",
+        "move the black probe to supply ground (GND) for them, and measure again",
+        _from_signal_ground,
     ),
     Mistake(
         f"{_GROUND} was taken with the black probe at TP5 and the red one at supply ground (GND)",

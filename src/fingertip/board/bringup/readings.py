@@ -10,6 +10,7 @@ from typing import Any
 
 from fingertip.board.bringup.bench import TONE_V
 from fingertip.board.bringup.plan import BringUp
+from fingertip.board.nets import VCC
 from fingertip.design.issues import suggest_name
 from fingertip.errors import BoardError, Issue
 from fingertip.toml_files import read_toml
@@ -18,6 +19,9 @@ IDENTITY, TONE = "board", "tone_v"
 UNITS = {"_v": "V", "_ohm": "ohm", "_ma": "mA"}
 MAX_TONE_RATIO = 2.0
 """Largest ratio of the tone to the planned one, either way: more clips, less drowns in the meter's error."""
+
+_SUPPLY_RATIO = 1.1
+"""Largest voltage that is accepted as a reading, in units of the supply."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,13 @@ def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterat
         elif name == TONE and not TONE_V / MAX_TONE_RATIO <= value <= TONE_V * MAX_TONE_RATIO:
             low, high = TONE_V / MAX_TONE_RATIO, TONE_V * MAX_TONE_RATIO
             yield Issue(name, f"{value:g} V is no tone for this test; measure again with {low:g} to {high:g} V RMS.")
+        elif name in plan.voltages and abs(value) > (bound := _SUPPLY_RATIO * plan.board.rails_v[VCC]):
+            volts = value / 1e3
+            remedy = f"write {volts:g} if the meter showed mV" if abs(volts) <= bound else "measure again, or write nan"
+            yield Issue(
+                name,
+                f"{value:g} V cannot be: no voltage of this board exceeds {plan.board.rails_v[VCC]:g} V; {remedy}.",
+            )
         elif math.isinf(value) and not name.endswith("_ohm"):
             yield Issue(name, f"{value} {unit_of(name)} is no reading; write a number, or nan.")
     if not any(n in names and isinstance(v, int | float) and not math.isnan(v) for n, v in tables.items()):

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
-from fingertip.board.bringup.plan import SENSOR_OHM, SUPPLY_MA, BringUp
+from fingertip.board.bringup.plan import OFFSET_SHARE, QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, BringUp
 from fingertip.board.bringup.readings import Readings, unit_of
 
 _HINTS = {
@@ -20,15 +20,19 @@ _HINTS = {
 """Meanings of the readings that are not part of the diagnosis."""
 
 
-def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
-    """Compare readings with their limits and name the likely fault, as plain data."""
+def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None = None) -> dict[str, Any]:
+    """Compare readings with their limits and name the likely fault, as plain data.
+
+    `threshold_v` is that of a detector of the envelope in software [V], if the board has no comparator.
+    """
     limits = plan.all
     rows = [
         {
             "name": name,
             "unit": unit_of(name),
             "measured": value if math.isfinite(value) else None,
-            "expected": _round(limits[name].expected_v),
+            # Beyond a lower limit alone, what a good board reads depends on the amplifiers and on the meter.
+            "expected": _round(limits[name].expected_v) if math.isfinite(limits[name].high_v) else None,
             "limits": [_round(limits[name].low_v), _round(limits[name].high_v)],
             "passed": limits[name].low_v <= value <= limits[name].high_v,
         }
@@ -41,7 +45,7 @@ def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
         "passed": all(row["passed"] for row in rows),
         "readings": rows,
         "missing": [name for name in limits if name not in readings.values],
-        "hints": hints,
+        "hints": hints + _list_notes(readings, threshold_v),
         "likely": [each.fault.sentence for each in diagnosis.likely if each.fault.reference],
         "mistake": diagnosis.mistake.sentence if diagnosis.mistake else None,
         "explained": diagnosis.is_explained,
@@ -49,16 +53,28 @@ def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
     }
 
 
+def _list_notes(readings: Readings, threshold_v: float | None) -> list[str]:
+    """Say where the envelope at rest is large beside the detector's threshold."""
+    volts = readings.values.get(QUIET_ENVELOPE, 0.0)
+    if threshold_v is None or not volts > OFFSET_SHARE * threshold_v:
+        return []
+    return [
+        f"{QUIET_ENVELOPE}: {1e3 * volts:.0f} mV is {100 * volts / threshold_v:.0f} % of detector.threshold_v "
+        f"({1e3 * threshold_v:g} mV): set it to {threshold_v + volts:.3f}, or subtract this level from the envelope."
+    ]
+
+
 def format_assessment(data: dict[str, Any]) -> str:
     """Format an assessment as text, the verdict first."""
     lines = [data["verdict"], *data["hints"], ""]
-    lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':20}")
+    lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':24}")
     for row in data["readings"]:
         measured = "infinite" if row["measured"] is None else f"{row['measured']:.4g}"
         low, high = row["limits"]
         bounds = f"above {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
+        expected = _text(row["expected"], "-")
         mark = "" if row["passed"] else "  FAILS"
-        lines.append(f"{row['name']:20} {measured:>10} {_text(row['expected']):>10}   {bounds:20}{row['unit']:4}{mark}")
+        lines.append(f"{row['name']:20} {measured:>10} {expected:>10}   {bounds:24}{row['unit']:4}{mark}")
     if data["missing"]:
         lines.append(f"not measured: {', '.join(data['missing'])}")
     return "\n".join(lines)
@@ -70,20 +86,23 @@ def _verdict(diagnosis: Diagnosis, count: int, all_passed: bool) -> str:
         return "All readings are within their limits."
     if not diagnosis.failed:
         return "The voltages are within their limits; see the readings that fail."
+    again = f"measure {', '.join(diagnosis.failed)} again"
+    if not diagnosis.likely and count >= MIN_READINGS:
+        return f"No single fault explains this; {again}."
     if not diagnosis.likely:
         needed = f"take at least {MIN_READINGS} voltages for a diagnosis ({count} so far)"
         return f"Readings fail: {', '.join(diagnosis.failed)}; {needed}."
     if not (mistake := diagnosis.mistake):
-        return _name_faults(names, diagnosis.is_explained)
+        return _name_faults(names, diagnosis.is_explained, again)
     said = f"Likely a mistake of the measurement{'' if names else ', and no fault'}: {mistake.sentence}."
     if names:
-        said += f" Together with it: {_name_faults(names, diagnosis.is_explained)}"
+        said += f" Together with it: {_name_faults(names, diagnosis.is_explained, again)}"
     return f"{said} To be sure, {mistake.remedy}."
 
 
-def _name_faults(names: list[str], is_explained: bool) -> str:
+def _name_faults(names: list[str], is_explained: bool, again: str) -> str:
     if not is_explained:
-        return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or measure again."
+        return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or {again}."
     if len(names) == 1:
         return f"Likely fault: {names[0]}."
     return (
@@ -96,5 +115,5 @@ def _round(value: float) -> float | None:
     return float(f"{value:.5g}") if math.isfinite(value) else None
 
 
-def _text(value: float | None) -> str:
-    return "infinite" if value is None else f"{value:.4g}"
+def _text(value: float | None, missing: str) -> str:
+    return missing if value is None else f"{value:.4g}"

@@ -7,15 +7,39 @@ from collections.abc import Iterable
 
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
+from fingertip.board.bringup.hidden import list_hidden_faults, list_unsimulated
 from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
-from fingertip.board.bringup.places import FRONT, find_end, find_widest
-from fingertip.board.bringup.plan import NEGATIVE_OHM, QUIET, SENSOR_OHM, SLIP_TONE, SUPPLY_MA, SUPPLY_OHM, BringUp
-from fingertip.board.bringup.prediction import list_levels, name_tone, name_voltage
+from fingertip.board.bringup.pins import (
+    HOST,
+    METER_OHM,
+    TOP_HZ,
+    attenuate_tones,
+    has_tone,
+    largest_drop_v,
+    list_output_pins,
+)
+from fingertip.board.bringup.places import FRONT, find_end, find_pin_1_end, find_widest
+from fingertip.board.bringup.plan import (
+    NEGATIVE_OHM,
+    OFFSET_SHARE,
+    QUIET,
+    QUIET_ENVELOPE,
+    SENSOR_OHM,
+    SLIP_TONE,
+    SUPPLY_MA,
+    SUPPLY_OHM,
+    BringUp,
+)
+from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
+from fingertip.board.bringup.wiring import list_pins as list_connector_pins
 from fingertip.board.circuit import format_component_value
 from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.kicad.symbols import LOCKING_CONNECTORS
 from fingertip.board.layout.placement import Placement
 from fingertip.board.nets import (
+    ADC_ENVELOPE,
+    ADC_FILTERED,
+    ADC_TACTILE,
     ENVELOPE,
     FILTERED,
     GND,
@@ -24,7 +48,9 @@ from fingertip.board.nets import (
     STAGE1_OUT,
     STAGE2_MID,
     TACTILE,
+    VCC,
     VMID,
+    VMID_OUT,
 )
 from fingertip.board.readme_parts.offset import trimming_procedure
 from fingertip.board.variants import find_configuration
@@ -52,6 +78,13 @@ _MEANINGS = {
     REFERENCE: "R12, R13",
 }
 """Parts that a constant voltage depends on."""
+_OUTPUT_PARTS = {
+    ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
+    ADC_FILTERED: "R27, D5; C25 bridged",
+    ADC_ENVELOPE: "R7, D2; C8 bridged",
+    VMID_OUT: "R24",
+}
+"""Parts between a test point and its pin of J3."""
 
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
@@ -84,7 +117,8 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
             ]
         ),
         "## Where there is no test point",
-        FRONT,
+        f"{FRONT} Not every part has its reference printed beside it: the assembly drawing, `fab/"
+        f"{board.circuit.name}_assembly.pdf` of `--fab`, shows all of them. {_warn_of_fiducials(placement)}",
         _table(("net", "place"), _list_places(plan, placement)),
         "## Wiring",
         f"![Wiring of sensor, supply and controller]({wiring})",
@@ -93,10 +127,11 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         "## 1. Look",
         _bullets(_list_looks(plan)),
         "## 2. Ohmmeter, without power",
-        _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan)),
+        _table(("reading", "where", "expected", "accept", "else"), _list_resistances(plan, placement)),
         "Wait until the reading stands still: it charges the capacitors. The amplifiers lie in parallel with the "
-        "resistors: a meter may read less than the resistors alone would give, and something else with its probes "
-        "exchanged.",
+        "resistors: a meter may read less than the resistors alone would give. With the red probe at plus expect "
+        "kilohms or more. With the probes exchanged the meter drives the diodes of the amplifiers: it reads less, and "
+        "0.4 to 0.7 V on its diode range. That is no short.",
         "## 3. First power",
         f"Nothing at J1 and J3. {_describe_reversal(plan)}",
         _table(
@@ -113,23 +148,29 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         "## 4. Voltages",
         f"Black probe at {ground}. First with J1 open, then with each resistor in the sensor's place.",
         _table(("reading", "red probe", "expected", "accept", "depends on"), _list_voltages(plan, placement)),
-        "## 5. Tone",
+        "## 5. Outputs",
+        _describe_outputs(plan, placement),
+        _table(("reading", "red probe", "expected", "accept", "depends on"), _list_outputs(plan)),
+        "## 6. Tone",
         f"{_ohm(light)} at J1. Set the tone to {TONE_V:g} V RMS, measured at the generator while it is connected; the "
         "file takes another value too. Meter at alternating voltage, except where direct voltage is stated.",
         _table(("reading", "tone", "red probe", "expected", "accept"), _list_tones(plan, placement)),
         f"The filter passes {high:g} Hz and stops what is well below {middle:g} Hz, so the readings must rise from "
-        f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}",
-        "## 6. Quiet",
+        f"{low:g} Hz to {high:g} Hz. {_warn_of_range(low)}".rstrip(),
+        *_describe_output_tones(plan),
+        "## 7. Quiet",
         "The tone off, the resistor still at J1, with the cables as long as in the hand.",
         _table(
             ("reading", "where", "expected", "accept", "else"),
             [_row(plan, QUIET, "TP3, alternating", "hum or oscillation: shorten and twist the wires, try a battery")],
         ),
-        "## 7. Threshold",
+        "## 8. Threshold",
         _describe_threshold(plan, values, design),
         "## When a reading fails",
         "Fill in what you have: three voltages are enough for a diagnosis, more tell more faults apart.",
         "    fingertip board DESIGN --readings FILE",
+        "## What no reading reveals",
+        _describe_hidden(plan),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -171,9 +212,13 @@ def _list_looks(plan: BringUp) -> list[str]:
     return looks
 
 
-def _list_resistances(plan: BringUp) -> list[tuple[str, ...]]:
+def _list_resistances(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
     # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
-    where = "C10: between its ends" if _is_protected(plan) else "J2: plus to ground"
+    if _is_protected(plan):
+        plus = find_end(plan.board.circuit, placement, "C10", VCC)
+        where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
+    else:
+        where = "J2: red probe at plus, black at ground"
     rows = [_row(plan, SUPPLY_OHM, where, "a short: do not apply power")]
     if NEGATIVE_OHM in plan.before_power:
         rows.append(_row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power"))
@@ -191,17 +236,63 @@ def _list_voltages(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]
 
 def _list_tones(plan: BringUp, placement: Placement) -> list[tuple[str, ...]]:
     high = plan.board.bench.tones_hz[-1]
+    rows: list[tuple[str, ...]] = []
     found = [*list_levels(plan.board.bench), (ENVELOPE, high)]
     if name_tone(RECT_OUT, high) in plan.levels:
         found.append((RECT_OUT, high))
+    for net, hz in found:
+        where = _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else "")
+        rows.append((f"`{name_tone(net, hz)}`", f"{hz:g} Hz", where, *_figures(plan.all[name_tone(net, hz)], "V")))
+    for pin in filter(has_tone, list_output_pins(plan.board.circuit)):
+        where = f"{pin.letter} at {HOST}, alternating"
+        rows.append((f"`{pin.tone_name}`", f"{TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")))
+    return rows
+
+
+def _describe_outputs(plan: BringUp, placement: Placement) -> str:
+    """Say where the pins of J3 are, and by how much they may differ from their test points."""
+    pins, circuit = list_output_pins(plan.board.circuit), plan.board.circuit
+    drop_v = largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()})
+    points = ", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in pins)
+    return (
+        f"J1 open again. Black probe at supply ground, red probe at the legs of {HOST}: pin 1 is its "
+        f"{find_pin_1_end(circuit, placement, HOST)} end. A probe that bridges two legs does no harm: a resistor lies "
+        f"ahead of each signal. Each pin equals its test point ({points}), measured from supply ground too, within "
+        f"{1e3 * (drop_v + 2.0 * METER_DC[1]):.0f} mV: a meter of {METER_OHM / 1e6:g} Mohm takes up to "
+        f"{1e3 * drop_v:.1f} mV in the resistors ahead, and may be off by {1e3 * METER_DC[1]:g} mV in both readings."
+    )
+
+
+def _list_outputs(plan: BringUp) -> list[tuple[str, ...]]:
+    circuit = plan.board.circuit
+    pins = {pin.net: pin for pin in list_output_pins(circuit)}
+    rows = []
+    for number, net in list_connector_pins(circuit, circuit.component(HOST)):
+        if net in pins:
+            where = f"{pins[net].letter}, pin {number}"
+            rows.append(_row(plan, pins[net].constant_name, where, _OUTPUT_PARTS[net]))
+    return rows
+
+
+def _describe_output_tones(plan: BringUp) -> list[str]:
+    """Describe how much of the filtered signal's tone its pin has."""
     return [
-        (
-            f"`{name_tone(net, hz)}`", f"{hz:g} Hz",
-            _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else ""),
-            *_figures(plan.all[name_tone(net, hz)], "V"),
-        )
-        for net, hz in found
-    ]  # fmt: skip
+        f"At {TOP_HZ:g} Hz {HOST} pin {letter} has {100.0 * ratio:.0f} % of the tone at TP3: R27 and C25 take the rest."
+        for name, ratio in attenuate_tones(plan.board.circuit).items()
+        for letter in [name.split("_")[1].upper()]
+    ]
+
+
+def _describe_hidden(plan: BringUp) -> str:
+    """Name the faults that the readings cannot show."""
+    items = [f"{what.capitalize()}: {_join(references)}." for what, references in list_hidden_faults(plan).items()]
+    return _bullets(
+        [
+            *items,
+            f"Missing: {_join(list_unsimulated(plan))}, which clamp the outputs.",
+            "Values that are off by less than the limits allow, and everything at frequencies above those measured.",
+        ]
+    )
 
 
 def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
@@ -228,6 +319,11 @@ def _list_places(plan: BringUp, placement: Placement) -> list[tuple[str, str]]:
     return places
 
 
+def _warn_of_fiducials(placement: Placement) -> str:
+    count = len(placement.fiducials)
+    return f"The {count} ringed dots of bare copper are fiducials, marks for the assembly: nothing is connected there."
+
+
 def _warn_of_range(low_hz: float) -> str:
     if low_hz >= 40.0:
         return ""
@@ -237,9 +333,20 @@ def _warn_of_range(low_hz: float) -> str:
 def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> str:
     levels = values.comparator_levels
     if SLIP_TONE not in plan.others or levels is None:
-        return (
+        text = (
             "The threshold of this board lies in the detector's software: `fingertip detect` states it. Press the "
             "sensor, stroke it, and look at the recorded signal."
+        )
+        if values.output_offset is None:
+            return text
+        threshold_mv = 1e3 * design.detector.threshold_v
+        level = f"{'E minus M' if plan.board.signal_ground == VMID else 'E'} at {HOST}"
+        return (
+            f"{text}\n\nA detector of the envelope compares it with `detector.threshold_v` ({threshold_mv:g} mV) and "
+            f"subtracts no offset, while a good board may read up to {1e3 * plan.levels[QUIET_ENVELOPE].high_v:.0f} mV "
+            f"at TP4. With the sensor at J1, untouched, and the ADC connected, measure {level} and add it to "
+            f"`detector.threshold_v`. `--readings` says so where `{QUIET_ENVELOPE}` exceeds "
+            f"{100 * OFFSET_SHARE:.0f} % of the threshold."
         )
     hz, high_v = plan.board.bench.tones_hz[-1], 0.8 * design.board.supply_v
     row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")
@@ -248,7 +355,7 @@ def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> s
         "RV1 at its midpoint, the tone off. SLIP must be above "
         f"{high_v:.1f} V. If it is not, turn RV1 anticlockwise until it is. Raise the tone from 0 until SLIP falls, "
         f"and note the tone. Lower the tone: SLIP must rise again at about {100 * levels.off_v / levels.on_v:.0f} % of "
-        f"it. If SLIP never falls, or never rises, check R18 to R21 and U4.\n\n{table}\n\n## 8. "
+        f"it. If SLIP never falls, or never rises, check R18 to R21 and U4.\n\n{table}\n\n## 9. "
         f"Trim\n\n{trimming_procedure(levels, values, design)}"
     )
 

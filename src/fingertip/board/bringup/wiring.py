@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.sax.saxutils import escape
 
-from fingertip.board.circuit import Circuit, Component
+from fingertip.board.circuit import Circuit, Component, parse_component_value
 from fingertip.board.circuits.signal_paths import SLIP
 from fingertip.board.kicad.symbols import AO3401A, LOCKING_CONNECTORS
 from fingertip.board.nets import (
@@ -24,6 +24,7 @@ from fingertip.board.nets import (
     VMID_OUT,
 )
 from fingertip.board.parts.mating import group_plug_wires
+from fingertip.board.readme_parts.signals import NEEDED_PINS
 
 SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
 MOUNTING_PIN = "MP"
@@ -130,11 +131,20 @@ def list_pins(circuit: Circuit, connector: Component) -> list[tuple[str, str]]:
 def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
     locking = circuit.component(HOST_CONNECTOR).footprint in LOCKING_CONNECTORS
-    yield "Pin 1 has a dot beside it." if locking else "Pin 1 is the square one."
+    if locking:
+        yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
+        yield "J3 is drawn with pin 1 on top. On the board pin 1 is the lower end, and T the lowest letter."
+    else:
+        yield "Pin 1 is the square one."
     nets = dict(list_pins(circuit, circuit.component(SENSOR_CONNECTOR)))
     yield "The sensor's wires may be exchanged."
     if nets["2"] == VMID:
-        yield "Pin 2 of J1 is at signal ground, half of the supply: keep it off supply ground and grounded metal."
+        upper_ohm, lower_ohm = (parse_component_value(circuit.component(r).value) for r in ("R22", "R23"))
+        ratio = lower_ohm / (upper_ohm + lower_ohm)
+        yield (
+            f"Pin 2 of J1 is at signal ground, {ratio * supply_v:.2f} V ({ratio:.3g} of the supply): keep it off "
+            "supply ground and grounded metal."
+        )
     if any(component.symbol == AO3401A for component in circuit.components):
         yield "A reversed supply does no harm: Q1 blocks it. Nothing protects against a voltage that is too high."
     else:
@@ -142,6 +152,8 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
     if VMID_OUT in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
+    if ADC_FILTERED in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
+        yield NEEDED_PINS.replace("`", "")
     for wire, references in group_plug_wires(circuit).items():
         yield f"Wires of {' and '.join(references)} ({wire.series} plug): {wire.description}."
     if locking:

@@ -11,13 +11,14 @@ import re
 from dataclasses import dataclass
 
 from fingertip.board.circuit import Circuit, Component
-from fingertip.board.fabrication.bom import format_csv, list_bom, purchased_components
+from fingertip.board.fabrication.bom import BomLine, format_csv, list_bom, purchased_components
 from fingertip.board.kicad.footprints import FOOTPRINTS, Point
 from fingertip.board.layout.placement import Placement, rotate_offset
 from fingertip.board.parts.table import read_rows
 
 ASSEMBLY_BOM, ASSEMBLY_PLACEMENT = "bom_assembly.csv", "placement_assembly.csv"
-BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #")
+BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer")
+"""The four columns that the house reads, and the number to search for where the fourth is empty."""
 PLACEMENT_COLUMNS = ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
 
 
@@ -45,12 +46,34 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
     what to buy. The lines are those of `bom.csv`, without pin headers.
     """
     rows = []
-    for line in list_bom(circuit):
-        if is_assembled(line.components[0]):
-            has_type_name = line.references[0].rstrip("0123456789") not in ("R", "C", "RV")
-            comment = line.value if has_type_name else f"{line.value}, {line.rating}"
-            rows.append((comment, ",".join(line.references), line.footprint, line.selection.fields["LCSC"]))
+    for line in _list_assembled(circuit):
+        fields = line.selection.fields
+        has_type_name = line.references[0].rstrip("0123456789") not in ("R", "C", "RV")
+        comment = line.value if has_type_name else f"{line.value}, {line.rating}"
+        numbers = (fields["LCSC"], fields["MPN"], fields["Manufacturer"])
+        rows.append((comment, ",".join(line.references), line.footprint, *numbers))
     return format_csv(BOM_COLUMNS, rows)
+
+
+def missing_numbers_note(circuit: Circuit) -> str:
+    """Describe the lines of the assembly's bill of materials without an LCSC number; empty if all have one."""
+    lines = _list_assembled(circuit)
+    missing = [line for line in lines if not line.selection.fields["LCSC"]]
+    if not missing:
+        return ""
+    named = ", ".join(
+        f"{' '.join(line.references)} ({line.selection.fields['MPN'] or f'{line.value}, no number known'})"
+        for line in missing
+    )
+    have = "has" if len(missing) == 1 else "have"
+    return (
+        f"{len(missing)} of {len(lines)} lines {have} no LCSC number in `{ASSEMBLY_BOM}`: {named}. Search for the "
+        "manufacturer's number at the assembly house, order the part there, or solder it yourself."
+    )
+
+
+def _list_assembled(circuit: Circuit) -> list[BomLine]:
+    return [line for line in list_bom(circuit) if is_assembled(line.components[0])]
 
 
 def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:

@@ -8,6 +8,10 @@ from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.footprints import SILK_CLEARANCE_MM, SILK_LINE_MM, TEXT_HEIGHT_MM
 from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
 
+REVISION = "2"
+"""Revision of the boards: higher where parts, nets or copper have changed."""
+BOARD_THICKNESS_MM = 1.6
+COPPER_OZ = 1.0
 CLEARANCE_MM = 0.15
 POUR_CLEARANCE_MM = 0.2
 """Clearance of the ground pour from other copper."""

@@ -23,7 +23,7 @@ from fingertip.board.kicad.footprints import (
     pad_corner_ratio,
 )
 from fingertip.board.kicad.models import MODEL_VARIABLE, has_model, model_path
-from fingertip.board.kicad.project import POUR_CLEARANCE_MM, VIA_DRILL_MM, VIA_MM
+from fingertip.board.kicad.project import BOARD_THICKNESS_MM, POUR_CLEARANCE_MM, REVISION, VIA_DRILL_MM, VIA_MM
 from fingertip.board.kicad.sexpr import Expression, format_expression, number, quote
 from fingertip.board.kicad.uuids import component_uuid, named_uuid
 from fingertip.board.layout.back_print import back_print
@@ -37,9 +37,6 @@ PAGE_OFFSET_MM = (100.0, 80.0)
 CORNER_RADIUS_MM = 2.0
 EDGE_CLEARANCE_MM = 0.35
 """Clearance of copper from the edge of the board."""
-BOARD_THICKNESS_MM = 1.6
-REVISION = "2"
-"""Revision of the layouts, printed on the back."""
 
 _COPPER_LAYERS = ("F.Cu", "B.Cu")
 _LAYERS = (

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
 from fingertip.board.board_values import BoardValues
 from fingertip.board.circuit import Circuit
-from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations
+from fingertip.board.fabrication.assembly import find_rotation, is_assembled, load_rotations, missing_numbers_note
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.symbols import CAPACITOR, RESISTOR
 from fingertip.board.parts.table import load_sources
@@ -19,8 +21,7 @@ _NO_DIRECTION = (RESISTOR, CAPACITOR)
 def ordering_notes(circuit: Circuit, values: BoardValues, design: Design) -> list[str]:
     """Notes on what to buy, and on what nobody has checked."""
     return [
-        "Use 0.1 % resistors in the bridge (R10 to R13): an error of 1 % in one of them shifts the tactile voltage by "
-        "about 0.1 V.",
+        *_precision_notes(circuit, values, design.board.supply_v),
         "C1 to C4 are in the signal path, and their capacitances set the cutoffs. `bom.csv` specifies C0G up to 100 nF "
         "and X7R above, because C0G capacitors of size 1206 end there, and the tolerance that is sold or that "
         "`board.capacitor_tolerance_percent` states. X7R capacitors of 5 %, as the article's, are rarely in stock; "
@@ -31,10 +32,36 @@ def ordering_notes(circuit: Circuit, values: BoardValues, design: Design) -> lis
         "Part numbers are copied from the sources that `bom.csv` names, and nobody checked what is in stock. Those of "
         "resistors without an LCSC number follow the maker's ordering code; whether every value is made was not "
         "checked. Compare the assembly house's preview of each part with its rating in `bom.csv`.",
+        *filter(None, [missing_numbers_note(circuit)]),
         _rotation_note(circuit),
         "Nobody has built this board yet. It passes KiCad's electrical and design rules checks, and ngspice "
         "simulations agree with the formulas.",
     ]
+
+
+def _precision_notes(circuit: Circuit, values: BoardValues, supply_v: float) -> list[str]:
+    """Say what an error of the bridge's resistors does, and why others are as precise."""
+    bridge = values.bridge
+    names = ("sensor_top_ohm", "sensor_shunt_ohm", "reference_top_ohm", "reference_bottom_ohm")
+    idle_v = bridge.tactile_v(0.0, supply_v)
+    changed = [replace(bridge, **{name: 1.01 * getattr(bridge, name)}) for name in names]
+    largest_v = max(abs(each.tactile_v(0.0, supply_v) - idle_v) for each in changed)
+    notes = [
+        "Use 0.1 % resistors in the bridge (R10 to R13): an error of 1 % in one of them shifts the tactile voltage by "
+        f"up to {largest_v:.2f} V."
+    ]
+    reasons = {
+        "R14": "sets the gain of the bridge's amplifier",
+        "R22": "sets signal ground with R23",
+        "R25": "sets the bridge's supply with R26",
+    }
+    precise = {c.reference for c in circuit.components if c.requirement and c.requirement.tolerance_percent <= 0.1}
+    listed = [f"{reference} {reason}" for reference, reason in reasons.items() if reference in precise]
+    if listed:
+        notes.append(
+            f"These are 0.1 % too, because T is calibrated once and must not drift with them: {'; '.join(listed)}."
+        )
+    return notes
 
 
 def _rotation_note(circuit: Circuit) -> str:

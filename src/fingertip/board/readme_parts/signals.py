@@ -17,6 +17,8 @@ from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.amplifier_stages import DIODE_V
 
+NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
+"""Outputs that a controller samples, by what it runs."""
 MAX_PIN_LEAK_V = 1e-3
 """Shift by an ADC's leakage current for which that current is stated [V]."""
 
@@ -46,10 +48,13 @@ def signal_notes(values: BoardValues, design: Design) -> list[str]:
             "`precision` and `comparator` do not do this."
         )
     else:
+        up, down = (f"{volts:.1f}" for volts in (limits.filter_peak_v, limits.filter_trough_v))
+        swings = f"{up} V up and down" if up == down else f"{up} V up and {down} V down"
+        first = "" if up == down else f", {'downwards' if float(down) < float(up) else 'upwards'} first"
         swing = (
             f"The amplifiers are {amplifier}, with rail-to-rail inputs and outputs. The filtered signal swings "
-            f"{limits.filter_peak_v:.1f} V up and down (typical, into 10 kohm): it clips vibrations of more than "
-            f"{vibration_mv:.0f} mV (peak, where the gain is largest) in the tactile voltage."
+            f"{swings} (typical, into 10 kohm): it clips vibrations of more than {vibration_mv:.0f} mV (peak, where "
+            f"the gain is largest) in the tactile voltage{first}."
         )
     adc_range = describe_adc_range(limits)
     notes = [
@@ -114,6 +119,7 @@ def _controller_notes(values: BoardValues, design: Design) -> list[str]:
     supply_v, detector, aliasing = design.board.supply_v, design.detector, values.aliasing
     filtered_gain = aliasing.filtered_gain or 1.0
     return [
+        NEEDED_PINS,
         f"S is the filtered signal ahead of the rectifier, centred at M ({values.voltage_limits.signal_ground_v:.2f} "
         f"V), with the pole of R27 and C25 and the clamp D5. From T to S the gain is {filtered_gain:.1f} at most: a "
         f"step of the ADC ({1e3 * detector.adc_step_v:.2g} mV) is {1e6 * detector.adc_step_v / filtered_gain:.2g} uV "

@@ -595,7 +595,7 @@ def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
     assert done.exit_code == 0
     assert done.stderr.count("warning: the voltages come in steps of 4.88 mV") == 1
     fine = run("detect", "-", "--json", lines="time_s,voltage_v\n" + rows(times, volts=np.tile(V, 3)))
-    assert fine.stderr == ""
+    assert fine.stderr == "detector digital, on voltage_v\n"
 
 
 def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:

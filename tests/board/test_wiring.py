@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from itertools import combinations
+from operator import itemgetter
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,7 +14,7 @@ from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.board.layout.placement import place_pads
+from fingertip.board.layout.placement import load_placement, place_pads
 from fingertip.board.output import BRING_UP, WIRING
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from tests.designs import ARTICLE, load_article
@@ -68,13 +69,24 @@ def test_every_pin_of_the_netlist_has_its_wire(name: str) -> None:
                 pins[reference][int(pin)] = next(children(net, "name"))[1].removeprefix("/")
     host = [pins["J3"][pin] for pin in sorted(pins["J3"])]
     found = rows(root, 500.0, 900.0)
-    assert [(texts[1], texts[2]) for _, texts in sorted(found.items())] == [
+    assert [(texts[-2], texts[-1]) for _, texts in sorted(found.items())] == [
         (str(i), FAR_ENDS[net]) for i, net in enumerate(host, start=1)
     ]
     volts = {"VCC": f"+{supply_v:g} V", "POWER_IN": f"+{supply_v:g} V", "GND": "ground", "VEE": f"-{supply_v:g} V"}
     supply = [volts[pins["J2"][pin]] for pin in sorted(pins["J2"])]
     left = [(texts[0], texts[1]) for _, texts in sorted(rows(root, 0.0, 500.0).items())]
     assert left == [("either wire", "1"), ("either wire", "2"), *((v, str(i)) for i, v in enumerate(supply, start=1))]
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_marks_are_those_that_the_board_prints_beside_the_pins(name: str) -> None:
+    circuit, root, _ = draw(name)
+    printed = [text for text in load_placement(name).texts if len(text[0]) == 1 or text[0] == "SLIP"]
+    middle = 20.0
+    supply = [text for text, x, y in sorted(printed, key=itemgetter(2)) if x < middle]
+    assert [texts[2] for _, texts in sorted(rows(root, 0.0, 500.0).items())][2:] == supply
+    marks = [texts[0] for _, texts in sorted(rows(root, 500.0, 900.0).items()) if len(texts) > 2]
+    assert sorted(marks) == sorted(text for text, x, y in printed if x > middle)
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)

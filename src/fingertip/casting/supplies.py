@@ -50,7 +50,7 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
         "polyimide tape over the sensor (no masking tape)", "strip of polyimide tape", _size_cover(data["fit"])
     )
     if seat:
-        size = f"{_size_seat(seat)}, and {seat['thickness_mm']:g} mm thick for the seat"
+        size = f"{_size_seat(seat)}, {seat['thickness_mm']:g} mm thick"
         yield Supply("polyimide tape for the seat", "turn of polyimide tape", size)
     if uses_adhesive(data):
         yield Supply(ADHESIVE, ADHESIVE, "alkoxy; none that smells of vinegar, none with tin")

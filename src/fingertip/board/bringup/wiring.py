@@ -6,7 +6,7 @@ Pins and nets are those of the circuit's connectors. Each pin has one row, and e
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
 from fingertip.board.circuit import Circuit, Component, parse_component_value
@@ -59,12 +59,12 @@ _SENSOR = Signal("FSR", "either wire", _GREEN)
 
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
     """Name the nets at the connectors of supply and controller, of a board with this supply [V]."""
-    is_for_controller = ADC_FILTERED in {net.name for net in circuit.nets}
+    is_for_controller = _is_for_controller(circuit)
     plus = Signal("+", f"+{supply_v:g} V", _RED)
     return {
         VCC: plus,
         POWER_IN: plus,
-        GND: Signal("0", "ground", _BLACK),
+        GND: Signal("" if is_for_controller else "0", "ground", _BLACK),
         VEE: Signal("-", f"-{supply_v:g} V", _BLUE),
         ADC_TACTILE: Signal("T", "analog in: tactile voltage", _BLUE),
         ADC_FILTERED: Signal("S", "analog in: filtered signal", _BLUE),
@@ -72,6 +72,19 @@ def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
         VMID_OUT: Signal("M", "analog in: signal ground", _GREEN),
         SLIP: Signal("SLIP" if is_for_controller else "S", "digital in: slip, active low", _RED),
     }
+
+
+def _name_supply_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
+    """Name the nets at the supply's connector, where ground is marked as the negative pole of a single supply."""
+    signals = name_signals(circuit, supply_v)
+    if VEE in {net.name for net in circuit.nets}:
+        return signals
+    return signals | {GND: replace(signals[GND], print="-")}
+
+
+def _is_for_controller(circuit: Circuit) -> bool:
+    """Return whether the board gives its filtered signal to a controller; grounds between its pins have no mark."""
+    return ADC_FILTERED in {net.name for net in circuit.nets}
 
 
 def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
@@ -87,7 +100,7 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
         Name of the design.
     """
     sensor, supply, host = (circuit.component(r) for r in (SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR))
-    signals = name_signals(circuit, supply_v)
+    signals, supply_signals = name_signals(circuit, supply_v), _name_supply_signals(circuit, supply_v)
     top = 2 * _MARGIN + _SIZE
     left_heights = [_height(circuit, part) for part in (sensor, supply)]
     host_height = _height(circuit, host)
@@ -104,7 +117,7 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
         _box(_BOARD_LEFT, top, _BOARD_RIGHT - _BOARD_LEFT, board_height, "#eef4ee", _GREEN),
         _text((_BOARD_LEFT + _BOARD_RIGHT) / 2, top + 26, "slip-filter board", anchor="middle", weight="bold"),
         *_connector(circuit, sensor, {}, left_top, "sensor", is_left=True),
-        *_connector(circuit, supply, signals, left_top + left_heights[0] + _GAP, "supply", is_left=True),
+        *_connector(circuit, supply, supply_signals, left_top + left_heights[0] + _GAP, "supply", is_left=True),
         *_connector(circuit, host, signals, host_top, _name_host(circuit), is_left=False),
         *(
             _text(_MARGIN, top + board_height + _GAP + _LINE * i + _SIZE, note, colour=_GREY)
@@ -191,7 +204,8 @@ def _connector(
         near, far = (plug_left + 12, plug_left + _PLUG - 12) if is_left else (plug_left + _PLUG - 12, plug_left + 12)
         sides = ("start", "end") if is_left else ("end", "start")
         yield _text(near, base, number, anchor=sides[0])
-        yield _text(far, base, signal.print, anchor=sides[1], colour=_GREY)
+        if signal.print:
+            yield _text(far, base, signal.print, anchor=sides[1], colour=_GREY)
         if is_left:
             yield _text(device_left + device_width - 12, base, signal.far_end, anchor="end")
         else:

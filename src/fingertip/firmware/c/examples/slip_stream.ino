@@ -1,7 +1,8 @@
-// Streams samples over USB as lines of CSV, for `fingertip detect -` on the computer:
+// Streams samples over USB as lines of CSV, for `fingertip detect -` on the computer. `design.toml` is the
+// design that the board was made from:
 //
 //   stty -F /dev/ttyACM0 2000000 raw -echo
-//   fingertip detect - --detector fast --design DESIGN < /dev/ttyACM0
+//   fingertip detect - --detector fast --design design.toml < /dev/ttyACM0
 //
 // The header is repeated each second, so reading may begin at any time.
 // A timer interrupt takes the samples and stores them; loop() writes them, and runs the detector, whose longest step a

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TypeVar
 
 import hypothesis
 import pytest
@@ -26,13 +27,22 @@ ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
 
 
+Case = TypeVar("Case")
+
 FULL = bool(os.environ.get("FINGERTIP_FULL"))
 """True in `.ci/full`, where long tests take every bundled design."""
 
 
-def some_of(names: Iterable[str], *kept: str) -> list[str]:
-    """Select the designs of a long test: those kept, or every one in `.ci/full`."""
-    return [name for name in names if FULL or name in kept]
+def pytest_collection_modifyitems(items: Iterable[pytest.Item]) -> None:
+    """Leave out the tests that are marked `thorough` outside `.ci/full`."""
+    for item in () if FULL else items:
+        if item.get_closest_marker("thorough"):
+            item.add_marker(pytest.mark.skip(reason="thorough: FINGERTIP_FULL=1 runs it, as .ci/full does"))
+
+
+def some_of(cases: Iterable[Case], *kept: Case) -> list[Case]:
+    """Select the cases of a long test: those kept, or every one in `.ci/full`."""
+    return [case for case in cases if FULL or case in kept]
 
 
 def run_python(*arguments: str, given: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -80,9 +90,9 @@ def design_file(name: str) -> Path:
     return ROOT / "params" / f"{name}.toml"
 
 
-@pytest.fixture(scope="session", params=DESIGNS)
+@pytest.fixture(scope="session", params=some_of(DESIGNS, "fsr400", "fsr400_compact"))
 def design(request: pytest.FixtureRequest) -> Design:
-    """Each bundled design in turn."""
+    """Each bundled design in turn, of which two stand for all outside `.ci/full`."""
     return Design.load(design_file(request.param))
 
 

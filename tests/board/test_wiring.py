@@ -80,13 +80,13 @@ def test_every_pin_of_the_netlist_has_its_wire(name: str) -> None:
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_marks_are_those_that_the_board_prints_beside_the_pins(name: str) -> None:
-    circuit, root, _ = draw(name)
+    _, root, _ = draw(name)
     printed = [text for text in load_placement(name).texts if len(text[0]) == 1 or text[0] == "SLIP"]
     middle = 20.0
-    supply = [text for text, x, y in sorted(printed, key=itemgetter(2)) if x < middle]
+    supply = [text for text, x, _ in sorted(printed, key=itemgetter(2)) if x < middle]
     assert [texts[2] for _, texts in sorted(rows(root, 0.0, 500.0).items())][2:] == supply
     marks = [texts[0] for _, texts in sorted(rows(root, 500.0, 900.0).items()) if len(texts) > 2]
-    assert sorted(marks) == sorted(text for text, x, y in printed if x > middle)
+    assert sorted(marks) == sorted(text for text, x, _ in printed if x > middle)
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)

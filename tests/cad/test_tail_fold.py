@@ -61,9 +61,9 @@ def test_finger_is_short_and_passes_all_mesh_checks(name: str, changes: list[str
     "changes",
     [
         [],
-        ["mold.method=sleeve"],
-        ["bone.interface=flange", "bone.base_length_mm=14"],
-        ["bone.interface=socket", "bone.base_length_mm=18.5"],
+        pytest.param(["mold.method=sleeve"], marks=pytest.mark.thorough),
+        pytest.param(["bone.interface=flange", "bone.base_length_mm=14"], marks=pytest.mark.thorough),
+        pytest.param(["bone.interface=socket", "bone.base_length_mm=18.5"], marks=pytest.mark.thorough),
         ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.4"],
     ],
 )

@@ -275,6 +275,7 @@ def test_validate_writes_results_and_assumptions(validated):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     for module in (plots, trial_plots):  # drawn by the test above
         monkeypatch.setattr(module, "to_png", lambda figure: b"")

@@ -16,7 +16,7 @@ from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import PART_RULES, RULES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.errors import DesignError, TomlFileError
-from tests.conftest import FULL, design_file
+from tests.conftest import design_file
 
 SHAPE = (
     "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm",
@@ -88,7 +88,7 @@ def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
         find_hand(tmp_path / "h.toml")
 
 
-@pytest.mark.skipif(not FULL, reason="takes minutes: FINGERTIP_FULL=1 runs it, as .ci/full does")
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_half_of_the_fingers_near_a_preset_are_accepted() -> None:
     """All that is measured on finger and hand is drawn within 20 % of a preset; the rest is fitted."""

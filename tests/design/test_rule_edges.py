@@ -20,13 +20,11 @@ from fingertip.design.parameters.design_tables import PARAMETERS
 from fingertip.design.rules import ELECTRONIC_RULES, RULES
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.errors import DesignError, Issue
-from tests.conftest import FULL
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
 from tests.design.remedies import as_changes, read_remedy
 from tests.design.test_rules import CASES
 from tests.designs import ARTICLE_CHANGES
 
-LONG = pytest.mark.skipif(not FULL, reason="takes minutes: FINGERTIP_FULL=1 runs it, as .ci/full does")
 ROUNDING = 1e-5
 """Twice the slack of the rules, and rounding errors beside."""
 MORE_CASES = (
@@ -157,7 +155,7 @@ def test_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs([("skin.length_mm", "skin.tip_length_mm"), *random.Random(0).sample(same_unit, 60)])
 
 
-@LONG
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_all_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs(list_equal_pairs())
@@ -193,7 +191,7 @@ def test_bounds_in_pairs_raise_no_exception(rule: Rule) -> None:
         check_rules(DEFAULTS.with_values(row))
 
 
-@LONG
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
@@ -203,7 +201,7 @@ def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
         check_typed_remedies(base.with_values(row))
 
 
-@LONG
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_bounds_of_all_parameters_in_pairs_have_remedies_that_pass() -> None:
     for row in make_covering_array(list_levels()):

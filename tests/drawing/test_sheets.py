@@ -157,6 +157,7 @@ def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     require_module("reportlab")
     written = []

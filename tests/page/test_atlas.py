@@ -25,7 +25,7 @@ from fingertip.page.atlas import (
     list_changes,
 )
 from fingertip.page.atlas_page import render_atlas
-from tests.conftest import FULL, run_fingertip
+from tests.conftest import run_fingertip
 from tests.page.conftest import Page
 
 
@@ -128,7 +128,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     assert "is a folder" in done.stderr
 
 
-@pytest.mark.skipif(not FULL, reason="takes minutes: FINGERTIP_FULL=1 runs it, as .ci/full does")
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_every_parameter_that_shapes_a_part_is_drawn(design: Design) -> None:
     """All have a picture, on this design or another, but the one of which no bundled design takes both values."""

@@ -25,7 +25,7 @@ from fingertip.page.render import ARTICLE_DOI, render_page
 from fingertip.page.sources import read_sources
 from fingertip.page_files import write_page
 from fingertip.slip.robot_motion import BAND_LABEL, format_delay_band
-from tests.conftest import ROOT, run_fingertip
+from tests.conftest import ROOT, run_fingertip, some_of
 from tests.page.conftest import DRAWING, Page
 
 
@@ -291,7 +291,7 @@ def test_the_library_is_the_version_that_the_tool_states() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["fsr402", "child_thumb", "adult_finger"])
+@pytest.mark.parametrize("name", some_of(("fsr402", "child_thumb", "adult_finger"), "child_thumb"))
 def test_other_designs_have_pages_too(name: str, tmp_path: Path) -> None:
     """A folded tail, a lid, a joint; and a skin pulled over."""
     changes = ["mold.method=sleeve"] if name == "fsr402" else []

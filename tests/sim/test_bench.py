@@ -228,6 +228,7 @@ def test_missing_peers_are_listed_loudly(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(

@@ -193,7 +193,7 @@ def run_loop() -> list[float]:
 LOOP = "import sys; from tests.environment.test_environment import run_loop; print(run_loop())"
 
 
-SLOW = pytest.mark.slow
+SLOW = (pytest.mark.slow, pytest.mark.thorough)
 
 
 @pytest.mark.parametrize(

@@ -242,8 +242,7 @@ def count_sheets(pdf: bytes) -> int:
     return len(re.findall(rb"/Type\s*/Page\b", pdf))
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1300, 390])
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1300), ("dark", 390)])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     assert find_barriers(opened, scheme, width) == []
 

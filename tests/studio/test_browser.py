@@ -183,8 +183,7 @@ def test_all_checks_come_on_demand(opened: Any) -> None:
     assert int(opened.execute_script("return document.documentElement.dataset.checked")) > before
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1300, 390])
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1300), ("dark", 390)])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     put(opened, "skin.width_mm", 8)
     assert find_refusals(opened)

@@ -68,5 +68,8 @@ class InlineEngine:
     def find_crashed_points(self) -> Mapping[int, float] | None:
         return None
 
+    def end_if_stuck(self) -> None:
+        pass
+
     def close(self) -> None:
         pass

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.errors import SweepError
+from fingertip.sweep import run
 from fingertip.sweep.chunk import ChunkFunction
 from fingertip.sweep.database import FILE, SweepDatabase
 from fingertip.sweep.engines import ProcessEngine
@@ -73,6 +74,34 @@ def test_point_whose_worker_crashes_once_is_computed_at_the_second_attempt(
     rows = run_with(tmp_path / "out", worker_functions.crash_once)
     assert flag.read_text() == "xx"
     assert {row.status for row in rows.values()} == {"ok"}
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_while_it_sends_a_result_loses_no_point(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The pool would wait for the rest of the message, and the other workers for their turn to send."""
+    flag = tmp_path / "flag"
+    flag.touch()
+    monkeypatch.setenv(worker_functions.FLAG_VARIABLE, str(flag))
+    monkeypatch.setattr(run, "STUCK_S", 0.5)
+    rows = run_with(tmp_path / "out", worker_functions.die_while_sending)
+    assert flag.read_text() == "x"
+    assert {row.status for row in rows.values()} == {"ok"}
+
+
+@pytest.mark.slow
+def test_a_pool_ends_although_a_worker_was_sending_a_result(tmp_path: Path) -> None:
+    """Python waits for the pool's thread at its end: a full disk once left a sweep that never ended."""
+    engine = ProcessEngine(1)
+    pool = engine.executor()
+    thread = pool._executor_manager_thread  # type: ignore[attr-defined]
+    pool.submit(worker_functions.send_half_and_sleep, str(tmp_path / "flag"))
+    while not (tmp_path / "flag").exists():
+        time.sleep(0.01)
+    engine.close()
+    thread.join(30.0)
+    assert not thread.is_alive()
 
 
 @pytest.mark.slow

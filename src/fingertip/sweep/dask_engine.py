@@ -79,6 +79,9 @@ class DaskEngine:
         """Find nothing: Dask itself reports the tasks that were lost."""
         return None
 
+    def end_if_stuck(self) -> None:
+        """Do nothing: the scheduler notices workers that are lost."""
+
     def close(self) -> None:
         """Leave the cluster; it discards the unfinished tasks."""
         self._client.close()

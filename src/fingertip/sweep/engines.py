@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
+from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext
 from multiprocessing.process import BaseProcess
 from typing import Protocol
@@ -61,6 +62,9 @@ class Engine(Protocol):
     def find_crashed_points(self) -> Mapping[int, float] | None:
         """Find the points that dead workers were computing, each with its time so far [s]; None if unknown."""
 
+    def end_if_stuck(self) -> None:
+        """End an executor that can give no result any more; its chunks then count as lost."""
+
     def close(self) -> None:
         """Stop the workers, busy or not."""
 
@@ -79,6 +83,7 @@ class ProcessEngine:
         self._pool: ProcessPoolExecutor | None = None
         self._status: WorkerStatus | None = None
         self._processes: list[BaseProcess] = []
+        self._result_writer: Connection | None = None
 
     def executor(self) -> Executor:
         """Start a new pool, after closing the previous one.
@@ -95,6 +100,7 @@ class ProcessEngine:
             # One task per worker starts them all, because none of them is idle yet.
             first = [self._pool.submit(int) for _ in range(self.workers)]
             self._processes = list(self._pool._processes.values())
+        self._result_writer = self._pool._result_queue._writer  # type: ignore[attr-defined]
         try:
             first[0].result()  # start-up must not count against the time limit of a point
         except BrokenExecutor:
@@ -123,6 +129,11 @@ class ProcessEngine:
             if point != NO_POINT and (pid in dead or not dead)
         }
 
+    def end_if_stuck(self) -> None:
+        """End a pool of which a worker died while it sent a result: the pool waits for the rest of the message."""
+        if self._pool is not None and any(process.exitcode is not None for process in self._processes):
+            self._stop_workers()
+
     def close(self) -> None:
         """Terminate the workers; unfinished points are discarded."""
         if self._pool is None:
@@ -130,11 +141,18 @@ class ProcessEngine:
         late = (self._pool._processes or {}).values()  # in case the pool started a process after all
         self._processes += [process for process in late if process not in self._processes]
         self._pool.shutdown(wait=False, cancel_futures=True)
+        self._stop_workers()
+        self._pool = None
+
+    def _stop_workers(self) -> None:
         for process in self._processes:
             process.terminate()
         for process in self._processes:
             process.join()
-        self._pool = None
+        # A worker may have died in the middle of a message. The pool's thread, for which Python waits at its end, reads
+        # on until no process can write the rest, and this process is the last that could.
+        if self._result_writer is not None:
+            self._result_writer.close()
 
 
 def set_current_point(point: int) -> None:

@@ -39,6 +39,8 @@ CHUNKS_PER_WORKER = 2
 """Chunks in flight per worker: one is computed, one waits."""
 MAX_CONSECUTIVE_FAILURES = 5
 """Number of breakdowns in a row, none of which can be attributed to a point, before the run gives up."""
+STUCK_S = 5.0
+"""Silence after which the engine is asked whether it can still give results [s]."""
 _POLL_INTERVAL_S = 0.5
 _BLOCK = 65_536
 """Number of points whose parameters are generated at a time."""
@@ -239,6 +241,8 @@ class _Run:
         if is_answered:
             self._answered_at_s = now
         self.state.silent_s = now - self._answered_at_s
+        if self.state.silent_s > STUCK_S:
+            self.engine.end_if_stuck()
 
     def _adapt_chunk_size(self, chunk: Chunk, result: ChunkResult) -> None:
         """Choose the chunk size for `CHUNK_DURATION_S` at the pace of the latest chunk."""

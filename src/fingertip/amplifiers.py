@@ -11,6 +11,7 @@ outputs and the same pins.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -77,7 +78,7 @@ class Amplifier:
         """True if it has two units, as those of filter and rectifier have."""
         return len(self.units) > 1
 
-    @property
+    @functools.cached_property
     def second_pole_hz(self) -> float:
         """Frequency of the second pole [Hz] that gives a follower its phase margin.
 

@@ -161,6 +161,30 @@ def test_remedies_name_the_cause(changes: list[str], first: str, count: int) -> 
     check_remedies(changes)
 
 
+@pytest.mark.parametrize(
+    ("name", "misspelt", "changes"),
+    [
+        (
+            "child_thumb",
+            "sensor.tab-length-mm",
+            ["bone.base_length_mm=30.3", "sensor.tab-length-mm=2", 'sensor.tail="straight"', "board.series=E7"],
+        ),
+        (
+            "fsr402",
+            "silicone.modulus_mp",
+            ["silicone.modulus_mp=0.01", "silicone.parts_a=5", "bone.post_width_mm=2", "skin.tip_length_mm=5"],
+        ),
+    ],
+)
+def test_a_misspelt_name_beside_broken_rules_is_an_issue_like_others(
+    name: str, misspelt: str, changes: list[str]
+) -> None:
+    """The search for remedies once took the name for a parameter's, and the command ended with exit code 70."""
+    fields = [issue.field for issue in refuse(changes, name)]
+    assert misspelt in fields
+    assert len(fields) > 1
+
+
 def test_consequences_name_the_cause_that_resolves_them() -> None:
     issues = refuse(["bone.wall_mm=4"])
     assert issues[0].field == "bone.wall_mm"

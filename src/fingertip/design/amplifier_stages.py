@@ -27,8 +27,10 @@ DIODE_V = 0.6
 """Forward voltage of a rectifier's diode for a large signal [V]."""
 _LOW_HZ, _HIGH_HZ = 1e3, 1e9
 _POINTS_PER_DECADE = 24
-_PEAK_DECADES = (4, 8)
-"""Decades of frequency in which a resonance is searched."""
+_PEAK_HZ = tuple(
+    10.0 ** (point / _POINTS_PER_DECADE) for point in range(4 * _POINTS_PER_DECADE, 8 * _POINTS_PER_DECADE + 1)
+)
+"""Frequencies at which a resonance is searched, over four decades [Hz]."""
 _HALVINGS = 50
 
 Feedback = Callable[[float], complex]
@@ -90,10 +92,8 @@ def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: 
 
     Both stages count: the first with its feedback, the second as a follower.
     """
-    first, last = (decade * _POINTS_PER_DECADE for decade in _PEAK_DECADES)
     largest = 0.0
-    for point in range(first, last + 1):
-        f_hz = 10.0 ** (point / _POINTS_PER_DECADE)
+    for f_hz in _PEAK_HZ:
         gain = amplifier.open_loop_gain(f_hz)
         largest = max(largest, abs(gain / (1.0 + gain * feedback(f_hz)) * gain / (1.0 + gain)))
     return 20.0 * math.log10(largest / passband_gain)

@@ -54,7 +54,8 @@ def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: 
     valid = _keep_valid(tables, invalid)
     broken = list(find_violations(RULES, valid, invalid))
     issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
-    return issues + (find_remedies(valid, broken, None, changed, invalid) if broken else [])
+    known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
+    return issues + (find_remedies(valid, broken, None, known, invalid) if broken else [])
 
 
 def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:

@@ -142,8 +142,8 @@ def test_consumables_are_those_of_the_procedure() -> None:
     overmold, sleeve = (render_sheet(sheet_data(f"mold.method={method}")) for method in ("overmold", "sleeve"))
     assert "silicone adhesive" in overmold
     assert "silicone adhesive" not in sleeve
-    assert "mm thick for the seat" in overmold
-    assert "mm thick for the seat" not in render_sheet(sheet_data("mold.seat_tape_mm=0"))
+    assert "polyimide tape for the seat" in overmold
+    assert "polyimide tape for the seat" not in render_sheet(sheet_data("mold.seat_tape_mm=0"))
     assert "soapy water" not in overmold
     assert all(tool in page for page in (overmold, sleeve) for tool in ("solder", "scale", "screwdriver", "knife"))
 
@@ -166,7 +166,7 @@ def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) 
 
 def test_tape_of_the_seat_is_one_that_is_sold_or_cut() -> None:
     page = render_sheet(sheet_data())
-    assert "5 mm wide, or cut to 5.5 mm, and 0.06 mm thick for the seat" in page
+    assert "5 mm wide, or cut to 5.5 mm, 0.06 mm thick" in page
     assert "narrower than the slot of 6.7 mm, lying inside it, never on the flat" in page
     assert "Now no strip of office paper (0.1 mm) may go in beside the bone; if one does, wind one more turn." in page
     assert "(0.1 mm each)" in page

@@ -26,6 +26,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fingertip.output_set.manifest import MANIFEST
 from tools.fuzz.commands import COMMANDS, Command, write_inputs
 from tools.fuzz.interruptible import SIGNALS, Interruption, Place, Run, load_modules
 
@@ -205,11 +206,18 @@ def _look(command: Command, reference: Reference, place: Place, seed: int, tally
         name = folder.relative_to(place.work).as_posix()
         for file, digest in tree.items():
             at = f"{name}/{file}" if name != "." else file
-            if not file.startswith(".") and digest not in (reference.old.get(at), reference.new.get(at)):
+            is_judged = not file.startswith(".") and file != MANIFEST
+            if is_judged and digest not in (reference.old.get(at), reference.new.get(at)):
                 mixed.append(at)
+        # `make` adds acceptance sheet and page to the parts of the same run, so that a manifest may list a part of them.
         with contextlib.suppress(OSError):
-            manifest = json.loads((folder / "manifest.json").read_bytes())
-            mixed += [f"{name}/{file}" for file, digest in manifest["files"].items() if tree.get(file) != digest]
+            listed = json.loads((folder / MANIFEST).read_bytes())["files"]
+            mixed += [f"{name}/{file}" for file, digest in listed.items() if tree.get(file) != digest]
+            if not any(
+                all(run.get(f"{name}/{file}") == digest for file, digest in listed.items())
+                for run in (reference.old, reference.new)
+            ):
+                mixed.append(f"{name}/{MANIFEST}")
     if mixed:
         tally.add(command, seed, "mixed set", sorted(set(mixed)))
 

@@ -209,7 +209,7 @@ def _look(command: Command, reference: Reference, place: Place, seed: int, tally
             is_judged = not file.startswith(".") and file != MANIFEST
             if is_judged and digest not in (reference.old.get(at), reference.new.get(at)):
                 mixed.append(at)
-        # `make` adds acceptance sheet and page to the parts of the same run, so that a manifest may list a part of them.
+        # `make` adds acceptance sheet and page to parts of the same run: a manifest may list a part of the files.
         with contextlib.suppress(OSError):
             listed = json.loads((folder / MANIFEST).read_bytes())["files"]
             mixed += [f"{name}/{file}" for file, digest in listed.items() if tree.get(file) != digest]

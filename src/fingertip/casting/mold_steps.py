@@ -170,9 +170,14 @@ def _describe_holding(data: Data) -> str:
             f"{fit['min_skin_held_mm']:g} mm of silicone are left (design: {fit['min_skin_design_mm']:g} mm)."
         )
     return (
-        f"Put the {insert} into the dorsal half, its facet on the boss, with a strip of paper between them. Drive the "
-        f"{chaplet['thread']} x {chaplet['length_mm']:g} mm screw from outside until the paper is held fast, pull it "
-        f"out, and turn on until the facet touches the boss. The {insert} must not move. If it sits as badly as this "
+        "Lay the dorsal half down with its cavity up, its screw hole over the edge of a table, because the screw comes "
+        f"from below. Cut a strip of office paper narrower than the boss of {chaplet['diameter_mm']:g} mm, and into its "
+        f"end a slot wider than the screw's hole of {chaplet['hole_mm']:g} mm. Put the {insert} into the half, its "
+        "facet on the boss, with the forked end between them, so that the screw passes the slot and pierces no "
+        "paper; the other end stands out of the cavity beyond the tip. Drive the "
+        f"{chaplet['thread']} x {chaplet['length_mm']:g} mm screw until the paper is held fast, pull the paper out by "
+        "that end, and turn "
+        f"on until the facet touches the boss. The {insert} must not move. If it sits as badly as this "
         f"allows, the skin is still {fit['min_skin_held_mm']:g} mm at its thinnest (design: "
         f"{fit['min_skin_design_mm']:g} mm)."
     )
@@ -225,8 +230,10 @@ def _syringe_steps(data: Data) -> list[Step]:
             "load_syringe",
             "Pull the plunger out, cap the nozzle, and let "
             f"{filling['load_cm3']:g} cm3 of the mixture run down the wall of the tilted barrel, without folding air "
-            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a {VENT_WIRE}, "
-            "which lets the air out. Hold the nozzle up for a minute, and press the rest of the air out.",
+            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back with a {VENT_WIRE} beside it, "
+            "which lets the air out, and push it in until it touches the silicone. Pull the wire out. Turn the nozzle "
+            "up and wait a minute, so that the bubbles rise to it. Take the cap off, and only then press the air out, "
+            "the nozzle still up, until silicone stands at its mouth.",
         ),
         Step(
             "fill",

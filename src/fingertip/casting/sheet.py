@@ -16,6 +16,7 @@ from fingertip.cad.printing.settings import LAYER_MM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.filling import PUSH_S
+from fingertip.cad.verification.strength import FILAMENT_CHECK
 from fingertip.casting.hardware import bill_of_materials, mounting_data
 from fingertip.casting.needles import find_needle
 from fingertip.casting.print_settings import print_settings
@@ -111,6 +112,7 @@ def casting_sheet_data(
         "mounting": mounting_data(design),
         "printing": _printing_data(design, prints),
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
+        "filament_bone_breaks": any(warning.startswith(f"{FILAMENT_CHECK}:") for warning in warnings),
         "check_warnings": list(warnings),
     }
     return data | {"supplies": supplies_data(data)}

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.casting.sensor_steps import ADHESIVE
-from fingertip.casting.uses import uses_adhesive, uses_primer
+from fingertip.casting.uses import describe_range, uses_adhesive, uses_primer
 
 Data = Mapping[str, Any]
 
-VENT_WIRE = "wire of 0.3 to 0.5 mm"
-"""Wire that lets air past the plunger, and opens a closed vent."""
+VENT_WIRE = "wire of 0.2 to 0.3 mm"
+"""Wire that lets air past the plunger, and opens a closed vent. A thicker one jams beside a plunger without rubber."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +80,9 @@ def _size_needle(data: Data) -> str:
 def _size_cover(fit: Data) -> str:
     """Write the size of the tape over the sensor."""
     tape = fit["cover_tape"]
-    cut = f" (cut from {tape['stock_mm']:g} mm)" if tape["stock_mm"] and tape["stock_mm"] > tape["width_mm"] else ""
-    return f"{tape['width_mm']:g} mm wide{cut}, {tape['length_mm']:g} mm long"
+    is_cut = tape["stock_mm"] and tape["stock_mm"] > tape["width_mm"][1]
+    cut = f" (cut from {tape['stock_mm']:g} mm)" if is_cut else ""
+    return f"{describe_range(tape['width_mm'])} mm wide{cut}, {describe_range(tape['length_mm'])} mm long"
 
 
 def _size_seat(seat: Data) -> str:

@@ -269,6 +269,7 @@ def _printing(data: Data) -> str:
         )
         for part in printing["parts"]
     ]  # fmt: skip
+    remedies = ": some ask for epoxy, or for plastic film as a shim" if data["chaplet"] else ""
     rows_of_settings = describe_settings(printing["settings"])
     if data["filament_bone_breaks"]:
         rows_of_settings.append(
@@ -284,7 +285,8 @@ def _printing(data: Data) -> str:
         f"The folder `{printing['folder']}` holds each part as it lies on the bed, and plates of all parts for a "
         "filament and a resin printer. The skin is cast, so it is on no plate. PrusaSlicer takes the settings of the "
         "filament plate from its file, all but nozzle and first layer; in other slicers, set them by hand. "
-        "Measure the prints with calipers: the drawings that `fingertip drawing` makes say what they must read.\n\n"
+        "Measure the prints with calipers: the drawings that `fingertip drawing` makes say what they must read, and "
+        f"what to do about those that do not{remedies}.\n\n"
         "Before the parts, print, measure and try the fit coupon, as its page `coupon.md` says: its slice in the "
         f"material of the {data['insert']}, its frame in that of the mold. In the folder of a build, `fingertip coupon "
         "design.toml --out coupon` writes it. Keep it: the cure of the silicone is tested on it, or on any other spare "

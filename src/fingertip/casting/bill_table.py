@@ -109,7 +109,7 @@ def render_mounting(mounting: Data) -> str:
             f"and takes a nut of {bolt['nut_mm']:g} mm: M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm."
         )
         parts.append(
-            f"The axis of its hole lies {bolt['from_mm']:g} mm from {bolt['from']}: drill that of the mating part as far "
-            "from the face on which the bone stands."
+            f"The axis of its hole lies {bolt['from_mm']:g} mm from {bolt['from']}: drill that of the mating part as "
+            "far from the face on which the bone stands."
         )
     return " ".join(parts)

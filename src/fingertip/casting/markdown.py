@@ -63,6 +63,8 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
         _quantities(data),
         "## Warnings",
         "\n".join(f"- {warning}" for warning in warnings(data)),
+        "## Plan",
+        _plan(data),
         "## Procedure",
         _procedure(data, pictures),
         *(["## Mounting", render_mounting(data["mounting"])] if data["mounting"] else []),
@@ -128,6 +130,14 @@ def warnings(data: Data) -> list[str]:
         else "Do not bend the tail of the sensor sharply. Never bend it at the head.",
     ]
     return found
+
+
+def _plan(data: Data) -> str:
+    """Render the stages of the work by days."""
+    rows = [(f"{stage['day']}", stage["work"], stage["wait"]) for stage in data["plan"]]
+    return "Days at the earliest. All trials of the fit come before the primer, whose open time is short.\n\n" + table(
+        ("day", "work", "then wait for"), rows
+    )
 
 
 def _capitalise(text: str) -> str:
@@ -269,7 +279,7 @@ def _printing(data: Data) -> str:
         )
         for part in printing["parts"]
     ]  # fmt: skip
-    remedies = ": some ask for epoxy, or for plastic film as a shim" if data["chaplet"] else ""
+    remedies = ": some ask for epoxy, or for film as a shim" if data["chaplet"] else ""
     rows_of_settings = describe_settings(printing["settings"])
     if data["filament_bone_breaks"]:
         rows_of_settings.append(

@@ -14,6 +14,8 @@ from fingertip.filling.mold_filling import MAX_AIR_MM3, place_vents
 
 _STEP_MM = 0.2
 """Step of the slopes and curvatures of the cavity [mm]."""
+_RESERVE = 2.0
+"""Factor by which the cap of the paraboloid stays below the limit: away from the vent a cavity is flatter than that."""
 
 
 def pose_tolerance_deg(design: Design) -> float | None:
@@ -46,4 +48,4 @@ def pose_tolerance_deg(design: Design) -> float | None:
     flattest = mean - math.sqrt(max(0.0, mean**2 - gaussian))
     if flattest <= 0.0:
         return None
-    return math.degrees((4.0 * MAX_AIR_MM3 * flattest**2 * math.sqrt(gaussian) / math.pi) ** 0.25)
+    return math.degrees((4.0 * MAX_AIR_MM3 / _RESERVE * flattest**2 * math.sqrt(gaussian) / math.pi) ** 0.25)

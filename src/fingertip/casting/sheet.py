@@ -19,6 +19,7 @@ from fingertip.cad.verification.filling import PUSH_S
 from fingertip.cad.verification.strength import FILAMENT_CHECK
 from fingertip.casting.hardware import bill_of_materials, mounting_data
 from fingertip.casting.needles import find_needle
+from fingertip.casting.plan import plan_data
 from fingertip.casting.pose import pose_tolerance_deg
 from fingertip.casting.print_settings import print_settings
 from fingertip.casting.quantities import (
@@ -119,7 +120,7 @@ def casting_sheet_data(
         "filament_bone_breaks": any(warning.startswith(f"{FILAMENT_CHECK}:") for warning in warnings),
         "check_warnings": list(warnings),
     }
-    return data | {"supplies": supplies_data(data)}
+    return data | {"supplies": supplies_data(data), "plan": plan_data(data)}
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:

@@ -67,9 +67,7 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
     if uses:
         yield Supply("epoxy", "epoxy", f"for {join(uses)}")
     if data["chaplet"]:
-        yield Supply(
-            "plastic film to shim", "as a shim", f"only if a drawing asks for it between {data['insert']} and boss"
-        )
+        yield Supply("film to shim", "as a shim", f"only if a drawing asks for it between {data['insert']} and boss")
     if data["filling"]["syringe"]:
         yield Supply("Luer cap for the syringe", "cap the nozzle", "", 1)
         yield Supply(VENT_WIRE, VENT_WIRE)

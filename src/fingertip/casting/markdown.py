@@ -135,9 +135,10 @@ def warnings(data: Data) -> list[str]:
 def _plan(data: Data) -> str:
     """Render the stages of the work by days."""
     rows = [(f"{stage['day']}", stage["work"], stage["wait"]) for stage in data["plan"]]
-    return "Days at the earliest. All trials of the fit come before the primer, whose open time is short.\n\n" + table(
-        ("day", "work", "then wait for"), rows
+    primed = (
+        " All trials of the fit come before the primer, whose open time is short." if data["insert"] == "bone" else ""
     )
+    return f"Days at the earliest.{primed}\n\n" + table(("day", "work", "then wait for"), rows)
 
 
 def _capitalise(text: str) -> str:

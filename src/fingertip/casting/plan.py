@@ -29,19 +29,18 @@ def plan_data(data: Data) -> list[dict[str, Any]]:
     mounting = "mount and wire the sensor"
     if data["insert"] == "core":
         stages.append(("release the mold, close it around the core, mix and fill", cured, silicone_days))
-        stages += _glue(mounting, adhesive, is_glued)
-        finishing = f"{'' if is_glued else mounting + ', '}cover it, and pull the skin on"
+        opening = f"open the mold and roll the skin off; {mounting}"
+        stages += _glue(opening, adhesive, is_glued)
+        finishing = f"{'' if is_glued else opening + '; '}cover the sensor and pull the skin on"
     else:
         stages += _glue(f"release the mold, {mounting}", adhesive, is_glued)
         before = "" if is_glued else f"release the mold, {mounting}, "
-        primer = (
-            "cover the sensor and tape the seat; prime the bone, which dries as the primer's maker says; close, mix "
-        )
-        stages.append((f"{before}{primer}and fill within its open time", cured, silicone_days))
+        primer = "cover the sensor and tape the seat; prime the bone, which dries as the primer's maker says"
+        filling = "close, mix and fill within the open time of the primer"
+        stages.append((f"{before}{primer}; {filling}", cured, silicone_days))
         finishing = "open the mold and trim the skin"
-    stages.append(
-        (f"{finishing}{'; patch the hole of the screw' if is_patched else ''}", cured if is_patched else "", 0)
-    )
+    patching = "; patch the hole of the screw" if is_patched else ""
+    stages.append((f"{finishing}{patching}", cured if is_patched else "", 0))
     plan, day = [], 1
     for work, wait, days in stages:
         plan.append({"day": day, "work": work, "wait": wait})

@@ -25,7 +25,8 @@ def plan_data(data: Data) -> list[dict[str, Any]]:
     stages: list[tuple[str, str, int]] = []
     if is_glued:
         stages.append(("spread a sample of the adhesive for the test of the cure", adhesive, _ADHESIVE_DAYS))
-    stages.append(("test the cure; meanwhile try all parts, the mold and the syringe", cured, silicone_days))
+    tried = "all parts, the mold and the syringe" if data["filling"]["syringe"] else "all parts and the mold"
+    stages.append((f"test the cure; meanwhile try {tried}", cured, silicone_days))
     mounting = "mount and wire the sensor"
     if data["insert"] == "core":
         stages.append(("release the mold, close it around the core, mix and fill", cured, silicone_days))

@@ -87,8 +87,8 @@ def _describe_cure_test(data: Data) -> str:
     )
     bonds = f" On {join(bonding)} it must not peel off: it is meant to bond there." if bonding else ""
     return (
-        "Test the cure ahead, when the plan says: mix a small quantity, and put drops on a spare piece of each print, washed and "
-        "post-cured: the fit coupon, its frame in the mold's material and its slice in that of the "
+        "Test the cure ahead, when the plan says: mix a small quantity, and put drops on a spare piece of each print, "
+        "washed and post-cured: the fit coupon, its frame in the mold's material and its slice in that of the "
         f"{insert}. Put one on the bare print and one on print with mold release, and more on {join(others)}. "
         "After the full cure every drop must be dry, underneath too. "
         f"On {join(peeling)} the silicone must peel off dry.{bonds} Replace what leaves it tacky; wash and post-cure "

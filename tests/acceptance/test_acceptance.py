@@ -149,6 +149,8 @@ def test_page_states_the_data_and_every_failure_has_a_meaning(detection: Detecti
     rows = [line for line in page.splitlines() if line.startswith("| ")]
     assert all(cell.strip() for line in rows for cell in line.strip("|").split("|"))
     assert f"for {data['still_s']} s" in page
+    masses = " or ".join(f"{entry['mass_g']:g} g" for entry in data["weights"])
+    assert f"on a kitchen scale, until it reads {masses} steadily" in page, "a free weight tips on the disc"
 
 
 def test_command_writes_the_page_that_make_writes(tmp_path: Path) -> None:

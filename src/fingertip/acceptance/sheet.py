@@ -89,7 +89,7 @@ def render_acceptance(data: dict[str, Any]) -> str:
         )
         for entry in data["weights"]
     ]  # fmt: skip
-    pressed = data["pressed"]
+    masses, pressed = [row[0] for row in weights], data["pressed"]
     open_mohm, press_kohm = data["open_ohm"] / 1e6, data["pressed_ohm"] / 1e3
     sections = [
         f"# Acceptance sheet: {data['design']}",
@@ -140,7 +140,9 @@ def render_acceptance(data: dict[str, Any]) -> str:
         ),
         "## Finished finger",
         "Clamp the finger with its pad up and level. Lay a disc of 8 mm, cut from cork or felt, on the pad above the "
-        "sensor, and put the weight on it without a push. Read after 5 s.",
+        "sensor, and put the weight on it without a push. A weight on so small a disc tips: hold it upright in a "
+        "loose guide, such as a tube of paper that carries none of it, or turn the finger over and press the pad on "
+        f"the disc, on a kitchen scale, until it reads {' or '.join(masses)} steadily. Read after 5 s.",
         _table(("weight on the pad", "sensor", "tactile voltage expected", "accept", "factor"), weights),
         "The limits allow the sensor's conductance to differ by the factor, either way: "
         + (

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.casting.tables import table
+from fingertip.casting.uses import join
 
 Data = Mapping[str, Any]
 
@@ -63,18 +64,28 @@ def render_bill(data: Data) -> str:
             f"{data['filling']['pot_life_min']:g} min; kits hold much more",
         )
     )
-    printed = ", ".join(
-        [
-            "bone",
-            *(["lid"] if data["sensor_tail"] == "folded" else []),
-            *(["core"] if data["method"] == "sleeve" else []),
-        ]
-    )
-    printed += " and mold"
-    size = f"see Printing; the strength of the bone holds for {data['print_material']}"
-    rows.append(("", f"rigid printing material for {printed}: resin or filament", size))
+    rows += _list_print_materials(data)
     rows += ((f"{supply['count'] or ''}", supply["item"], supply["size"]) for supply in data["supplies"])
     return table(("quantity", "item", "size"), rows)
+
+
+def _list_print_materials(data: Data) -> list[tuple[str, str, str]]:
+    """List the printing materials; the bone has a row of its own where filament is too weak for it."""
+    size = f"the strength of the bone holds for {data['print_material']}"
+    others = [
+        *(["lid"] if data["sensor_tail"] == "folded" else []),
+        *(["core"] if data["method"] == "sleeve" else []),
+        "mold",
+    ]
+    if not data["filament_bone_breaks"]:
+        return [
+            ("", f"rigid printing material for {join(['bone', *others])}: resin or filament", f"see Printing; {size}")
+        ]
+    only = "filament, upright as on its plate, gives a bone for trying the fit only: see Warnings"
+    return [
+        ("", "rigid printing material for the bone", f"{size}, and for what is as strong; {only}"),
+        ("", f"rigid printing material for {join(others)}: resin or filament", "see Printing"),
+    ]
 
 
 def _describe_product(silicone: Data) -> str:
@@ -90,11 +101,15 @@ def render_mounting(mounting: Data) -> str:
     parts = ["The design makes no mating part.", mounting["fit"]]
     if bolt := mounting["bolt"]:
         parts.append(
-            f"The {bolt['item']} is as long as {bolt['crossed_mm']:g} mm, both walls of the mating part and the nut of "
-            f"{bolt['nut_mm']:g} mm: with walls of {bolt['wall_mm']:g} mm that is M{bolt['thread_mm']:g} x "
-            f"{bolt['length_mm']:g} mm."
+            f"The {bolt['item']} is as long as the bore of {bolt['crossed_mm']:g} mm, both walls of the mating part "
+            f"and the nut of {bolt['nut_mm']:g} mm, or longer: with walls of {bolt['wall_mm']:g} mm that is "
+            f"M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm."
             if bolt["walls"] == 2
             else f"The {bolt['item']} crosses the bone, {bolt['crossed_mm']:g} mm, and the mating part inside it, "
             f"and takes a nut of {bolt['nut_mm']:g} mm: M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm."
+        )
+        parts.append(
+            f"The axis of its hole lies {bolt['from_mm']:g} mm from {bolt['from']}: drill that of the mating part as "
+            "far from the face on which the bone stands."
         )
     return " ".join(parts)

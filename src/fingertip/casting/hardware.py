@@ -14,7 +14,7 @@ from fingertip.design.threads import select_thread
 
 WEIGHTS_G = (100.0, 500.0)
 """Weights laid on the pad of the finished finger [g]."""
-_MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 3.0
+_MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 2.5
 """Play between the interface and a printed mating part, and the wall of the example [mm]. Recommendations."""
 _PIN_PLAY_MM = 0.2
 """Play of the anchor pin in its printed hole [mm]."""
@@ -65,14 +65,15 @@ def _mold_hardware(design: Design) -> list[dict[str, Any]]:
             "item": "syringe with Luer slip tip, without rubber on its plunger", "volume_ml": inlet.syringe.volume_ml,
             "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
         })  # fmt: skip
-    return [*items, {"item": "mold release for silicone", "count": 1}]
+    release = "for silicone cast in a rigid mold; without silicone oil, which keeps the patch from sticking"
+    return [*items, {"item": "mold release for silicone", "count": 1, "note": release}]
 
 
 def _strain_relief(design: Design) -> list[dict[str, Any]]:
     """List what holds the wires to the bone; in a fork with a folded tail they are glued only."""
     if design.dimensions.window_opens_into_gap:
         return []
-    return [{"item": "thread or a thin cable tie", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}]
+    return [{"item": "thread or lacing cord", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}]
 
 
 def _joint_hardware(design: Design) -> list[dict[str, Any]]:
@@ -148,8 +149,10 @@ def mounting_data(design: Design) -> dict[str, Any] | None:
             f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. The bone stands on the end "
             "of its post while it prints: file the lip of the first layers off that end before you try it."
         )
-        needed = bone.post_width_mm + 2 * _MATING_WALL_MM + thread.nut_height_mm
-        bolt = {"crossed_mm": bone.post_width_mm, "walls": 2, "wall_mm": _MATING_WALL_MM}
+        bore = round(bone.post_width_mm + play, 2)
+        needed = bore + 2 * _MATING_WALL_MM + thread.nut_height_mm
+        from_mm, start = -bone.base_length_mm - design.dimensions.cross_bolt_z, "the shoulder of the post"
+        bolt = {"crossed_mm": bore, "walls": 2, "wall_mm": _MATING_WALL_MM}
     elif bone.interface == "socket":
         across = round(2 * design.dimensions.bone_outline.section.half_width, 1)
         fit = (
@@ -158,6 +161,7 @@ def mounting_data(design: Design) -> dict[str, Any] | None:
             "the post, until it slides in."
         )
         needed = across + thread.nut_height_mm
+        from_mm, start = design.dimensions.cross_bolt_z + bone.base_length_mm, "the rim of the socket"
         bolt = {"crossed_mm": across, "walls": 0, "wall_mm": 0.0}
     else:
         fit = (
@@ -167,6 +171,6 @@ def mounting_data(design: Design) -> dict[str, Any] | None:
         return {"fit": fit, "bolt": None, "play_mm": play}
     bolt |= {
         "item": "cross bolt", "thread_mm": thread.diameter_mm, "nut_mm": thread.nut_height_mm,
-        "length_mm": standard_length_mm(needed),
+        "length_mm": standard_length_mm(needed), "from_mm": round(from_mm, 2), "from": start,
     }  # fmt: skip
     return {"fit": fit, "bolt": bolt, "play_mm": play}

@@ -63,6 +63,8 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
         _quantities(data),
         "## Warnings",
         "\n".join(f"- {warning}" for warning in warnings(data)),
+        "## Plan",
+        _plan(data),
         "## Procedure",
         _procedure(data, pictures),
         *(["## Mounting", render_mounting(data["mounting"])] if data["mounting"] else []),
@@ -128,6 +130,15 @@ def warnings(data: Data) -> list[str]:
         else "Do not bend the tail of the sensor sharply. Never bend it at the head.",
     ]
     return found
+
+
+def _plan(data: Data) -> str:
+    """Render the stages of the work by days."""
+    rows = [(f"{stage['day']}", stage["work"], stage["wait"]) for stage in data["plan"]]
+    primed = (
+        " All trials of the fit come before the primer, whose open time is short." if data["insert"] == "bone" else ""
+    )
+    return f"Days at the earliest.{primed}\n\n" + table(("day", "work", "then wait for"), rows)
 
 
 def _capitalise(text: str) -> str:
@@ -269,16 +280,28 @@ def _printing(data: Data) -> str:
         )
         for part in printing["parts"]
     ]  # fmt: skip
-    settings = table(("setting", "filament (FDM)", "resin (SLA)"), describe_settings(printing["settings"]))
+    remedies = ": some ask for epoxy, or for film as a shim" if data["chaplet"] else ""
+    rows_of_settings = describe_settings(printing["settings"])
+    if data["filament_bone_breaks"]:
+        rows_of_settings.append(
+            (
+                "use of the bone",
+                "for trying the fit only: it breaks in a grip (see Warnings)",
+                f"for use, if the resin is as strong as {data['print_material']}",
+            )
+        )
+    settings = table(("setting", "filament (FDM)", "resin (SLA)"), rows_of_settings)
     orientations = table(("part", "face on the plate", "rotation about x", "where supports may stand", "none on"), rows)
     page = (
         f"The folder `{printing['folder']}` holds each part as it lies on the bed, and plates of all parts for a "
         "filament and a resin printer. The skin is cast, so it is on no plate. PrusaSlicer takes the settings of the "
         "filament plate from its file, all but nozzle and first layer; in other slicers, set them by hand. "
-        "Measure the prints with calipers: the drawings that `fingertip drawing` makes say what they must read.\n\n"
-        f"Before the parts, print, measure and try the fit coupon, as its page `coupon.md` says (`fingertip coupon "
-        f"{data['design']}.toml`): its slice in the material of the {data['insert']}, its frame in that of the mold. "
-        "Keep it: the cure of the silicone is tested on it. The finished finger is tested as `acceptance.md` says.\n\n"
+        "Measure the prints with calipers: the drawings that `fingertip drawing` makes say what they must read, and "
+        f"what to do about those that do not{remedies}.\n\n"
+        "Before the parts, print, measure and try the fit coupon, as its page `coupon.md` says: its slice in the "
+        f"material of the {data['insert']}, its frame in that of the mold. In the folder of a build, `fingertip coupon "
+        "design.toml --out coupon` writes it. Keep it: the cure of the silicone is tested on it, or on any other spare "
+        "piece of both materials. The finished finger is tested as `acceptance.md` says.\n\n"
         f"{settings}\n\n{orientations}\n\n"
         f"Ceilings of the mold halves are bridges of at most {printing['max_bridge_mm']:g} mm: the plates "
         "tell PrusaSlicer that the halves need no supports. In other slicers, and for the single parts, switch "

@@ -44,7 +44,23 @@ def list_trying_steps(data: Data) -> list[Step]:
                 f"{insert} and out again, so that it cuts its thread. It must bite after two turns.",
             )
         )
+    if data["filling"]["syringe"]:
+        steps.append(Step("try_cone", _describe_trying_cone(data)))
     return [*steps, Step("release", _describe_release(data))]
+
+
+def _describe_trying_cone(data: Data) -> str:
+    """Write the step that tries and reams the Luer cone, while nothing is in the mold."""
+    syringe = data["filling"]["syringe"]
+    vents = "the vent" if data["mold"]["vents"] == 1 else "each vent"
+    return (
+        f"Put the nozzle of the empty {syringe['volume_ml']:g} ml syringe into the Luer cone of the closed, empty "
+        f"mold. It must go in by some {syringe['nozzle_depth_mm']:g} mm and sit without rocking. If it does not, ream "
+        "the cone: turn the nozzle in it with a strip of fine sandpaper around it, and wipe off the dust. Open the "
+        f"mold and pass a {VENT_WIRE} through {vents} and the hole of the cone; drill out what has "
+        "closed. Measure the bore of the nozzle with the shanks of drills: the times of filling hold for "
+        f"{syringe['nozzle_bore_mm']:g} mm, and a nozzle of three quarters of that takes three times as long."
+    )
 
 
 def _describe_cure_test(data: Data) -> str:
@@ -63,14 +79,20 @@ def _describe_cure_test(data: Data) -> str:
         bonding.append("adhesive")
     if insert == "bone" and data["sensor_tail"] == "folded":
         others.append("varnish")
+    anew = (
+        f" If it peels off {' or '.join(bonding)}, roughen the print with sandpaper, clean it and test once more, or "
+        f"test another product, until it holds."
+        if bonding
+        else ""
+    )
     bonds = f" On {join(bonding)} it must not peel off: it is meant to bond there." if bonding else ""
     return (
-        "Test the cure a day ahead: mix a small quantity, and put drops on a spare piece of each print, washed and "
-        "post-cured: the fit coupon, its frame in the mold's material and its slice in that of the "
+        "Test the cure ahead, when the plan says: mix a small quantity, and put drops on a spare piece of each print, "
+        "washed and post-cured: the fit coupon, its frame in the mold's material and its slice in that of the "
         f"{insert}. Put one on the bare print and one on print with mold release, and more on {join(others)}. "
         "After the full cure every drop must be dry, underneath too. "
         f"On {join(peeling)} the silicone must peel off dry.{bonds} Replace what leaves it tacky; wash and post-cure "
-        "prints again, or coat them."
+        f"prints again, or coat them.{anew}"
     )
 
 
@@ -127,12 +149,19 @@ def list_priming_steps(data: Data) -> list[Step]:
     return [
         Step(
             "prime",
-            "Degrease the bone with isopropanol, and brush a primer for silicone on what the skin will cover, but not "
-            f"on the tape over the sensor{facet}. Let it dry as its maker says, touch it no more, and cast within its "
-            "open "
-            "time. Without primer nothing but a groove holds the skin.",
+            "Hold the bone with its tip down, so that nothing runs under the tape or through the "
+            f"{'window' if data['sensor_tail'] == 'folded' else 'cable channel'} to the sensor. Degrease it with a "
+            "cloth that is damp with isopropanol, not wet, and with a nearly dry brush lay a thin coat of primer on "
+            f"what the skin will cover, but not on the tape over the sensor{facet}. Let it dry as its maker says, "
+            f"touch it no more, and cast within its open time. Without primer {_name_held(data)} the skin.",
         )
     ]
+
+
+def _name_held(data: Data) -> str:
+    """Write what holds the skin besides adhesion."""
+    held = data["skin_held_by"]
+    return f"nothing but {join(held)} holds" if held else "nothing holds"
 
 
 def list_filling_steps(data: Data, weighing: str) -> list[Step]:
@@ -170,9 +199,14 @@ def _describe_holding(data: Data) -> str:
             f"{fit['min_skin_held_mm']:g} mm of silicone are left (design: {fit['min_skin_design_mm']:g} mm)."
         )
     return (
-        f"Put the {insert} into the dorsal half, its facet on the boss, with a strip of paper between them. Drive the "
-        f"{chaplet['thread']} x {chaplet['length_mm']:g} mm screw from outside until the paper is held fast, pull it "
-        f"out, and turn on until the facet touches the boss. The {insert} must not move. If it sits as badly as this "
+        "Lay the dorsal half down with its cavity up, its screw hole over the edge of a table, because the screw comes "
+        f"from below. Cut a strip of office paper narrower than the boss of {chaplet['diameter_mm']:g} mm, and into "
+        f"its end a slot wider than the screw's hole of {chaplet['hole_mm']:g} mm. Put the {insert} into the half, its "
+        "facet on the boss, with the forked end between them, so that the screw passes the slot and pierces no "
+        "paper; the other end stands out of the cavity beyond the tip. Drive the "
+        f"{chaplet['thread']} x {chaplet['length_mm']:g} mm screw until the paper is held fast, pull the paper out by "
+        "that end, and turn "
+        f"on until the facet touches the boss. The {insert} must not move. If it sits as badly as this "
         f"allows, the skin is still {fit['min_skin_held_mm']:g} mm at its thinnest (design: "
         f"{fit['min_skin_design_mm']:g} mm)."
     )
@@ -191,10 +225,8 @@ def _testing_steps(data: Data) -> list[Step]:
         steps.append(
             Step(
                 "try_syringe",
-                f"Push the nozzle of the empty {syringe['volume_ml']:g} ml syringe into the cone and press. It must "
-                f"sit without rocking, and air must leave through {each}. {closed} "
-                f"Measure the bore of its nozzle with the shanks of drills: the times below hold for "
-                f"{syringe['nozzle_bore_mm']:g} mm, and a nozzle of three quarters of that takes three times as long.",
+                f"Pull back the plunger of the empty {syringe['volume_ml']:g} ml syringe, push its nozzle into the "
+                f"cone, and press. Air must leave through {each}. {closed}",
             )
         )
     if data["insert"] == "bone":
@@ -225,24 +257,27 @@ def _syringe_steps(data: Data) -> list[Step]:
             "load_syringe",
             "Pull the plunger out, cap the nozzle, and let "
             f"{filling['load_cm3']:g} cm3 of the mixture run down the wall of the tilted barrel, without folding air "
-            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back beside a {VENT_WIRE}, "
-            "which lets the air out. Hold the nozzle up for a minute, and press the rest of the air out.",
+            f"in; the mold takes {filling['injected_cm3']:g} cm3. Put the plunger back with a {VENT_WIRE} beside it, "
+            "which lets the air out, and push it in until it touches the silicone. Pull the wire out. Turn the nozzle "
+            "up and wait a minute, so that the bubbles rise to it. Take the cap off, and only then press the air out, "
+            "the nozzle still up, until silicone stands at its mouth.",
         ),
         Step(
             "fill",
             "Hold the mold in a vise or a stand, by the two sides with the pry slots: "
             f"{_describe_pose(data)} "
             "Hold the syringe in its cone with the other hand and press with a steady "
-            f"thumb. At {syringe['thumb_n']:g} N silicone of {filling['viscosity_pa_s']:g} Pa s fills the mold in some "
-            f"{filling['fill_s']:g} s; the plunger's friction makes it longer. {filling['min_force_n']:g} N would "
-            "fill "
-            f"it in {filling['push_s']:g} s, the longest that a thumb can push (the check mold.syringe_force). It may "
-            f"take {filling['limit_min']:g} min, half the pot life, and no more. Go on until silicone without bubbles "
-            f"stands in {openings}, and then stop{closing}. Pressing on would only load the {data['insert']}.",
+            f"thumb. Aim for {filling['push_s']:g} s at most, the longest that a thumb can push (the check "
+            f"mold.syringe_force): {filling['min_force_n']:g} N would do it. At {syringe['thumb_n']:g} N silicone of "
+            f"{filling['viscosity_pa_s']:g} Pa s fills the mold in some {filling['fill_s']:g} s; the plunger's "
+            f"friction makes it longer. Go on until silicone without bubbles stands in {openings}, and then "
+            f"stop{closing}. Pressing on would only load the {data['insert']}. If the mold is not full "
+            f"{filling['limit_min']:g} min after the first push, half the pot life, give up: open it, wipe "
+            "everything clean before the silicone sets, and begin anew with a fresh mixture.",
         ),
         Step(
             "leave",
-            "Leave the syringe in its cone, propped up, until the silicone has set. If it sinks in "
+            "Leave the syringe in its cone, propped up with wedges, until the silicone has set. If it sinks in "
             f"{'the vent' if vents == 1 else 'a vent'}, press gently once more.",
         ),
     ]
@@ -261,7 +296,16 @@ def _describe_pose(data: Data) -> str:
             f"{level}"
         )
     vent = "the vent" if data["mold"]["vents"] == 1 else "the vent near the tip"
-    return f"{text}. Then {vent} is the highest point, and bubbles rise to it."
+    within = (
+        f"; up to {filling['pose_tolerance_deg']:g} degrees out of it, less than {filling['max_air_mm3']:g} mm3 of air "
+        "stays beside it"
+        if filling["pose_tolerance_deg"]
+        else ""
+    )
+    return (
+        f"{text}. Set this pose with a protractor, and secure it with wedges. Then {vent} is the highest point, and "
+        f"bubbles rise to it{within}."
+    )
 
 
 def _gravity_steps(data: Data) -> list[Step]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.casting.step import Step
+from fingertip.casting.uses import describe_range
 
 ADHESIVE = "neutral-cure silicone adhesive"
 """Adhesive that touches sensor and silicone: acetic acid attacks the sensor, and tin stops the cure."""
@@ -31,9 +32,12 @@ def list_mounting_steps(data: Mapping[str, Any]) -> list[Step]:
             Step("place_sensor", _describe_placing(data)),
             Step(
                 "wires",
-                "Tin tabs and wires, and solder them in the solder relief with a fine tip, two seconds at most each: "
-                "film and print soften. Route the wires through the cable channel to its opening on the dorsal side "
-                "of the base. Tie them down at the hole proximal to the channel opening. " + _measure(data),
+                "Thread both wires through the cable channel first, from its opening on the dorsal side of the base "
+                "into the solder relief, until a finger's width of each stands out there. Strip their ends as far as "
+                "the tabs are long, and tin wires and tabs. Solder them in the solder relief with a fine tip, two "
+                "seconds at most each: film and print soften. Let them cool, and pull the slack back through the "
+                "channel, gently, until the joints lie in the relief without a pull on the tabs. Tie the wires down "
+                "at the hole proximal to the channel opening. " + _measure(data),
             ),
         ]
     fit = data["fit"]
@@ -115,8 +119,8 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
             Step(
                 "seal_passage",
                 f"Seal the passage through the collar around the tail, flush with the face of the collar, with "
-                f"{ADHESIVE}, and let it cure. This seal is permanent. Do not fill the window: the sensor "
-                "breathes there.",
+                f"{ADHESIVE}, wipe the flat clean, because tape has to stick there, and let it cure. This seal is "
+                "permanent. Do not fill the window: the sensor breathes there.",
             ),
             Step(
                 "cover_sensor",
@@ -136,8 +140,8 @@ def list_sealing_steps(data: Mapping[str, Any]) -> list[Step]:
         seal = Step(
             "seal_passage",
             f"Fill the passage through the collar around the tail with {ADHESIVE}, flush with the face of the collar, "
-            "because the passage leads out of the mold, and let it cure. This seal is permanent. Leave the end of the "
-            "tail open: the sensor breathes there.",
+            "because the passage leads out of the mold, wipe the flat clean, because tape has to stick there, and let "
+            "it cure. This seal is permanent. Leave the end of the tail open: the sensor breathes there.",
         )
         steps.insert(0, seal)
     return steps
@@ -148,8 +152,9 @@ def _size_tape(data: Mapping[str, Any]) -> str:
     tape = data["fit"]["cover_tape"]
     trim = f", and trim it where the groove narrows the flat to {tape['flat_mm']:g} mm" if tape["trim"] else ""
     return (
-        f"{tape['width_mm']:g} mm wide and {tape['length_mm']:g} mm long: at least {tape['overlap_mm']:g} mm past the "
-        f"pocket on each side, ending on the flat (round its corners at the tip{trim})"
+        f"{describe_range(tape['width_mm'])} mm wide and {describe_range(tape['length_mm'])} mm long: at least "
+        f"{tape['overlap_mm']:g} mm past the pocket on each side and at the tip, ending on the flat, which runs to "
+        f"{tape['flat_end_mm']:g} mm from the collar (round its corners at the tip{trim})"
     )
 
 

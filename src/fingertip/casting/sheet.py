@@ -16,8 +16,11 @@ from fingertip.cad.printing.settings import LAYER_MM
 from fingertip.cad.printing.supports import supports_by_part
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.filling import PUSH_S
+from fingertip.cad.verification.strength import FILAMENT_CHECK
 from fingertip.casting.hardware import bill_of_materials, mounting_data
 from fingertip.casting.needles import find_needle
+from fingertip.casting.plan import plan_data
+from fingertip.casting.pose import pose_tolerance_deg
 from fingertip.casting.print_settings import print_settings
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -42,9 +45,10 @@ from fingertip.design.geometry.bone_play import sleeve_inset_mm, worst
 from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
-from fingertip.filling.mold_filling import find_pose, injected_cm3, place_vents, predict_mold_filling
+from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 from fingertip.print_materials import PRINT_MATERIALS
 from fingertip.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
+from fingertip.syringes import NOZZLE_DEPTH_MM
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
@@ -95,6 +99,7 @@ def casting_sheet_data(
             "bolts": bolts.count,
             "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design)), 1),
             "bolt_hole_mm": design.mold.bolt_diameter_mm,
+            "vent_mm": design.mold.vent_diameter_mm,
             "vents": len(place_vents(design)),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": omitted_lines(design),
@@ -111,9 +116,11 @@ def casting_sheet_data(
         "mounting": mounting_data(design),
         "printing": _printing_data(design, prints),
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
+        "print_process": PRINT_MATERIALS[design.strength.print_material].process,
+        "filament_bone_breaks": any(warning.startswith(f"{FILAMENT_CHECK}:") for warning in warnings),
         "check_warnings": list(warnings),
     }
-    return data | {"supplies": supplies_data(data)}
+    return data | {"supplies": supplies_data(data), "plan": plan_data(data)}
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
@@ -153,6 +160,8 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "dorsal_up": up[1] >= 0.0,
         "roll_deg": round(math.degrees(math.atan2(abs(up[0]), abs(up[1])))),
         "runner_side_up": up[0] > 0.0,
+        "max_air_mm3": MAX_AIR_MM3,
+        "pose_tolerance_deg": _pose_tolerance_deg(design) if inlet else None,
         "push_s": PUSH_S,
         "min_force_n": (
             round(prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1)
@@ -162,11 +171,18 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "syringe": (
             {
                 "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
+                "nozzle_depth_mm": NOZZLE_DEPTH_MM,
                 "thumb_n": design.mold.thumb_force_n,
             }
             if syringe else None
         ),
     }  # fmt: skip
+
+
+def _pose_tolerance_deg(design: Design) -> int | None:
+    """Return whole degrees by which the mold may tilt out of its pose; None where none was computed."""
+    tolerance = pose_tolerance_deg(design)
+    return None if tolerance is None else math.floor(tolerance)
 
 
 def _chaplet_data(design: Design) -> dict[str, Any] | None:

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.casting.sensor_steps import ADHESIVE
-from fingertip.casting.uses import uses_adhesive, uses_primer
+from fingertip.casting.uses import describe_range, join, uses_adhesive, uses_primer
 
 Data = Mapping[str, Any]
 
-VENT_WIRE = "wire of 0.3 to 0.5 mm"
-"""Wire that lets air past the plunger, and opens a closed vent."""
+VENT_WIRE = "wire of 0.2 to 0.3 mm"
+"""Wire that lets air past the plunger, and opens a closed vent. A thicker one jams beside a plunger without rubber."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
     yield Supply("office paper (to try the fit, and for the slide test)", "paper")
     yield Supply("cork or felt (a disc under the weights)", "cork or felt")
     if uses_primer(data):
-        yield Supply("primer for silicone, with a brush", "primer")
+        yield Supply("primer, with a brush", "primer", _name_primer(data))
     yield Supply(
         "polyimide tape over the sensor (no masking tape)", "strip of polyimide tape", _size_cover(data["fit"])
     )
@@ -60,13 +60,25 @@ def _list_consumables(data: Data) -> Iterator[Supply]:
         yield Supply("plastic film, such as of a bag", "plastic film", "a strip as wide as the sensor's tail")
     elif uses_adhesive(data) and seat:
         yield Supply("baking paper", "baking paper", f"a strip narrower than {data['fit']['slot_mm']:g} mm")
-    if data["joint"]:
-        yield Supply("epoxy for the pins", "epoxy")
+    uses = [
+        *(["a hole of the screw that a drawing finds too wide"] if data["chaplet"] else []),
+        *(["the pins"] if data["joint"] else []),
+    ]
+    if uses:
+        yield Supply("epoxy", "epoxy", f"for {join(uses)}")
+    if data["chaplet"]:
+        yield Supply("film to shim", "as a shim", f"only if a drawing asks for it between {data['insert']} and boss")
     if data["filling"]["syringe"]:
         yield Supply("Luer cap for the syringe", "cap the nozzle", "", 1)
         yield Supply(VENT_WIRE, VENT_WIRE)
     if data["chaplet"]:
         yield Supply("syringe of 1 ml with a blunt needle, for the patch", "blunt needle", _size_needle(data), 1)
+
+
+def _name_primer(data: Data) -> str:
+    """Write what the primer must be made for: the cure of the silicone, and the material that it sticks to."""
+    on = "acrylic resin" if data["print_process"] == "sla" else data["print_material"]
+    return f"for {data['silicone']['cure']}-cure silicone on {on}"
 
 
 def _size_needle(data: Data) -> str:
@@ -80,8 +92,9 @@ def _size_needle(data: Data) -> str:
 def _size_cover(fit: Data) -> str:
     """Write the size of the tape over the sensor."""
     tape = fit["cover_tape"]
-    cut = f" (cut from {tape['stock_mm']:g} mm)" if tape["stock_mm"] and tape["stock_mm"] > tape["width_mm"] else ""
-    return f"{tape['width_mm']:g} mm wide{cut}, {tape['length_mm']:g} mm long"
+    is_cut = tape["stock_mm"] and tape["stock_mm"] > tape["width_mm"][1]
+    cut = f" (cut from {tape['stock_mm']:g} mm)" if is_cut else ""
+    return f"{describe_range(tape['width_mm'])} mm wide{cut}, {describe_range(tape['length_mm'])} mm long"
 
 
 def _size_seat(seat: Data) -> str:
@@ -102,6 +115,9 @@ def _list_tools(data: Data) -> Iterator[Supply]:
     yield Supply("calipers", "calipers")
     yield Supply("ohmmeter", "ohmmeter")
     yield Supply("vise or stand", "vise")
+    if data["filling"]["syringe"]:
+        yield Supply("wedges or blocks (to prop mold and syringe)", "wedges", "no modelling clay: it may hold sulfur")
+        yield Supply("protractor, or the level of a telephone", "protractor")
     if data["filling"]["syringe"]:  # a mold for pouring takes thin silicones alone, which lose their air by themselves
         yield Supply("vacuum chamber, which helps and can be done without", "vacuum")
     if chaplet := data["chaplet"]:
@@ -109,5 +125,6 @@ def _list_tools(data: Data) -> Iterator[Supply]:
         for size in (chaplet["hole_mm"], chaplet["pilot_mm"]):
             yield Supply("drill bit", "Drill the hole", f"{size:g} mm", 1)
     yield Supply("drill bit for bolt holes that print narrow", "bolts", f"{data['mold']['bolt_hole_mm']:g} mm", 1)
+    yield Supply("drill bit for vents that print narrow", "vent", f"{data['mold']['vent_mm']:g} mm", 1)
     if joint := data["joint"]:
         yield Supply("reamer", "Ream the bore", f"{joint['pin_mm']:g} mm", 1)

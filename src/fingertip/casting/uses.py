@@ -29,6 +29,12 @@ def uses_adhesive(data: Data) -> bool:
     return bool(passes or data["sensor_tail"] == "folded")
 
 
+def describe_range(limits: Sequence[float]) -> str:
+    """Write the lower and the upper limit of a size; one figure if they agree."""
+    low, high = limits
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
 def join(names: Sequence[str]) -> str:
     """Join names to a list in words."""
     *first, last = names

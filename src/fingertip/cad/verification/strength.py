@@ -9,6 +9,8 @@ from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.print_materials import PRINT_MATERIALS, PrintMaterial
 
+FILAMENT_CHECK = "bone.safety_factor.grip_fdm"
+"""Name of the check of a bone from the plate for filament printers."""
 _BREAKS_BELOW = 1.0
 """Safety factor below which the bone is expected to break at the load."""
 
@@ -30,7 +32,7 @@ def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
         # The design sets no limit for a material that it is not made for: the check can only warn.
         factor = filament_grip_factor(design, strength)
         warning = _warn_of_filament(design, strength, factor)
-        checks.append(Check("bone.safety_factor.grip_fdm", factor, 0.0, "", "at least", warning))
+        checks.append(Check(FILAMENT_CHECK, factor, 0.0, "", "at least", warning))
     return tuple(checks)
 
 

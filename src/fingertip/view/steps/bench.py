@@ -96,18 +96,20 @@ class Bench:
         """Show bone with its sensor, or core, as it lies in the mold."""
         return [self.part("core", cut=cut)] if self.insert == "core" else self.assembled_bone(cut=cut)
 
-    def bolts(self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0)) -> list[Shown]:
+    def bolts(
+        self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False
+    ) -> list[Shown]:
         """Show the bolts of the mold and their nuts."""
         return [
-            self.solid(item.solid, item.colour, nut_shift if "nut" in item.name else bolt_shift)
+            self.solid(item.solid, item.colour, nut_shift if "nut" in item.name else bolt_shift, cut=cut)
             for item in hardware(self.design, ("mold_palmar", "mold_dorsal"))
             if item.name.startswith("mold_")
         ]
 
-    def chaplet_screw(self, shift: Point3 = (0.0, 0.0, 0.0)) -> list[Shown]:
+    def chaplet_screw(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> list[Shown]:
         """Show the screw of the chaplet; none without one."""
         return [
-            self.solid(item.solid, item.colour, shift)
+            self.solid(item.solid, item.colour, shift, cut=cut)
             for item in hardware(self.design, ("mold_dorsal",))
             if item.name == "chaplet_screw"
         ]
@@ -150,8 +152,11 @@ class Bench:
         )  # fmt: skip
         return [self.solid(path, WIRE)]
 
-    def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0) -> list[Shown]:
-        """Show the syringe above its cone, its barrel cut open, with silicone up to a share of its volume."""
+    def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
+        """Show the syringe above its cone, its barrel cut open, with silicone up to a share of its volume.
+
+        `drawn_share` is the share up to which the plunger is pulled back at least.
+        """
         inlet, face = self.design.mold_layout.inlet, self.design.mold_layout.dorsal_height
         assert inlet
         centre, kind = (inlet.z, inlet.x), inlet.syringe
@@ -159,7 +164,7 @@ class Bench:
         shoulder = tip + NOZZLE_LENGTH_MM
         bore, outer = kind.bore_mm / 2, kind.barrel_mm / 2
         stroke = 1000.0 * kind.volume_ml / (math.pi * bore**2)
-        end, level = shoulder + 1.15 * stroke, shoulder + max(fill_share, 0.02) * stroke
+        end, level = shoulder + 1.15 * stroke, shoulder + max(fill_share, drawn_share, 0.02) * stroke
         mouth = (LUER_MOUTH_MM - LUER_TAPER * (LUER_DEPTH_MM - NOZZLE_DEPTH_MM)) / 2
         nozzle = Cone("y", centre, tip, shoulder, mouth - LUER_TAPER * NOZZLE_DEPTH_MM / 2, mouth)
         barrel = difference(

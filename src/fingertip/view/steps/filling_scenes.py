@@ -15,6 +15,9 @@ from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
 Data = Mapping[str, Any]
 
+_LIFT_MM = 12.0
+"""Height of a lifted syringe above its cone [mm]."""
+
 
 def _in_pose(data: Data) -> Camera:
     """Look at the mold from its side in the pose of filling, in which the first vent is the highest point."""
@@ -45,17 +48,39 @@ def _vent_labels(bench: Bench, text: str) -> list[Label]:
     return labels
 
 
-def try_syringe(bench: Bench, data: Data) -> Scene:
-    """Show the empty syringe above its cone."""
-    m, inlet, lift = bench.design.mold_layout, bench.design.mold_layout.inlet, 12.0
+def try_cone(bench: Bench, data: Data) -> Scene:
+    """Show the empty syringe above the cone of the empty mold."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
     assert inlet
-    start = (inlet.x, m.dorsal_height + lift - 1.0, inlet.z + 10.0)
     return Scene(
-        (*_closed(bench), *bench.syringe(lift_mm=lift)),
+        (bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.syringe(lift_mm=_LIFT_MM)),
+        DORSAL,
+        (
+            *_vent_labels(bench, "vent: a wire\nmust pass"),
+            Label("Luer cone: the nozzle\nmust not rock", (inlet.x, m.dorsal_height, inlet.z)),
+        ),
+        (_into_cone(bench),),
+    )
+
+
+def try_syringe(bench: Bench, data: Data) -> Scene:
+    """Show the empty syringe above its cone, its plunger pulled back."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    return Scene(
+        (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
         DORSAL,
         (*_vent_labels(bench, "vent: air must come"), Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z))),
-        (Arrow(start, (start[0], m.dorsal_height + 2.0, start[2])),),
+        (_into_cone(bench),),
     )
+
+
+def _into_cone(bench: Bench) -> Arrow:
+    """Show the way of the nozzle into its cone."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    x, z = inlet.x, inlet.z + 10.0
+    return Arrow((x, m.dorsal_height + _LIFT_MM - 1.0, z), (x, m.dorsal_height + 2.0, z))
 
 
 def measure(bench: Bench, data: Data) -> Scene:
@@ -77,7 +102,7 @@ def fill(bench: Bench, data: Data) -> Scene:
     return Scene(
         (
             bench.part("mold_dorsal", cut=True), bench.part("mold_palmar", cut=True), *bench.in_mold(cut=True),
-            bench.casting(cut=True), *bench.vents(),  # without the screw, which would hide a vent
+            bench.casting(cut=True), *bench.vents(), *bench.chaplet_screw(cut=True), *bench.bolts(cut=True),
             *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
         ),
         _in_pose(data),

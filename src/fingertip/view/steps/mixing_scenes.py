@@ -74,9 +74,12 @@ def load_syringe(bench: Bench, data: Data) -> Scene:
         tuple(shown),
         camera,
         (
-            Label("cap; later nozzle up\nfor a minute, and\npress the air out", (inlet.x, low, inlet.z)),
+            Label("cap: take it off\nbefore you press\nthe air out", (inlet.x, low, inlet.z)),
             Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),
-            Label("wire beside the plunger\nlets the air out", (inlet.x - radius, level + 8.0, inlet.z + 0.7 * radius)),
+            Label(
+                "wire beside the plunger\nlets the air out; then\npull it out",
+                (inlet.x - radius, level + 8.0, inlet.z + 0.7 * radius),
+            ),
         ),
         (Arrow((inlet.x, high + 16.0, inlet.z), (inlet.x, high + 2.0, inlet.z)),),
     )

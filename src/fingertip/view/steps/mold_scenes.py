@@ -16,7 +16,7 @@ from fingertip.casting.uses import uses_adhesive, uses_primer
 from fingertip.design import Design
 from fingertip.view.raster import Camera
 from fingertip.view.steps.bench import GLASS, PAPER, PRODUCT, STEEL, TAPE, Bench
-from fingertip.view.steps.cameras import DORSAL, LOW, PALMAR, SIDE
+from fingertip.view.steps.cameras import CAVITY_UP, DORSAL, LOW, PALMAR, SIDE
 from fingertip.view.steps.scene import Arrow, Label, Scene, Shown
 
 Data = Mapping[str, Any]
@@ -195,7 +195,7 @@ def hold(bench: Bench, data: Data) -> Scene:
         chaplet = data["chaplet"]
         labels += [
             Label(f"{chaplet['thread']} x {chaplet['length_mm']:g} mm", (0.0, m.dorsal_height + lift, z)),
-            Label("facet on boss,\npaper between\nuntil it is held", (0.0, _facet_y(bench.design), z + 2.0)),
+            Label("facet on boss, forked\npaper between\nuntil it is held", (0.0, _facet_y(bench.design), z + 2.0)),
         ]
     return Scene(
         (
@@ -204,7 +204,7 @@ def hold(bench: Bench, data: Data) -> Scene:
             *bench.seat_tape(),
             *bench.chaplet_screw((0.0, lift, 0.0)),
         ),
-        SIDE,
+        CAVITY_UP if data["chaplet"] else SIDE,
         tuple(labels),
         (Arrow((0.0, m.dorsal_height + lift, z + 6.0), (0.0, m.dorsal_height + 1.0, z + 6.0)),)
         if data["chaplet"]

@@ -18,6 +18,7 @@ from fingertip.view.steps.scene import Scene, draw_scene
 SCENES: Mapping[str, Callable[[Bench, Mapping[str, Any]], Scene]] = {
     "cure_test": mold.cure_test, "close_empty": mold.close_empty, "try_fit": mold.try_fit, "drill": mold.drill,
     "release": mold.release, "seat_tape": mold.seat_tape, "hold": mold.hold, "bolt": mold.bolt,
+    "try_cone": filling.try_cone,
     "try_syringe": filling.try_syringe, "measure": filling.measure, "fill": filling.fill, "leave": filling.leave,
     "stand": filling.stand, "pour": filling.pour, "cure": filling.cure,
     "open": finishing.open_mold, "patch": finishing.patch,

@@ -79,7 +79,7 @@ def wires(bench: Bench, data: Data) -> Scene:
         CUT_FROM_BELOW,
         (
             Label("solder here", (0.0, -dims.flat_depth, dims.tail_end_z)),
-            Label("wires leave here", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
+            Label("thread the wires\nin here first", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
             Label("tie them here", (0.0, dims.tie_hole_y, dims.tie_hole_z)),
             Label("sensor", _head(bench)),
         ),

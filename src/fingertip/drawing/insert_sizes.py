@@ -47,7 +47,7 @@ def bone_drawing(design: Design) -> PartDrawing:
     ]
     if not dims.window_opens_into_gap:
         tie = (section.half_width, dims.tie_hole_y, dims.tie_hole_z)
-        sizes.append(Circle("hole of the cable tie", INNER, "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
+        sizes.append(Circle("hole of the tie", INNER, "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
     return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _axes(pilot))
 
 

@@ -241,7 +241,7 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
         yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))
     yield Feature("sensor", (dims.sensor_z, -dims.flat_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
     if not dims.window_opens_into_gap:
-        yield Feature("hole for the cable tie", (dims.tie_hole_z, dims.tie_hole_y))
+        yield Feature("hole for the tie", (dims.tie_hole_z, dims.tie_hole_y))
     if dims.fold:
         fold = dims.fold
         yield Feature("window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0))

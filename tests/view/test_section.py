@@ -58,7 +58,7 @@ def test_names_stand_in_what_they_name(name: str) -> None:
         "palmar half": parts["mold_palmar"], "dorsal half": parts["mold_dorsal"], "gate": openings(design),
         "vent": openings(design), "funnel": openings(design), "inlet for the syringe": openings(design),
         "cable channel": bone.cable_channel(design),
-        "cable groove": bone.cable_channel(design), "hole for the cable tie": bone.tie_hole(design),
+        "cable groove": bone.cable_channel(design), "hole for the tie": bone.tie_hole(design),
         "sensor": bone.sensor_body(design), "relief of the solder joints": bone.sensor_recess(design),
     }  # fmt: skip
     if "lid" in parts:

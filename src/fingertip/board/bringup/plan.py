@@ -17,8 +17,6 @@ from fingertip.output_set import hash_parameters
 SUPPLY_OHM, SENSOR_OHM, SUPPLY_MA = "supply_ohm", "sensor_ohm", "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
 QUIET_ENVELOPE = name_voltage(ENVELOPE)
-OFFSET_SHARE = 0.5
-"""Share of the detector's threshold above which the envelope at rest is to be added to it."""
 NEGATIVE_OHM = "negative_supply_ohm"
 _SENSOR_RATIO = 0.1
 """Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""

@@ -25,12 +25,12 @@ _LEAST_TONE_CHANGE = 0.1
 
 @dataclass(frozen=True)
 class Sources:
-    """What the supply and the tone must have been, where they explain readings that fail."""
+    """Supply and tone that explain readings which fail."""
 
     sentences: tuple[str, ...] = ()
-    """What they say, each without a full stop."""
+    """Sentences on them, each without a full stop."""
     explain_all: bool = False
-    """Whether they explain every reading that fails."""
+    """True if they explain every reading that fails."""
 
 
 def find_sources(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Sources:

@@ -27,7 +27,7 @@ from fingertip.slip.detectors.registry import (
     find_signals,
     make_detector,
 )
-from fingertip.slip.filtered_signal import filtered_warnings
+from fingertip.slip.filtered_signal import envelope_warnings, filtered_warnings
 from fingertip.slip.live import NAME as STREAM_NAME
 from fingertip.slip.live import CsvStream, Transition, follow, open_stream
 from fingertip.slip.noise_calibration import (
@@ -168,6 +168,7 @@ def detect_file(
     noise_v, level = None, None
     if detector == "analog":
         is_replayed = trace.envelope_v is None
+        warnings += envelope_warnings(trace, design)
         if is_replayed:
             trace = _simulate_board(trace, design, column_map, path.name, report)
         level = _board_noise(trace, design, is_replayed, quiet, path.name)

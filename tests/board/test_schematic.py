@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values, write_board
 from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
-from fingertip.board.output import BOM, NETLIST, SCHEMATIC
+from fingertip.board.output import BOM, NETLIST, SCHEMATIC, board_files
 from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
 from fingertip.board.schematic.symbols import pin_position
 from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
@@ -18,7 +18,7 @@ from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
 from tests.board.test_kicad_libraries import COMPONENTS, load_symbols
 from tests.designs import ARTICLE, load_article
-from tests.oracles.sexpressions import children, descendants
+from tests.oracles.sexpressions import children, descendants, parse
 from tests.tools import require_tool
 
 
@@ -111,3 +111,12 @@ def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     }
     own_pins = {key: (p.x, p.y, float(p.angle)) for unit in SYMBOL_GRAPHICS[name] for key, p in unit.pins.items()}
     assert own_pins == kicad_pins
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_title_fits_the_title_block(name: str) -> None:
+    """KiCad's block holds about 107 mm: 45 characters of 2 mm behind the word Title."""
+    (block,) = children(
+        parse(board_files(load_article(BOARD_CONFIGURATIONS[name].changes))[SCHEMATIC].decode()), "title_block"
+    )
+    assert 10 < len(next(children(block, "title"))[1]) <= 45

@@ -115,6 +115,8 @@ def test_notes_fit_the_board(name: str) -> None:
     assert ("Pin 2 of J1 is at signal ground" in text) == ("single" in name)
     assert ("Pin 1 of J1 and J3 has a dot" in text) == ("3v3" in name)
     assert ("Firmware and detector fast need T and S" in text) == ("3v3" in name)
+    assert ("Take +3.3 V and the ground of J2 from the controller's own 3.3 V pin" in text) == ("3v3" in name)
+    assert ("sketches of fingertip firmware read T at A0 and S at A1" in text) == ("3v3" in name)
     if "3v3" in name:
         pads = {
             p.pad.number: p for p in place_pads(circuit, BOARD_CONFIGURATIONS[name].placement) if p.reference == "J3"

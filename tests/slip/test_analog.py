@@ -99,6 +99,18 @@ def test_a_force_passes_the_simulated_bridge(tmp_path):
     assert 0.5 < single_onset(run("detect", tmp_path / "t.csv", *words)) < 0.52
 
 
+def test_an_envelope_recorded_against_ground_gives_a_warning(tmp_path):
+    """E of a board for a controller rests at its signal ground, 1.47 V; the envelope is E minus M."""
+    envelope = 0.002 + 0.1 * ((T >= 0.5) & (T < 0.7))
+    for rest_v, supply, is_warned in ((1.475, "single_3v3", True), (0.0, "single_3v3", False), (1.475, "split", False)):
+        np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope + rest_v)
+        supply_v = 3.3 if supply == "single_3v3" else 5
+        changes = ("--set", f"board.supply={supply}", "--set", f"board.supply_v={supply_v}")
+        done = run("detect", tmp_path / "t.npz", "--detector", "analog", *changes)
+        assert done.exit_code == 0, done.stderr
+        assert ("The envelope is E minus M: subtract" in done.stderr) == is_warned, (rest_v, supply)
+
+
 def test_detect_requires_an_envelope_for_analog():
     with pytest.raises(TraceError, match="envelope_v: is missing: the detector analog works on the board's output"):
         detect(Trace(T, V), Design(), "analog")

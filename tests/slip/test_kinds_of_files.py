@@ -181,10 +181,26 @@ def test_a_last_line_without_a_line_break_is_kept(tmp_path: Path) -> None:
     assert len(read_raw_trace(tmp_path / "t.csv", ColumnMap()).trace.time_s) == len(T)
 
 
-def test_a_repeated_header_in_a_stream_is_passed_over() -> None:
+def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     done = run("detect", "-", "--json", lines="".join([*LINES[:701], LINES[0], *LINES[701:]]))
     assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
-    assert "standard input, line 702: is the header again, and passed over" in done.stderr
+    assert "header" not in done.stderr
+
+
+def test_a_file_may_begin_before_its_header_as_a_stream_may(tmp_path: Path) -> None:
+    """Lines of a controller that ran already: the rest of a line, samples, the header with each second."""
+    running = ["9948,2.3\n", *LINES[1:400], LINES[0], *LINES[1:701], LINES[0], *LINES[701:]]
+    (tmp_path / "t.csv").write_text("".join(running))
+    done = run("detect", tmp_path / "t.csv", "--json")
+    assert done.exit_code == 0, done.stderr
+    assert json.loads(done.stdout)["intervals"][0]["onset_s"] == ONSET
+    assert "t.csv, lines 1 to 400: stand above the header, and are passed over" in done.stderr
+    # Without a repeated header numpy's reader takes the file, and says the same.
+    (tmp_path / "t.csv").write_text("".join(["9948,2.3\n", *LINES[1:400], *LINES]))
+    assert "lines 1 to 400: stand above the header" in run("detect", tmp_path / "t.csv").stderr
+    # No header in thousands of lines: the columns by number are proposed, and read the file.
+    (tmp_path / "t.csv").write_text("".join(LINES[1:]) + "made by a logger\n")
+    assert "--column time_s=1 --column voltage_v=2" in run("detect", tmp_path / "t.csv").stderr
 
 
 def test_a_stream_in_other_units_and_by_number() -> None:

@@ -67,7 +67,8 @@ def board_files(design: Design) -> dict[str, bytes]:
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, configuration = board_circuit(values), find_configuration(values)
-    title = f"Slip filter: variant {values.variant}, {configuration.supply.description}"
+    # A longer title would run out of the title block.
+    title = f"Slip filter: {values.variant}, {configuration.supply.description.partition(' with ')[0]}"
     return {
         NETLIST: kicad_netlist_file(circuit),
         SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),

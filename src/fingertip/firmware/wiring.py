@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fingertip.board import board_circuit
-from fingertip.board.bringup.wiring import HOST_CONNECTOR, list_notes, list_pins, name_signals
+from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
 from fingertip.board.components.component_values import select_components
-from fingertip.board.nets import ADC_FILTERED, ADC_TACTILE, GND, VMID_OUT
+from fingertip.board.nets import GND, VMID_OUT
 from fingertip.board.supplies import SUPPLIES
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 
-READ_NETS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
+READ_NETS = SKETCH_PINS
 """Nets of the connector that the library reads -> pin of the controller at which the examples expect them."""
 _CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 _CONTROLLER_BOARD = BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"]

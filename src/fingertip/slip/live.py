@@ -24,8 +24,6 @@ from fingertip.slip.traces.sampling import (
 from fingertip.slip.traces.trace import ColumnMap, length_message, range_message
 
 NAME = "standard input"
-_SAMPLES_BEFORE_HEADER = 5000
-"""Samples of a stream that are passed over before its header: a controller that runs already repeats it each second."""
 _MAX_QUOTED = 100
 """Maximum length of a line in an error message [characters]."""
 _RATE_WINDOWS = 100
@@ -67,7 +65,7 @@ def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnM
         If there is no header.
     """
     remaining = bounded_lines(lines, NAME)
-    header = find_header(NAME, remaining, columns, *alternatives, max_samples=_SAMPLES_BEFORE_HEADER)
+    header = find_header(NAME, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
         return CsvStream(header, rows)
@@ -96,7 +94,7 @@ def follow(
     columns
         Names of the columns; the detector reads the column of `voltage_v`.
     report
-        Called with a sentence for each line that is passed over, and with the warning of `watch`.
+        Called with the warning of `watch`.
     watch
         Watch for coarse steps of the converter.
     second_column
@@ -117,8 +115,7 @@ def follow(
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
     for number, line in stream.rows:
         if stream.header.is_repeated(line):
-            report(f"{NAME}, line {number}: is the header again, and passed over")
-            continue
+            continue  # a controller repeats it each second
         sample += 1
         cells = split_cells(line, delimiter)
         width = width or stream.header.count_cells(len(cells), columns)

@@ -9,16 +9,17 @@ from dataclasses import dataclass
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import TONE_V
 from fingertip.board.bringup.limits import METER_AC, Limits, compute_limits
-from fingertip.board.bringup.prediction import Board, name_tone, name_voltage
+from fingertip.board.bringup.pins import HOST, has_tone, list_output_pins
+from fingertip.board.bringup.prediction import Board, list_levels, name_tone, name_voltage
 from fingertip.board.bringup.unpowered import CURRENT_RATIOS, SHORT_RATIO, resistance_between, supply_current_a
-from fingertip.board.nets import ENVELOPE, GND, SENSOR, VCC, VEE
+from fingertip.board.bringup.wiring import list_pins
+from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.nets import ENVELOPE, GND, SENSOR, TACTILE, VCC, VEE
 from fingertip.output_set import hash_parameters
 
 SUPPLY_OHM, SENSOR_OHM, SUPPLY_MA = "supply_ohm", "sensor_ohm", "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
 QUIET_ENVELOPE = name_voltage(ENVELOPE)
-OFFSET_SHARE = 0.5
-"""Share of the detector's threshold above which the envelope at rest is to be added to it."""
 NEGATIVE_OHM = "negative_supply_ohm"
 _SENSOR_RATIO = 0.1
 """Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""
@@ -45,12 +46,27 @@ class BringUp:
     @property
     def all(self) -> dict[str, Limits]:
         """All readings in the order in which they are taken."""
-        return {**self.before_power, **self.current, **self.levels, **self.others}
+        levels = {name: self.levels[name] for name in _list_levels_in_order(self.board) if name in self.levels}
+        return {**self.before_power, **self.current, **levels, **self.others}
 
     @property
     def voltages(self) -> frozenset[str]:
         """Names of the readings at the board itself that are voltages."""
         return frozenset({*self.levels, QUIET} & set(self.all))
+
+
+def _list_levels_in_order(board: Board) -> list[str]:
+    """List the voltages in the order of the sheet: without the tone, at the output connector, with the tone."""
+    pins = {pin.net: pin for pin in list_output_pins(board.circuit)}
+    at_host = [pins[net] for _, net in list_pins(board.circuit, board.circuit.component(HOST)) if net in pins]
+    high = board.bench.tones_hz[-1]
+    return [
+        *(name_voltage(net) for net in board.nets),
+        *(name_voltage(TACTILE, ohm) for ohm in board.bench.dummy_ohm),
+        *(pin.constant_name for pin in at_host),
+        *(name_tone(net, hz) for net, hz in (*list_levels(board.bench), (ENVELOPE, high), (RECT_OUT, high))),
+        *(pin.tone_name for pin in pins.values() if has_tone(pin)),
+    ]
 
 
 def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> BringUp:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from fingertip.board.bringup.common_ratio import Sources, find_sources
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
-from fingertip.board.bringup.plan import OFFSET_SHARE, QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, BringUp
+from fingertip.board.bringup.idle_level import note_idle_level
+from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, BringUp
 from fingertip.board.bringup.readings import Readings, unit_of
 
 _HINTS = {
@@ -18,6 +20,8 @@ _HINTS = {
     "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
 }
 """Meanings of the readings that are not part of the diagnosis."""
+_NO_CURRENT = 0.1
+"""Share of the least current up to which the board draws none."""
 
 
 def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None = None) -> dict[str, Any]:
@@ -40,28 +44,27 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
     ]
     levels = {name: value for name, value in readings.values.items() if name in plan.levels}
     diagnosis = diagnose(plan.board, plan.levels, levels, readings.tone_v)
-    hints = [f"{row['name']}: {_HINTS[row['name']]}." for row in rows if row["name"] in _HINTS and not row["passed"]]
+    hints = [f"{row['name']}: {_explain_reading(row)}." for row in rows if row["name"] in _HINTS and not row["passed"]]
+    if threshold_v is not None and QUIET_ENVELOPE in levels and not diagnosis.mistake:
+        hints += note_idle_level(plan, levels[QUIET_ENVELOPE], threshold_v)
+    sources = find_sources(plan.board, plan.levels, levels, readings.tone_v)
     return {
         "passed": all(row["passed"] for row in rows),
         "readings": rows,
         "missing": [name for name in limits if name not in readings.values],
-        "hints": hints + _list_notes(readings, threshold_v),
+        "hints": hints,
         "likely": [each.fault.sentence for each in diagnosis.likely if each.fault.reference],
         "mistake": diagnosis.mistake.sentence if diagnosis.mistake else None,
         "explained": diagnosis.is_explained,
-        "verdict": _verdict(diagnosis, len(levels), all(row["passed"] for row in rows)),
+        "verdict": _verdict(diagnosis, len(levels), rows, sources),
     }
 
 
-def _list_notes(readings: Readings, threshold_v: float | None) -> list[str]:
-    """Say where the envelope at rest is large beside the detector's threshold."""
-    volts = readings.values.get(QUIET_ENVELOPE, 0.0)
-    if threshold_v is None or not volts > OFFSET_SHARE * threshold_v:
-        return []
-    return [
-        f"{QUIET_ENVELOPE}: {1e3 * volts:.0f} mV is {100 * volts / threshold_v:.0f} % of detector.threshold_v "
-        f"({1e3 * threshold_v:g} mV): set it to {threshold_v + volts:.3f}, or subtract this level from the envelope."
-    ]
+def _explain_reading(row: dict[str, Any]) -> str:
+    """Say what a reading that fails means."""
+    if row["name"] == SUPPLY_MA and abs(row["measured"]) <= _NO_CURRENT * row["limits"][0]:
+        return "no current: the supply is reversed or not connected, or the meter is not in series with it"
+    return _HINTS[row["name"]]
 
 
 def format_assessment(data: dict[str, Any]) -> str:
@@ -80,12 +83,26 @@ def format_assessment(data: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _verdict(diagnosis: Diagnosis, count: int, all_passed: bool) -> str:
-    names = [each.fault.sentence for each in diagnosis.likely if each.fault.reference]
-    if all_passed:
+def _verdict(diagnosis: Diagnosis, count: int, rows: list[dict[str, Any]], sources: Sources) -> str:
+    """Say what is likely: what feeds the board where all readings are off by one ratio, mistakes, and faults."""
+    failed = [row["name"] for row in rows if not row["passed"]]
+    if not failed:
         return "All readings are within their limits."
+    if not diagnosis.failed and not count:
+        return f"Readings fail: {', '.join(failed)}. No voltage was entered."
     if not diagnosis.failed:
-        return "The voltages are within their limits; see the readings that fail."
+        return "The voltages entered are within their limits; see the readings that fail."
+    likely, said = _name_likely(diagnosis, count), "; and ".join(sources.sentences)
+    if not said:
+        return likely
+    if not sources.explain_all:
+        return f"First, {said}. Beside that: {likely}"
+    return f"No part need be faulty: {said}." + (f" Or: {likely}" if diagnosis.is_explained else "")
+
+
+def _name_likely(diagnosis: Diagnosis, count: int) -> str:
+    """Name the likely faults, or the mistake of the measurement."""
+    names = [each.fault.sentence for each in diagnosis.likely if each.fault.reference]
     again = f"measure {', '.join(diagnosis.failed)} again"
     if not diagnosis.likely and count >= MIN_READINGS:
         return f"No single fault explains this; {again}."

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from fingertip.board.board_values import BoardValues
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
 from fingertip.board.bringup.hidden import list_hidden_faults, list_unsimulated
+from fingertip.board.bringup.idle_level import describe_idle_level
 from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
 from fingertip.board.bringup.pins import (
     HOST,
@@ -21,9 +22,7 @@ from fingertip.board.bringup.pins import (
 from fingertip.board.bringup.places import FRONT, find_end, find_pin_1_end, find_widest
 from fingertip.board.bringup.plan import (
     NEGATIVE_OHM,
-    OFFSET_SHARE,
     QUIET,
-    QUIET_ENVELOPE,
     SENSOR_OHM,
     SLIP_TONE,
     SUPPLY_MA,
@@ -339,15 +338,7 @@ def _describe_threshold(plan: BringUp, values: BoardValues, design: Design) -> s
         )
         if values.output_offset is None:
             return text
-        threshold_mv = 1e3 * design.detector.threshold_v
-        level = f"{'E minus M' if plan.board.signal_ground == VMID else 'E'} at {HOST}"
-        return (
-            f"{text}\n\nA detector of the envelope compares it with `detector.threshold_v` ({threshold_mv:g} mV) and "
-            f"subtracts no offset, while a good board may read up to {1e3 * plan.levels[QUIET_ENVELOPE].high_v:.0f} mV "
-            f"at TP4. With the sensor at J1, untouched, and the ADC connected, measure {level} and add it to "
-            f"`detector.threshold_v`. `--readings` says so where `{QUIET_ENVELOPE}` exceeds "
-            f"{100 * OFFSET_SHARE:.0f} % of the threshold."
-        )
+        return f"{text}\n\n{describe_idle_level(plan, design.detector.threshold_v)}"
     hz, high_v = plan.board.bench.tones_hz[-1], 0.8 * design.board.supply_v
     row = _row(plan, SLIP_TONE, f"tone of {hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")
     table = _table(("reading", "where", "expected", "accept", "else"), [row])

@@ -28,6 +28,8 @@ from fingertip.board.readme_parts.signals import NEEDED_PINS
 
 SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
 MOUNTING_PIN = "MP"
+SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
+"""Inputs of a controller at which the sketches of `fingertip firmware` read the board."""
 
 _RED, _BLACK, _BLUE, _GREEN, _GREY = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b", "#4a5157"
 _WIDTH, _MARGIN = 960, 20
@@ -167,6 +169,9 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
     if ADC_FILTERED in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
         yield NEEDED_PINS.replace("`", "")
+        yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
+        tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
+        yield f"The sketches of fingertip firmware read T at {tactile} and S at {filtered}."
     for wire, references in group_plug_wires(circuit).items():
         yield f"Wires of {' and '.join(references)} ({wire.series} plug): {wire.description}."
     if locking:

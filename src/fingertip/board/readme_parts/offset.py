@@ -30,9 +30,12 @@ def offset_section(values: BoardValues, design: Design) -> str:
             "Measure the idle level of the envelope at pin E of J3, with the ADC connected and nothing touching the "
             f"sensor: the mean of E against {'M' if is_single else 'ground'}. (TP4 lies ahead of R7, in which the "
             "reverse current of D2 shifts E.) This level consists of the envelope offset, the shift in R7 and the "
-            f"mean due to noise ({1e3 * (values.noise.mean_envelope_v or 0.0):.1f} mV). The detector compares the "
-            f"envelope reading {'(E minus M) ' if is_single else ''}with `detector.threshold_v` and subtracts no "
-            "offset: subtract the measured level from the readings, or add it to `detector.threshold_v`."
+            f"mean due to noise ({1e3 * (values.noise.mean_envelope_v or 0.0):.1f} mV), for which the threshold "
+            f"allows. The detector `analog` compares the envelope reading {'(E minus M) ' if is_single else ''}with "
+            "`detector.threshold_v` and subtracts no offset: take the mean due to noise off the measured level, and "
+            "subtract the rest from the readings, or add it to the threshold for `analog` alone (`--detector analog "
+            "--set detector.threshold_v=...`). Never change the threshold for `digital`, the default: its envelope is "
+            "computed from T and has no offset of the board."
         )
     return f"\n## {title}\n\n{offset}\n\n{procedure}\n"
 

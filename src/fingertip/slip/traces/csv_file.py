@@ -126,6 +126,13 @@ class _Source:
         names = {column: self.columns.name_in_file(column) for column in COLUMNS}
         return {column: self.header.names.index(name) for column, name in names.items() if name in self.header.names}
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentence on samples above the header."""
+        if not self.header.has_samples_above:
+            return ()
+        return (f"{self.path}, lines 1 to {self.header.line - 1}: stand above the header, and are passed over",)
+
     def is_cut_off(self) -> bool:
         """Return whether the file ends within a number: without a line break, and with fewer decimals than before."""
         if self.encoding == "utf-16":
@@ -166,7 +173,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
     if (np.diff(trace.time_s) <= 0.0).any():
         return None  # the message names the line, and numpy skips empty lines
     lines = range(source.first_line, source.first_line + len(table))
-    return RawTrace(str(source.path), trace, lines=lines, in_volts=columns.in_volts)
+    return RawTrace(str(source.path), trace, lines=lines, in_volts=columns.in_volts, notes=source.notes)
 
 
 @dataclass
@@ -240,7 +247,7 @@ def _read_by_line(source: _Source) -> RawTrace:
             samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
     except OSError as error:
         raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
-    notes = list[str]()
+    notes = list(source.notes)
     if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
         notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")
         samples.drop_last()

@@ -19,6 +19,9 @@ MAX_PREAMBLE = 200
 """Maximum number of lines above the header (LabVIEW writes some 25)."""
 MAX_CELLS = 10_000
 """Maximum number of columns by whose number one can be chosen."""
+MAX_SAMPLES_ABOVE = 5000
+"""Maximum number of samples above the header: a controller that runs already sends some until it repeats the header,
+which it does each second."""
 NOT_TEXT = "is not a text file; a trace is a CSV file with the columns time_s,voltage_v."
 
 _SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
@@ -39,6 +42,8 @@ class Header:
     """The line itself, by which a header that is repeated among the samples is known."""
     is_loose: bool = False
     """True if lines may have other numbers of cells, as in LabVIEW's files, whose comments are the last cell."""
+    has_samples_above: bool = False
+    """True if samples stand above it, as where a recording of a controller begins while it runs already."""
 
     def is_repeated(self, line: str) -> bool:
         """Return whether a line among the samples is this header again."""
@@ -59,14 +64,12 @@ class Header:
         return first if minimum <= first < len(self.names) else len(self.names)
 
 
-def find_header(
-    name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap, max_samples: int = 1
-) -> Header:
+def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> Header:
     """Find the first line that names the columns that a trace requires.
 
-    Empty lines, a spreadsheet's `sep=;` and any other lines above are skipped, up to the first line of numbers. The
-    header may be a comment. Where all required columns are given by number, the first line that has numbers there, or
-    times, is the first sample.
+    Empty lines, a spreadsheet's `sep=;` and any other lines above are skipped, and up to `MAX_SAMPLES_ABOVE` lines from
+    the first line of numbers on. The header may be a comment. Where all required columns are given by number, the
+    first line that has numbers there, or times, is the first sample.
 
     Parameters
     ----------
@@ -76,8 +79,6 @@ def find_header(
         Lines of the file from its beginning; none beyond the header is taken.
     columns, alternatives
         Columns to look for; the header must match one of these maps.
-    max_samples
-        Number of lines of numbers after which no header is expected any more.
 
     Raises
     ------
@@ -85,7 +86,7 @@ def find_header(
         If no line names the required columns, or one names them twice.
     """
     skipped: list[tuple[int, str]] = []
-    samples = 0
+    above = 0
     for number, line in enumerate(lines, start=1):
         text = line.lstrip("\ufeff") if number == 1 else line
         if "\0" in text:  # UTF-16 without a byte order mark
@@ -100,13 +101,12 @@ def find_header(
             if all(candidate.name_in_file(column) in cells for column in candidate.required):
                 if duplicates := _duplicate_issues(f"{name}, line {number}", cells, candidate):
                     raise TraceError(duplicates)
-                return Header(tuple(cells), delimiter, number, _strip_comment(text))
+                return Header(tuple(cells), delimiter, number, _strip_comment(text), has_samples_above=above > 0)
         if not is_comment and text.strip() and not _SEPARATOR.fullmatch(text.strip()):
-            is_sample = bool(_count_numbers(text))
-            samples += is_sample
-            if not is_sample or samples == 1:
+            if not above:  # the lines from the first sample on say nothing of a header above it
                 skipped.append((number, text))
-            if samples == max_samples or len(skipped) == MAX_PREAMBLE:
+            above += above > 0 or _count_numbers(text) > 0
+            if above == MAX_SAMPLES_ABOVE or (not above and len(skipped) == MAX_PREAMBLE):
                 break
     if not skipped:
         message = f"is empty; a trace is a CSV file with the columns {_join_required(columns)}."

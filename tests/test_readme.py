@@ -66,7 +66,11 @@ def recordings() -> dict[str, str]:
     def lines(header: str, rows: Iterable[str]) -> str:
         return "\n".join([header, *rows]) + "\n"
 
+    streamed = [",".join(sample) for sample in samples(2000)]
+    for line in (300, 1300):  # saved in the middle of a stream, whose header is repeated
+        streamed.insert(line, "time_s,voltage_v")
     return {
+        "rec.csv": lines(streamed[0], streamed[1:]),
         "daq.csv": lines("Time [s],AI0 (V)", map(",".join, samples(2000))),
         "stream.csv": lines("time_s,voltage_v", map(",".join, samples(2000))),
         "counts.csv": lines("voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))),

@@ -6,7 +6,7 @@ import functools
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.bringup import diagnosis, rectifier
+from fingertip.board.bringup import rectifier
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
 from fingertip.board.bringup.diagnosis import diagnose, explain
 from fingertip.board.bringup.faults import Fault, list_faults
@@ -47,25 +47,11 @@ from tests.conftest import run_fingertip, some_of
 from tests.designs import load_article
 from tests.oracles.sexpressions import children, parse
 
+pytestmark = pytest.mark.usefixtures("predict_once")
+
 CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
 ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes
 TWO = pytest.mark.parametrize("changes", [ARTICLE, CONTROLLER], ids=["article", "precision, 3.3 V"])
-
-
-@pytest.fixture(autouse=True, scope="module")
-def predict_once() -> Iterator[None]:
-    """Predict the readings of a board's faults once for all tests: their diagnoses differ in the readings alone."""
-    found: dict[tuple[object, ...], tuple[Board, list[dict[str, float]]]] = {}
-
-    def look_up(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:
-        key = (id(board), tones_v, tuple(fault.sentence for fault in faults))
-        if key not in found:  # the board is kept too, so that no other has its id
-            found[key] = board, predict(board, faults, *tones_v)
-        return found[key][1]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(diagnosis, "predict", look_up)
-        yield
 
 
 @functools.cache

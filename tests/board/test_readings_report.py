@@ -17,6 +17,8 @@ from fingertip.board.bringup.report import assess_readings
 from fingertip.board.nets import VCC
 from tests.board.test_bringup import CONTROLLER, TWO, draw_board, plan_of
 
+pytestmark = pytest.mark.usefixtures("predict_once")
+
 THRESHOLD_V = 0.023
 
 

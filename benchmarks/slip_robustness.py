@@ -16,6 +16,8 @@ from fingertip.campaign.wider_mix.mix import MixSize, MixSummary, generate_mix, 
 from fingertip.campaign.wider_mix.scenes import NOISES
 from fingertip.design import Design
 
+WORST_GOAL_S = 0.045
+"""Goal for the longest delay from gross slip [s]."""
 SEEDS = tuple(HELD_OUT_FROM + 1_000_000 * i + 500_000 for i in range(4))
 
 
@@ -49,7 +51,8 @@ def describe(kind: str, summary: MixSummary) -> str:
             f"found {100 * summary.found_share:5.1f} % of {summary.slides:4}; "
             f"median {1000 * summary.delay_s(0.5):.1f}, "
             f"p90 {1000 * summary.delay_s(0.9):.1f} / {1000 * summary.motion_delay_s(0.9):.1f}, "
-            f"worst {1000 * summary.worst_s:.1f} ms"
+            f"worst {1000 * summary.worst_s:.1f} ms, {summary.count_later_than(WORST_GOAL_S)} above "
+            f"{1000 * WORST_GOAL_S:g} ms"
         )
     if kind.startswith("burst"):
         parts.append("medians " + " ".join(f"{1000 * m:.1f}" for m in summary.median_by_strength_s()) + " ms")

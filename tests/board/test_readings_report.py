@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.board.bringup.bench import TONE_V
+from fingertip.board.bringup.common_ratio import find_sources
 from fingertip.board.bringup.faults import list_faults
 from fingertip.board.bringup.files import bring_up_files
 from fingertip.board.bringup.plan import QUIET_ENVELOPE, SUPPLY_MA, BringUp
@@ -69,8 +70,6 @@ def test_no_fault_of_a_part_looks_like_another_supply(changes: tuple[str, ...]) 
     plan = plan_of(changes)[1]
     faults = list(list_faults(plan.board.circuit, plan.board.ends_v))
     assert len(faults) > 100
-    from fingertip.board.bringup.common_ratio import find_sources
-
     for fault, values in zip(faults, predict(plan.board, faults), strict=True):
         said = find_sources(plan.board, plan.levels, values, TONE_V).sentences
         assert not any("supply" in each for each in said), fault.sentence

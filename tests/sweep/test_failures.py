@@ -65,34 +65,25 @@ def test_crash_of_a_worker_fails_only_its_point(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_point_whose_worker_crashes_once_is_computed_at_the_second_attempt(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("evaluate", "deaths"), [(worker_functions.crash_once, "xx"), (worker_functions.die_while_sending, "x")]
+)
+def test_point_whose_worker_dies_once_is_computed_at_the_second_attempt(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, evaluate: ChunkFunction, deaths: str
 ) -> None:
-    flag = tmp_path / "flag"
-    flag.touch()
-    monkeypatch.setenv(worker_functions.FLAG_VARIABLE, str(flag))
-    rows = run_with(tmp_path / "out", worker_functions.crash_once)
-    assert flag.read_text() == "xx"
-    assert {row.status for row in rows.values()} == {"ok"}
-
-
-@pytest.mark.slow
-def test_a_worker_that_dies_while_it_sends_a_result_loses_no_point(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The pool would wait for the rest of the message, and the other workers for their turn to send."""
+    """A pool waits for the rest of a message whose worker died, and its other workers for their turn to send."""
     flag = tmp_path / "flag"
     flag.touch()
     monkeypatch.setenv(worker_functions.FLAG_VARIABLE, str(flag))
     monkeypatch.setattr(run, "STUCK_S", 0.5)
-    rows = run_with(tmp_path / "out", worker_functions.die_while_sending)
-    assert flag.read_text() == "x"
+    rows = run_with(tmp_path / "out", evaluate)
+    assert flag.read_text() == deaths
     assert {row.status for row in rows.values()} == {"ok"}
 
 
 @pytest.mark.slow
 def test_a_pool_ends_although_a_worker_was_sending_a_result(tmp_path: Path) -> None:
-    """Python waits for the pool's thread at its end: a full disk once left a sweep that never ended."""
+    """Python waits for the pool's thread at its end: a sweep whose disk was full could never end."""
     engine = ProcessEngine(1)
     pool = engine.executor()
     thread = pool._executor_manager_thread  # type: ignore[attr-defined]

@@ -152,6 +152,10 @@ class MixSummary:
         """Longest delay from gross slip of a slip that was found [s]."""
         return max((d for outcome in self.outcomes for d in outcome.delays_s), default=math.nan)
 
+    def count_later_than(self, delay_s: float) -> int:
+        """Count the slips that were found later than this after gross slip [s]."""
+        return sum(d > delay_s for outcome in self.outcomes for d in outcome.delays_s)
+
     @property
     def on_share(self) -> float:
         """Smallest share of any slip that is ON."""

@@ -32,7 +32,7 @@ from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.progress import ShareDone
-from fingertip.sim.scene.run import find_filtered_issues
+from fingertip.sim.scene.scene_issues import find_filtered_issues
 from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, intervals

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from fingertip import jit
 from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.design.signal_ground import CONTROLLER_SUPPLIES
 from fingertip.errors import Issue, TraceError
 from fingertip.progress import ReportProgress
 from fingertip.sim.contact.friction import Friction
@@ -33,6 +32,7 @@ from fingertip.sim.grid import Grid, count_samples
 from fingertip.sim.progress import ShareDone
 from fingertip.sim.scene import disturbances
 from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.scene.scene_issues import find_scene_issues
 from fingertip.sim.scene.sliding import (
     CoupledPad,
     ErrorControlledPad,
@@ -42,7 +42,6 @@ from fingertip.sim.scene.sliding import (
     mount_pad,
 )
 from fingertip.sim.scene.timeline import Timeline, build_timeline
-from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.validation import check_type, raise_issues
 from fingertip.slip.intervals import Interval, SlipCollector
 from fingertip.slip.traces.origin import Origin
@@ -379,26 +378,3 @@ def stream_scene(
     rate, slide = design.detector.sample_rate_hz, run.timeline.slide
     motion_s = slide.start_s if slide else None
     return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate, motion_s)
-
-
-def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[Issue]:
-    """Yield what prevents a scene from being simulated with a design."""
-    if seed < 0:
-        yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
-    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
-        yield Issue("outputs", describe_missing_comparator(design))
-    yield from find_filtered_issues(design, scene.outputs)
-    half = design.detector.sample_rate_hz / 2
-    if scene.motor.force_n and scene.motor.frequency_hz >= half:
-        message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."
-        yield Issue("motor.frequency_hz", message)
-
-
-def find_filtered_issues(design: Design, outputs: Sequence[str]) -> Iterator[Issue]:
-    """Yield an issue if outputs name the filtered signal, and the design's board does not give it to a controller."""
-    if "sampled_filtered_v" in outputs and design.board.supply not in CONTROLLER_SUPPLIES:
-        message = (
-            "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
-            f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
-        )
-        yield Issue("outputs", message)

@@ -34,7 +34,7 @@ DESIGN = Design()
 NOISE_V = 4e-4
 SETTINGS = FastSettings(2000.0, NOISE_V)
 LOUD = 3  # index of the wide energy of 20 ms
-NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0)
+NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0, 0.0)
 
 
 def noise(seconds: float, deviation_v: float = NOISE_V, seed: int = 1, rate: float = 2000.0) -> np.ndarray:

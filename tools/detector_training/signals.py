@@ -53,21 +53,21 @@ class TrainingSignal:
 
 
 def draw_condition(rng: np.random.Generator, design: Design) -> dict[str, Any]:
-    """Draw noise and converter: what the design states in almost half of the cases."""
+    """Draw noise and converter: what the design states in a third of the cases."""
     kind = rng.random()
-    if kind < 0.42:
+    if kind < 0.36:
         return {}
-    if kind < 0.65:
+    if kind < 0.6:
         return {"factor": math.exp(rng.uniform(math.log(0.5), math.log(5)))}
-    if kind < 0.72:
+    if kind < 0.67:
         return {"noise": {"pink_v": float(rng.uniform(1e-4, 4e-4))}}
-    if kind < 0.78:
+    if kind < 0.73:
         return {"noise": {"hum_v": float(rng.uniform(1e-4, 1e-3)), "hum_hz": float(rng.choice([50.0, 60.0]))}}
-    if kind < 0.85:
+    if kind < 0.8:
         return {"converter": {"bits": 12, "high_v": 5.0}} if design is ARTICLE else _TEN_BITS
-    if kind < 0.88:
+    if kind < 0.84:
         return {"converter": {"bits": 10, "high_v": 5.0}} if design is ARTICLE else _TEN_BITS
-    if kind < 0.94:
+    if kind < 0.95:
         return {"background_v": float(rng.uniform(1e-4, 5e-4))}
     return {"noise": {"hand_v": float(rng.uniform(1e-4, 6e-4))}}
 

@@ -118,10 +118,12 @@ def _detector_groups(design: Design) -> Iterator[Group]:
         },
     )
     yield (
-        "Ratios that decide when trees are evaluated, floors adapt, a tone is unlearned, and vibration has ended.",
+        "Ratios that decide: trees are evaluated, vibration lasts, unstated noise, floors adapt, a tone, an end.",
         {
             "LOUD": real(fast_loop.UPPER_LOUD),
             "LOUD_20": real(fast_loop.UPPER_LOUD_20),
+            "LASTING_RATIO": real(fast_loop.LASTING_RATIO),
+            "NOISY_RATIO": real(fast_loop.NOISY_RATIO),
             "MOVING_RATIO": real(fast_loop.MOVING_RATIO),
             "CLIP_RATIO": real(fast_loop.CLIP_RATIO),
             "UNLEARNED_RATIO": real(fast_loop.UNLEARNED_RATIO),
@@ -131,11 +133,12 @@ def _detector_groups(design: Design) -> Iterator[Group]:
         },
     )
     yield (
-        "Scores: before the first tree; of confidence 0; above which slip is ON, and stays ON; their smoothing.",
+        "Scores: before the first tree; of confidence 0; for ON, and its rise in noise; for staying ON; smoothing.",
         {
             "OFFSET": real(c.offset),
             "LOWEST_SCORE": real(c.lowest_score),
             "ON_SCORE": real(c.threshold),
+            "NOISE_RISE": real(c.noise_rise),
             "STAY_SCORE": real(c.stay_threshold),
             "SCORE_SMOOTHING": real(c.score_smoothing),
             "INCIPIENT_CONFIDENCE": real(detector.incipient_confidence),

@@ -87,7 +87,7 @@ static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share)
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
-    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, change, half_change, score, share;
+    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, change, half_change, score, share, excess, input_excess, on_score;
     slip_real input_noise, step_noise, lowest;
     unsigned middle, i;
     bool is_strong, is_moving, is_held;
@@ -145,6 +145,7 @@ static void tick(slip_state *state, slip_real slope) {
     row[3] = state->wide_long / wide_floor;
     is_strong = (row[1] > SLIP_STAY_RATIO || row[3] > SLIP_STAY_RATIO)
         && state->wide_short > SLIP_DECAY_RATIO * state->wide_long;
+    state->lasting_ticks = row[1] > SLIP_LASTING_RATIO ? state->lasting_ticks + R(1.0) : R(0.0);
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
         row[4] = greatest / slow_floor;
         row[5] = change * change / slow_floor;
@@ -157,11 +158,21 @@ static void tick(slip_state *state, slip_real slope) {
         row[12] = SLIP_MOVE_GAIN * state->total_short * state->total_short / wide_floor;
         row[13] = slope / (greatest + SLIP_TINY);
         row[14] = state->net_long * state->net_long / (state->total_long * state->total_long + SLIP_TINY);
+        row[15] = state->lasting_ticks;
         score = evaluate_trees(row);
     } else {
         score = SLIP_LOWEST_SCORE;
     }
-    state->confidence = (score - SLIP_LOWEST_SCORE) / (SLIP_ON_SCORE - SLIP_LOWEST_SCORE);
+
+    /* In more noise or coarser steps than stated, more must speak for slip. */
+    excess = wide_floor / (SLIP_NOISY_RATIO * state->min_floor) - R(1.0);
+    input_excess = slow_floor / (SLIP_NOISY_RATIO * SLIP_WIDE_SHARE * SLIP_MIN_INPUT_FLOOR) - R(1.0);
+    if (input_excess > excess) {
+        excess = input_excess;
+    }
+    excess = excess < R(0.0) ? R(0.0) : (excess > R(1.0) ? R(1.0) : excess);
+    on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * excess;
+    state->confidence = (score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE);
     if (state->confidence < R(0.0)) {
         state->confidence = R(0.0);
     }
@@ -174,8 +185,8 @@ static void tick(slip_state *state, slip_real slope) {
         state->smooth_score += SLIP_SCORE_SMOOTHING * (score - state->smooth_score);
         state->on = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE);
     } else {
-        state->on = score > SLIP_ON_SCORE;
-        state->smooth_score = SLIP_ON_SCORE;
+        state->on = score > on_score;
+        state->smooth_score = on_score;
         state->is_doubted = state->moved >= SLIP_MOVED_TICKS;
     }
 

@@ -44,7 +44,7 @@ typedef struct slip_state {
     slip_real step, filtered_step;                           /* smallest step of the converter in both inputs [V] */
     slip_real floor, upper_floor, input_floor;               /* learned noise of bands and tactile voltage [V^2] */
     slip_real min_floor, min_upper_floor;                    /* lower bounds of the first two [V^2] */
-    slip_real floor_ticks, on_ticks;                         /* time of learning, and of ON [ticks] */
+    slip_real floor_ticks, on_ticks, lasting_ticks;          /* time of learning, of ON, of upper energy [ticks] */
     slip_real mean, mean_square;                             /* of the wide energy while ON */
     slip_real smooth_score, confidence;                      /* confidence: from 1 on, slip turns ON */
     slip_real ring[SLIP_RING];                               /* `slow` at every second tick [V] */

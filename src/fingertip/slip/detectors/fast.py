@@ -2,8 +2,8 @@
 
 A contact, a release, a change of grip and a knock leave energy in the band of slip, as slip does. What distinguishes
 them is the slow force: it changes much for the energy it leaves, and one way, and the energy of a knock decays. The
-detector computes fifteen ratios that express this (`fingertip.slip.detectors.fast_model.FEATURES`), and a sum of small
-decision trees weighs them. The trees were fitted to simulated slips and to a wider mix of what is not slip
+detector computes sixteen features that express this (`fingertip.slip.detectors.fast_model.FEATURES`), and a sum of
+small decision trees weighs them. The trees were fitted to simulated slips and to a wider mix of what is not slip
 (`tools/detector_training/`).
 
 A board for a controller gives its filtered signal beside the tactile voltage. Ahead of the converter it is amplified,
@@ -336,6 +336,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         offset=model.offset,
         lowest_score=LOWEST_SCORE,
         threshold=threshold,
+        noise_rise=settings.threshold_scale * model.noise_rise,
         stay_threshold=min(STAY_SCORE, threshold),
         stay_ratio=STAY_RATIO,
         score_smoothing=1 / (1 + SCORE_S * ticks_per_s),

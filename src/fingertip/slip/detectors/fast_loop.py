@@ -28,6 +28,11 @@ MOVE_S = 0.0005
 """Time in which the total movement is expressed [s]."""
 UPPER_LOUD, UPPER_LOUD_20 = 2.0, 1.6
 """Ratios of the energies of 6 and 20 ms to the floors below which a signal is quiet, and no tree is evaluated."""
+LASTING_RATIO = 3.0
+"""Ratio of the upper energy of 20 ms to its floor above which vibration lasts: a knock falls below it soon."""
+NOISY_RATIO = 6.0
+"""Ratio of the floor of the wide band, or of the slow force, to its lower bound above which there is more noise than
+stated, and the threshold rises; at twice that ratio it has risen to its end. The stated noise has the ratio 4."""
 MOVING_RATIO = 60.0
 """Ratio of the squared slope to the slow force's floor above which the force changes, so that floors do not adapt."""
 CLIP_RATIO = 4.0
@@ -129,7 +134,9 @@ class FastCoefficients(NamedTuple):
     lowest_score: float
     """Score of confidence 0."""
     threshold: float
-    """Score above which slip is ON."""
+    """Score above which slip is ON, in the stated noise."""
+    noise_rise: float
+    """Rise of this threshold in more noise."""
     stay_threshold: float
     """Score above which slip stays ON."""
     stay_ratio: float
@@ -148,8 +155,8 @@ EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = rang
 SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
-MOVED, IS_DOUBTED, ROUGH, STILL = range(52, 56)
-RING_START = 56
+MOVED, IS_DOUBTED, ROUGH, STILL, LASTING_TICKS = range(52, 57)
+RING_START = 57
 STATES = RING_START + RING
 
 
@@ -194,8 +201,8 @@ def _fast_loop(
         e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
         s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, still_samples, short, long, tick_samples,
         slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
-        min_upper_floor, min_input_floor, offset, lowest_score, on_score, stay_score, stay_ratio,
-        score_smoothing, statistic_gain,
+        min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
+        stay_ratio, score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
     q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
@@ -215,7 +222,7 @@ def _fast_loop(
     floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
     on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
     smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
-    moved, is_doubted = state[MOVED], state[IS_DOUBTED]
+    moved, is_doubted, lasting_ticks = state[MOVED], state[IS_DOUBTED], state[LASTING_TICKS]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
@@ -355,6 +362,8 @@ def _fast_loop(
             rows[at + 12] = move_gain * total_short * total_short / wide_floor
             rows[at + 13] = slope / (greatest + TINY)
             rows[at + 14] = net_long * net_long / (total_long * total_long + TINY)
+            lasting_ticks = lasting_ticks + 1.0 if rows[at + 1] > LASTING_RATIO else 0.0
+            rows[at + 15] = lasting_ticks
             is_loud = (
                 rows[at] > UPPER_LOUD
                 or rows[at + 2] > UPPER_LOUD
@@ -362,6 +371,13 @@ def _fast_loop(
                 or rows[at + 3] > UPPER_LOUD_20
             )
             score = evaluate_trees(rows, at, features, thresholds, leaves, offset) if is_loud else lowest_score
+            # In more noise or coarser steps than stated, more must speak for slip.
+            excess = wide_floor / (NOISY_RATIO * min_floor) - 1.0
+            input_excess = slow_floor / (NOISY_RATIO * wide_share * min_input_floor) - 1.0
+            if input_excess > excess:
+                excess = input_excess
+            excess = 0.0 if excess < 0.0 else (1.0 if excess > 1.0 else excess)
+            on_score = threshold + noise_rise * excess
             confidence = (score - lowest_score) / (on_score - lowest_score)
             if confidence < 0.0:
                 confidence = 0.0
@@ -447,7 +463,7 @@ def _fast_loop(
     state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
     state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
-    state[MOVED], state[IS_DOUBTED] = moved, is_doubted
+    state[MOVED], state[IS_DOUBTED], state[LASTING_TICKS] = moved, is_doubted, lasting_ticks
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

@@ -38,11 +38,12 @@ FEATURES = (
     "total movement, 6 ms",
     "slope over greatest slope",
     "net over total movement, 20 ms",
+    "ticks of lasting upper energy",
 )
 """Names of the features, in the order of their numbers.
 
-All are squares or ratios of squares. The first seven and the thirteenth are relative to the learned noise, so no
-feature depends on the unit of the input. "Greatest" and "peak" are those of the last 80 to 120 ms."""
+All but the last are squares or ratios of squares. The first seven and the thirteenth are relative to the learned noise,
+so no feature depends on the unit of the input. "Greatest" and "peak" are those of the last 80 to 120 ms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,9 @@ class FastModel:
     offset: float
     """Score before the first tree."""
     threshold: float
-    """Score above which slip is ON."""
+    """Score above which slip is ON, in the stated noise."""
+    noise_rise: float
+    """Rise of this threshold in more noise."""
     incipient_threshold: float
     """Score above which slip may begin."""
 
@@ -83,5 +86,6 @@ def load_model() -> FastModel:
         np.array(table["leaves"], dtype=np.float64),
         table["offset"],
         table["threshold"],
+        table["noise_rise"],
         table["incipient_threshold"],
     )

@@ -1,0 +1,74 @@
+"""Training of the detector `fast`: labels of ticks, and what the next round of a fit pays more attention to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal, Slide
+from fingertip.slip.detectors.fast import TICK_S
+from fingertip.slip.intervals import Interval
+from tools.detector_training import rows
+
+MOTION_S, ONSET_S, END_S = 0.99, 1.0, 1.4
+TICKS = 1000
+T_S = (np.arange(TICKS) + 1) * TICK_S
+
+
+def make_signal(kind: str = "slip") -> LabelledSignal:
+    slide, event = Slide(MOTION_S, ONSET_S, END_S), Interval(0.6, 0.7)
+    return LabelledSignal(kind, 2000.0, np.zeros(4 * TICKS), (slide,), (event,))
+
+
+def at(time_s: float) -> int:
+    return round(time_s / TICK_S) - 1
+
+
+def test_ticks_are_labelled_by_the_slip_around_them():
+    labels, weights = rows.label(make_signal(), TICKS)
+    assert T_S[labels > 0.0][0] == pytest.approx(ONSET_S - rows.EARLY_S)
+    assert T_S[labels > 0.0][-1] == pytest.approx(END_S - TICK_S)
+    expected = {
+        0.1: 0.0,  # the floors are learned
+        0.5: rows.QUIET_WEIGHT,
+        0.65: rows.EVENT_WEIGHT,
+        0.992: rows.CREEP_WEIGHT,  # not slip yet
+        1.05: rows.ONSET_WEIGHT,
+        1.3: rows.SLIP_WEIGHT,
+        1.45: 0.0,  # the energy decays
+        1.6: rows.QUIET_WEIGHT,
+    }
+    assert {time_s: weights[at(time_s)] for time_s in expected} == expected
+    assert np.array_equal(rows.label(make_signal("burst above 60 Hz"), TICKS)[1], rows.BURST_FACTOR * weights)
+
+
+@pytest.mark.parametrize(
+    ("delay_s", "factor", "until_s"),
+    [(0.02, 1.0, None), (0.04, 7.0, 0.05), (0.2, 7.0, 0.078), (None, 7.0, 0.078)],
+)
+def test_slip_that_was_found_late_counts_more_until_then(delay_s, factor, until_s):
+    signal = make_signal()
+    labels, _ = rows.label(signal, TICKS)
+    on = np.zeros(TICKS, dtype=bool) if delay_s is None else ONSET_S + delay_s <= T_S
+    factors = rows.emphasise(signal, labels, np.full(TICKS, -9.0), on)
+    counted = T_S[factors > 1.0]
+    if until_s is None:
+        assert not len(counted)
+        return
+    assert set(factors.tolist()) == {1.0, factor}
+    assert counted[0] == pytest.approx(ONSET_S)
+    assert counted[-1] == pytest.approx(ONSET_S + until_s)
+
+
+def test_false_alarms_count_more_the_surer_they_were():
+    signal = make_signal()
+    labels, _ = rows.label(signal, TICKS)
+    scores = np.full(TICKS, -9.0)
+    for time_s, score in ((0.5, -2.0), (0.8, 0.5), (1.2, 0.5)):
+        scores[at(time_s)] = score
+    on = T_S >= ONSET_S + 0.01
+    factors = rows.emphasise(signal, labels, scores, on)
+    assert factors[at(0.5)] == 3.0
+    assert factors[at(0.8)] == 14.0
+    assert factors[at(1.2)] == 1.0  # a true slip
+    assert np.count_nonzero(factors > 1.0) == 2

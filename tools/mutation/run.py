@@ -37,6 +37,9 @@ MAX_MUTANTS = 100
 _PATIENCE, _MIN_LIMIT_S = 10.0, 20.0
 """Time limit of a mutant, as a multiple of the time of the unchanged module and at least [s]."""
 
+Results = dict[str, tuple[str, bool]]
+"""For each mutant that was run, the tests that ran and whether they noticed it."""
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -56,12 +59,19 @@ def main() -> None:
     parser.add_argument("modules", nargs="*", help="words of the paths of modules; all by default")
     parser.add_argument("--cosmic-ray", default=sys.executable, help="Python that has cosmic-ray")
     parser.add_argument("--count", type=int, default=MAX_MUTANTS, help="largest number of mutants of a module")
+    parser.add_argument(
+        "--trust", action="store_true", help="run no mutant again that other versions of the tests noticed"
+    )
     options = parser.parse_args()
     os.environ["NUMBA_DISABLE_JIT"] = "1"
     targets = [
         one for one in read_targets() if not options.modules or any(word in str(one.path) for word in options.modules)
     ]
-    poor = [target.name for target in targets if not test_module(target, options.cosmic_ray, options.count)]
+    poor = [
+        target.name
+        for target in targets
+        if not test_module(target, options.cosmic_ray, options.count, trusting=options.trust)
+    ]
     if poor:
         sys.exit(f"mutation: below {MIN_KILLED:.0%} are {', '.join(poor)}; add tests, or list what no test can notice")
 
@@ -89,7 +99,7 @@ def is_equivalent(path: Path, mutant: Mutant, listed: Iterable[dict[str, str]]) 
     )
 
 
-def test_module(target: Target, cosmic_ray: str, count: int) -> bool:
+def test_module(target: Target, cosmic_ray: str, count: int, *, trusting: bool) -> bool:
     """Run the mutants of a module, print the survivors, and return whether enough were noticed."""
     mutants = [
         one for one in list_mutants(target.path, cosmic_ray) if not is_equivalent(target.path, one, read_equivalent())
@@ -105,15 +115,18 @@ def test_module(target: Target, cosmic_ray: str, count: int) -> bool:
     run_tests(target, target.source, 600.0)
     limit_s = max(_MIN_LIMIT_S, _PATIENCE * (time.monotonic() - from_s))
     known, survivors, kills = read_results(target), [], Counter[str]()
-    tests = b"".join((ROOT / word).read_bytes() for word in target.arguments if word.endswith(".py"))
+    texts = b"".join((ROOT / word).read_bytes() for word in target.arguments if word.endswith(".py"))
+    tests = hashlib.sha256(repr(target.arguments).encode() + texts).hexdigest()
     for mutant in mutants:
-        key = hashlib.sha256(repr(target.arguments).encode() + tests + mutant.code.encode()).hexdigest()
-        if key not in known:
+        key = hashlib.sha256(mutant.code.encode()).hexdigest()
+        tests_then, noticed = known.get(key, ("", False))
+        if tests_then != tests and not (noticed and trusting):
             outcome = run_tests(target, mutant.code, limit_s, kills)
             kills[outcome.failed] += bool(outcome.failed)
-            known[key] = not outcome.passed
+            noticed = not outcome.passed
+            known[key] = (tests, noticed)
             write_results(target, known)
-        if not known[key]:
+        if not noticed:
             survivors.append(mutant)
     share = 1 - len(survivors) / max(1, len(mutants))
     took_s = time.monotonic() - from_s
@@ -123,14 +136,14 @@ def test_module(target: Target, cosmic_ray: str, count: int) -> bool:
     return share >= MIN_KILLED
 
 
-def read_results(target: Target) -> dict[str, bool]:
-    """Read the results of earlier runs: whether each mutant was noticed."""
+def read_results(target: Target) -> Results:
+    """Read the results of earlier runs."""
     path = RESULTS / f"{target.name}.json"
-    found: dict[str, bool] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    found: Results = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     return found
 
 
-def write_results(target: Target, known: dict[str, bool]) -> None:
+def write_results(target: Target, known: Results) -> None:
     """Keep the results for later runs."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     (RESULTS / f"{target.name}.json").write_text(json.dumps(known), encoding="utf-8")

@@ -128,6 +128,14 @@ def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
     assert load_cm3(fsr400("mold.filling=gravity")) == 0.0
 
 
+def test_only_a_load_of_more_than_the_mold_holds_changes_the_batch() -> None:
+    silicone = SILICONES["dragon_skin_30"]
+    batch = compute_batch(silicone, 0.5)
+    assert batch.with_waste_g == pytest.approx(1.25 * 0.5 * silicone.density_g_cm3.high)
+    assert compute_batch(silicone, 0.5, 0.4) == batch
+    assert compute_batch(silicone, 0.5, 0.6).with_waste_g == pytest.approx(1.2 * batch.with_waste_g)
+
+
 def test_step_of_the_scale_errs_by_a_twentieth_of_the_lightest_component() -> None:
     assert pytest.approx(0.05 * MIN_COMPONENT_G) == SCALE_G / 2
 

@@ -10,9 +10,9 @@ from fingertip.design import comparator_data as data
 def test_figures_are_the_data_sheets() -> None:
     """Supply, input bias current, offset and drift of the LMV331 at 25 degrees Celsius, and over temperature."""
     assert data.MAX_COMPARATOR_V == 5.5
-    assert (1e9 * data.BIAS_A, 1e9 * data.MAX_BIAS_A, 1e9 * data.HOT_BIAS_A) == pytest.approx((25, 250, 400))
-    assert (1e3 * data.COMPARATOR_OFFSET_V, 1e3 * data.MAX_COMPARATOR_OFFSET_V) == pytest.approx((1.7, 7))
-    assert 1e6 * data.COMPARATOR_DRIFT_V_PER_K == pytest.approx(5)
+    assert pytest.approx((25, 250, 400)) == (1e9 * data.BIAS_A, 1e9 * data.MAX_BIAS_A, 1e9 * data.HOT_BIAS_A)
+    assert pytest.approx((1.7, 7)) == (1e3 * data.COMPARATOR_OFFSET_V, 1e3 * data.MAX_COMPARATOR_OFFSET_V)
+    assert pytest.approx(5) == 1e6 * data.COMPARATOR_DRIFT_V_PER_K
     assert data.DATA_SHEET_C == 25.0
 
 
@@ -24,11 +24,11 @@ def test_worst_cases_are_stated_for_a_room_from_frost_to_summer_sun() -> None:
 
 def test_the_least_threshold_is_above_the_largest_offset() -> None:
     """The offset is then 64 % of the threshold."""
-    assert data.MAX_COMPARATOR_OFFSET_V / data.MIN_COMPARATOR_V == pytest.approx(0.64, abs=0.005)
+    assert pytest.approx(0.64, abs=0.005) == data.MAX_COMPARATOR_OFFSET_V / data.MIN_COMPARATOR_V
 
 
 def test_the_low_pass_has_parts_that_exist() -> None:
-    assert data.MAX_AVERAGING_F == pytest.approx(1e-6)
+    assert pytest.approx(1e-6) == data.MAX_AVERAGING_F
     assert data.AVERAGING_OHM == 15e3, "a value of series E12"
     assert data.TRIMMER_TOLERANCE == 0.2
 

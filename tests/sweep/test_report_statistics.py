@@ -283,6 +283,9 @@ def test_bins_by_value_share_the_range() -> None:
 def test_bins_by_count_place_a_value_by_the_middle_of_its_points() -> None:
     bins = bin_by_count(np.array([0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0]), 2)
     assert (bins.low.tolist(), bins.high.tolist()) == ([0, 1], [0, 3])
+    # The middles 1.5, 5.5 and 10 of 12 points, in halves: 0.25, 0.92 and 1.67.
+    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0], [3, 5, 4]), 2)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7], [6, 7])
     # The middles 1, 2.5, 4 and 7 of 9 points, in thirds: 0.33, 0.83, 1.33 and 2.33.
     bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0], [2, 1, 2, 4]), 3)
     assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7, 8], [6, 7, 8])
@@ -306,7 +309,7 @@ def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
         assert suits_log_scale(unit * np.array([1.0, 4.0, 16.0]))
         assert suits_log_scale(unit * np.array([1.0, 3.0, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 8.5, 16.0]))
-        assert not suits_log_scale(unit * np.array([1.0, 7.5, 16.0]))
+        assert not suits_log_scale(unit * np.array([1.0, 6.0, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 12.0, 16.0]))
         assert not suits_log_scale(unit * np.array([0.0, 4.0, 16.0]))
         assert not suits_log_scale(np.array([]))

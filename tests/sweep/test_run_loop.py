@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import itertools
 import math
 from collections.abc import Callable, Mapping
@@ -264,3 +265,119 @@ def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
 
     with pytest.raises(SweepError, match="--cluster: is lost"):
         compute(Lost(), Database())
+
+
+class Slow(InlineEngine):
+    """Engine with one worker for two points, whose results come when a test says so."""
+
+    def __init__(self, attempts: int = 1) -> None:
+        super().__init__()
+        self.attempts, self.asked = attempts, 0
+        self.waiting: list[tuple[Chunk, Future[ChunkResult]]] = []
+
+    def executor(self) -> Executor:
+        outer = self
+
+        class Pool(InlineExecutor):
+            def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
+                future: Future[ChunkResult] = Future()
+                outer.waiting.append((arguments[0], future))
+                return future
+
+        return Pool()
+
+    def end_if_stuck(self) -> None:
+        self.asked += 1
+
+    def answer(self) -> None:
+        chunk, future = self.waiting.pop(0)
+        future.set_result(worker(1.0)(chunk))
+
+
+def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker answers at 3 s, then one 9 s later: from more than 5 s on, the engine is asked whether it is stuck."""
+    engine, seen = Slow(), []
+    script = iter([3.0, 0.0, 5.0, 0.5, 3.5, 0.0])
+
+    def progress(state: RunState) -> None:
+        seen.append((state.silent_s, engine.asked, state.hang_s))
+        clock.now_s += next(script, 0.0)
+        if len(seen) in (1, 5):
+            engine.answer()
+
+    monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
+    plan = make_plan(time_limit_s=LIMIT_S)
+    run_sweep(plan, cast(SweepDatabase, Database(missing=2)), engine, progress, worker(1.0))
+    silences = [(silent_s, asked) for silent_s, asked, _ in seen]
+    assert silences == [(0.0, 0), (0.0, 0), (0.0, 0), (5.0, 0), (5.5, 1), (0.0, 1)]
+    assert {hang_s for *_, hang_s in seen} == {3 * LIMIT_S}
+    assert RunState(1, 0).silent_s == 0.0
+
+
+def test_progress_is_shown_as_often_as_rows_are_written(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    timeouts: list[float] = []
+
+    def wait(futures: Any, timeout: float, **options: Any) -> Any:
+        timeouts.append(timeout)
+        return concurrent.futures.wait(futures, timeout=timeout, **options)
+
+    monkeypatch.setattr(run, "wait", wait)
+    compute(Breaking({40}, {40: LIMIT_S}), Database())
+    assert set(timeouts) == {run.WRITE_INTERVAL_S}
+
+
+def test_only_commits_of_the_last_half_minute_count(clock: Clock) -> None:
+    state = RunState(100, 0)
+    clock.now_s += 10.0
+    state.add_written(5)
+    clock.now_s += run.RATE_WINDOW_S
+    state.add_written(10)
+    assert len(state.history) == 3, "one of exactly 30 s ago still begins the window"
+    clock.now_s += 1.0
+    state.add_written(0)
+    assert len(state.history) == 3
+    assert state.points_per_s == pytest.approx(10 / 31)
+
+
+@pytest.mark.parametrize(
+    ("limit_s", "second", "status"),
+    [
+        (LIMIT_S, {40: 2 * LIMIT_S}, "timeout"),
+        (0.5, {}, "failed"),
+        (0.5, {41: 9.0}, "failed"),
+        (0.5, {40: 0.6}, "timeout"),
+    ],
+)
+def test_time_of_the_second_death_decides_between_timeout_and_failure(
+    clock: Clock, limit_s: float, second: dict[int, float], status: str
+) -> None:
+    """A point that the engine does not name had not begun."""
+
+    class Twice(Breaking):
+        found = iter([{40: 99.0}, second])
+
+        def find_crashed_points(self) -> Mapping[int, float] | None:
+            return next(self.found)
+
+    database = Database()
+    plan = make_plan(time_limit_s=limit_s)
+    run_sweep(plan, cast(SweepDatabase, database), Twice({40}, None), evaluate=worker(0.01))
+    assert database.rows[40][1] == status
+
+
+@pytest.mark.parametrize(("tick_s", "status"), [(1.4, "failed"), (1.5, "timeout")])
+def test_time_of_a_point_nobody_measured_is_that_of_its_retry(clock: Clock, tick_s: float, status: str) -> None:
+    """From the start of the retry to its end, the clock is read twice."""
+    seen: list[Chunk] = []
+
+    def evaluate(chunk: Chunk) -> ChunkResult:
+        if 40 not in chunk.points:
+            return worker(0.01)(chunk)
+        seen.append(chunk)
+        clock.tick_s = tick_s * (len(seen) == 2)
+        raise ValueError
+
+    database = Database()
+    run_sweep(make_plan(time_limit_s=LIMIT_S), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    assert database.rows[40][1] == status
+    assert sum(row[1] != "ok" for row in database.rows) == 1

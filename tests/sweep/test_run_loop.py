@@ -5,6 +5,7 @@ from __future__ import annotations
 import concurrent.futures
 import itertools
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future
 from typing import Any, cast
@@ -107,7 +108,9 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock) -> None:
     state = RunState(100, 10)
     assert (state.points_per_s, state.remaining_s) == (0.0, math.inf)
-    clock.now_s += 2.0
+    clock.now_s += 0.5
+    assert RunState(100, 0, written=10, history=deque([(clock.now_s - 0.5, 0)])).points_per_s == 20.0
+    clock.now_s += 1.5
     state.add_written(20)
     clock.now_s += 2.0
     assert (state.done, state.points_per_s) == (30, 5.0)
@@ -237,6 +240,25 @@ def test_workers_that_die_without_a_point_end_the_run(clock: Clock) -> None:
         compute(engine, database)
     assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
     assert database.rows == []
+
+
+def test_breakdowns_after_a_result_are_counted_from_the_first(clock: Clock) -> None:
+    engine = Breaking(set(), {})
+
+    def evaluate(chunk: Chunk) -> ChunkResult:
+        engine.bad = set(range(POINTS))
+        return worker(0.01)(chunk)
+
+    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
+        run_sweep(make_plan(), cast(SweepDatabase, Database()), engine, evaluate=evaluate)
+    assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
+
+
+def test_first_rows_are_written_at_once_whatever_the_clock_shows(clock: Clock) -> None:
+    clock.now_s = 0.0
+    database = Database()
+    compute(InlineEngine(), database)
+    assert [len(rows) for rows in database.commits] == [2, 70]
 
 
 def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:

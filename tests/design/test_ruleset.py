@@ -9,6 +9,7 @@ import pytest
 
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import (
+    SLACK,
     InvalidParameterError,
     RecordingTables,
     Rule,
@@ -42,6 +43,11 @@ def reads_width(design: DesignTables) -> Violation | None:
 def test_intervals_are_open_on_one_side() -> None:
     assert at_least(2.0) == ((2.0, math.inf),)
     assert at_most(2.0) == ((-math.inf, 2.0),)
+
+
+def test_slack_is_far_above_rounding_and_far_below_what_a_printer_makes() -> None:
+    """Lengths of up to 100 mm are rounded at 1e-14 of them; printers err by hundredths of a millimetre."""
+    assert 1e-9 < SLACK < 1e-4
 
 
 def test_a_violation_says_no_more_than_its_problem_by_default() -> None:

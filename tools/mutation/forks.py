@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -54,6 +56,8 @@ class Outcome:
     """Test that failed; empty if none did, or the fork ended before."""
     imported: tuple[str, ...] = ()
     """Modules that the run imported; empty if the fork ended before."""
+    cpu_s: float = 0.0
+    """CPU time of the run [s]."""
 
 
 def import_early(target: Target, names: Iterable[str]) -> None:
@@ -71,28 +75,41 @@ def import_early(target: Target, names: Iterable[str]) -> None:
 
 
 def run_tests(target: Target, code: str, limit_s: float, kills: Counter[str] | None = None) -> Outcome:
-    """Run the tests of a module in a fork that imports it with this code, those with the most kills first."""
+    """Run the tests of a module in a fork that imports it with this code, those with the most kills first.
+
+    Parameters
+    ----------
+    target
+        The module and its tests.
+    code
+        Text of the changed module.
+    limit_s
+        CPU time after which the fork is ended [s]. One that waits is ended after ten times as long.
+    kills
+        Number of mutants that each test noticed so far.
+    """
     with tempfile.TemporaryFile() as report:
         process = os.fork()
         if process == 0:
-            _become_test_run(target, code, kills or Counter(), report.fileno())
-        end_s = time.monotonic() + limit_s
+            _become_test_run(target, code, kills or Counter(), report.fileno(), limit_s)
+        end_s = time.monotonic() + 10 * limit_s
         while time.monotonic() < end_s:
-            done, status = os.waitpid(process, os.WNOHANG)
+            done, status, usage = os.wait4(process, os.WNOHANG)
             if done:
                 report.seek(0)
                 text = report.read()
                 failed, imported = json.loads(text) if text else ("", [])
-                return Outcome(status == 0, failed, tuple(imported))
+                return Outcome(status == 0, failed, tuple(imported), usage.ru_utime + usage.ru_stime)
             time.sleep(0.02)
     os.killpg(process, signal.SIGKILL)
     os.waitpid(process, 0)
     return Outcome(passed=False)
 
 
-def _become_test_run(target: Target, code: str, kills: Counter[str], report: int) -> None:
+def _become_test_run(target: Target, code: str, kills: Counter[str], report: int, limit_s: float) -> None:
     """Turn this fork into a run of pytest."""
     os.setpgid(0, 0)
+    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit_s), math.ceil(limit_s)))
     os.chdir(ROOT)
     silent = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):

@@ -204,6 +204,10 @@ def test_losses_are_those_of_the_points_that_are_asked_for() -> None:
     points = list_skin_points(DESIGN)
     all_of_them = find_losses(DESIGN)
     assert tuple(loss.point for loss in all_of_them) == points
+    for loss in all_of_them:
+        # The motion of the point: shift, and rotation crossed with the place.
+        motion = np.array(loss.motion[:3]) + np.cross(loss.motion[3:], loss.point.point_mm)
+        assert motion @ loss.point.normal == pytest.approx(loss.loss_mm)
     (one,) = find_losses(DESIGN, points=points[3:4])
     assert one.point == points[3]
     assert one.loss_mm == pytest.approx(all_of_them[3].loss_mm, rel=1e-12)

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq, fminbound, linprog, minimize_scalar
 
+from fingertip import numerics
 from fingertip.arrays import Array
 from fingertip.numerics import bisect, bisect_arrays, find_maximum, find_maximum_arrays, find_root, maximise_linear
 
@@ -310,3 +311,28 @@ def test_linear_programs_have_the_maxima_of_a_library(size: int) -> None:
             assert np.max(np.abs(point)) <= 5.0 + 1e-9
             ((alone, _),) = maximise_linear([c.tolist()], rows.tolist(), bounds.tolist(), 5.0)
             assert alone == pytest.approx(value, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rates", "slacks", "active", "hit"),
+    [
+        ([1.0, 1.0, 1.0], [3.0, 2.0, 2.5], [], (1, 2.0)),
+        ([1.0, 4.0], [3.0, 8.0], [], (1, 2.0)),
+        ([1.0, 1.0, 1.0], [3.0, 2.0, 2.5], [1], (2, 2.5)),
+        ([-1.0, 0.0, 1e-13, 1.0], [0.1, 0.1, 0.1, 9.0], [None], (3, 9.0)),
+        ([1.0, 1.0], [2.0, -1e-9], [], (1, 0.0)),  # a plane that rounding errors have passed is at a distance of 0
+        # Of equally near planes, in either order, the one that is met most steeply.
+        ([1.0, 2.0, 1.5], [1.0, 2.0, 1.5], [], (1, 1.0)),
+        ([2.0, 1.0], [2.0, 1.0], [], (0, 1.0)),
+        ([1.0, 2.0], [1.0, 2.0 + 1e-13], [], (1, 1.0)),
+        ([1.0, 2.0], [1.0 + 5e-14, 2.0], [], (1, 1.0)),
+        ([2.0, 1.0], [2.0 + 1e-13, 1.0], [], (0, 1.0)),
+        ([1.0, 2.0], [1.0, 2.0 + 1e-12], [], (0, 1.0)),
+        ([2.0, 1.0], [2.0 + 1e-12, 1.0], [], (1, 1.0)),
+    ],
+)
+def test_a_ray_meets_the_nearest_plane_that_it_approaches(
+    rates: list[float], slacks: list[float], active: list[int | None], hit: tuple[int, float]
+) -> None:
+    plane, distance = numerics._find_first_hit(rates, slacks, active)
+    assert (plane, distance) == (hit[0], pytest.approx(hit[1], abs=2e-13))

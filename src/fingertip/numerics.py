@@ -156,7 +156,7 @@ def find_root(
     (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
     for _ in range(_MAX_STEPS):
         if fa == fb or abs(b - a) < tolerance:
-            break
+            return b
         new = b - fb * (b - a) / (fb - fa)
         value = function(new)
         if value * fb < 0.0:
@@ -165,7 +165,7 @@ def find_root(
             fa *= 0.5
         b, fb = new, value
         if value == 0.0:
-            break
+            return b
     return b
 
 

@@ -307,7 +307,7 @@ def test_words_have_a_bin_each_and_numbers_among_them_become_words() -> None:
 def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
     with np.errstate(all="raise"):
         assert suits_log_scale(unit * np.array([1.0, 4.0, 16.0]))
-        assert suits_log_scale(unit * np.array([1.0, 3.0, 16.0]))
+        assert suits_log_scale(unit * np.array([1.0, 2.0, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 8.5, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 6.0, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 12.0, 16.0]))
@@ -356,3 +356,11 @@ def test_objective_that_is_the_same_on_the_whole_front_does_not_count() -> None:
         assert find_nearest_to_ideal(costs, np.arange(3)) == 2
         assert find_nearest_to_ideal(costs, np.array([0, 1])) == 0, "the first of two that are equally near"
         assert find_nearest_to_ideal(np.array([[3.0], [2.0], [2.0]]), np.array([1, 2])) == 1
+
+
+@pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e3), (5.0, 1e-6)])
+def test_nearest_to_the_ideal_does_not_depend_on_the_units(units: tuple[float, float]) -> None:
+    """The third row is 1.018 from the ideal, the other two 1."""
+    costs = np.array([[0.0, 1.0], [1.0, 0.0], [0.72, 0.72], [0.69, 0.71]]) * units
+    assert find_nearest_to_ideal(costs, np.array([0, 1, 2])) == 0
+    assert find_nearest_to_ideal(costs, np.arange(4)) == 3

@@ -218,6 +218,29 @@ def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) 
     assert state.failures == 0
 
 
+def test_retry_that_an_idle_pool_refuses_is_sent_to_a_new_one(clock: Clock) -> None:
+    class Refusing(Breaking):
+        def executor(self) -> Executor:
+            pool = super().executor()
+            if self.started == 2:
+                outer, submit = self, pool.submit
+
+                def refuse_retry(function: Callable[..., Any], chunk: Chunk) -> Future[Any]:
+                    if chunk.points != (40,):
+                        return submit(function, chunk)
+                    outer.bad = set()
+                    raise BrokenExecutor
+
+                pool.submit = refuse_retry  # type: ignore[method-assign, assignment]
+            return pool
+
+    engine, database = Refusing({40}, {40: 2 * LIMIT_S}), Database()
+    state = compute(engine, database)
+    assert engine.started == 3
+    assert [row[1] for row in database.rows] == ["ok"] * POINTS
+    assert state.failures == 0
+
+
 def test_breakdowns_count_only_in_a_row(clock: Clock) -> None:
     """A breakdown with a culprit starts the count again: five without one may precede it, and five may follow."""
 

@@ -89,7 +89,7 @@ def maximise_linear(
     # Row i of `edges` is the direction in which constraint i is left while the other active ones stay active. At first
     # the origin is held by planes that are no constraints, so that they may be left in both directions.
     active: list[int | None] = [None] * count
-    edges, point = [[-value for value in unit] for unit in units], [0.0] * count
+    edges, point = units, [0.0] * count
     solutions: list[tuple[float, list[float]]] = []
     vertices = [(point, slacks, edges, active)]
     for objective in objectives:

@@ -276,6 +276,8 @@ def test_bins_by_value_share_the_range() -> None:
     bins = bin_by_value(np.arange(11.0), 5)
     assert (bins.low.tolist(), bins.high.tolist()) == ([0, 2, 4, 6, 8], [1, 3, 5, 7, 10])
     assert bins.indices.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4]
+    shifted = bin_by_value(np.arange(11.0) - 100.0, 5)
+    assert (shifted.indices.tolist(), shifted.low[0]) == (bins.indices.tolist(), -100.0)
     gap = bin_by_value(np.array([0.0, 1.0, 2.0, 9.0, 10.0]), 4)
     assert (gap.low.tolist(), gap.high.tolist()) == ([0, 9], [2, 10]), "empty bins are left out"
 
@@ -283,6 +285,9 @@ def test_bins_by_value_share_the_range() -> None:
 def test_bins_by_count_place_a_value_by_the_middle_of_its_points() -> None:
     bins = bin_by_count(np.array([0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0]), 2)
     assert (bins.low.tolist(), bins.high.tolist()) == ([0, 1], [0, 3])
+    # The middles 3, 6.5, 7.5 and 8.5 of 9 points: no value is in the first third.
+    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0], [6, 1, 1, 1]), 3)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 6], [5, 8])
     # The middles 1.5, 5.5 and 10 of 12 points, in halves: 0.25, 0.92 and 1.67.
     bins = bin_by_count(np.repeat([5.0, 6.0, 7.0], [3, 5, 4]), 2)
     assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7], [6, 7])
@@ -312,6 +317,7 @@ def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
         assert not suits_log_scale(unit * np.array([1.0, 6.0, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 12.0, 16.0]))
         assert not suits_log_scale(unit * np.array([0.0, 4.0, 16.0]))
+        assert not suits_log_scale(unit * np.array([-16.0, -4.0, -1.0]))
         assert not suits_log_scale(np.array([]))
         assert not suits_log_scale(np.array(["1", "4", "16"]))
 
@@ -364,3 +370,5 @@ def test_nearest_to_the_ideal_does_not_depend_on_the_units(units: tuple[float, f
     costs = np.array([[0.0, 1.0], [1.0, 0.0], [0.72, 0.72], [0.69, 0.71]]) * units
     assert find_nearest_to_ideal(costs, np.array([0, 1, 2])) == 0
     assert find_nearest_to_ideal(costs, np.arange(4)) == 3
+    assert find_nearest_to_ideal(costs + 7.0, np.arange(4)) == 3
+    assert find_nearest_to_ideal(costs - 7.0, np.arange(4)) == 3

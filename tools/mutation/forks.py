@@ -49,7 +49,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of the tests found."""
+    """Result of a run of the tests."""
 
     passed: bool
     failed: str = ""

@@ -38,7 +38,7 @@ _PATIENCE, _MIN_LIMIT_S = 4.0, 4.0
 """CPU time limit of a mutant, as a multiple of the time of the unchanged module and at least [s]."""
 
 Results = dict[str, tuple[str, bool]]
-"""For each mutant that was run, the tests that ran and whether they noticed it."""
+"""Tests that were run on each mutant, and whether they noticed it."""
 
 
 @dataclass(frozen=True)

@@ -359,6 +359,20 @@ def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, m
     assert RunState(1, 0).silent_s == 0.0
 
 
+def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
+    engine, waiting = Slow(), list[int]()
+    engine.workers = 3
+
+    def progress(_: RunState) -> None:
+        waiting.append(len(engine.waiting))
+        while engine.waiting:
+            engine.answer()
+
+    run_sweep(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
+    assert waiting[0] == max(waiting) == 6
+
+
 def test_progress_is_shown_as_often_as_rows_are_written(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
     timeouts: list[float] = []
 

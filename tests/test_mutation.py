@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT
-from tools.mutation.run import Mutant, Target, is_equivalent, read_equivalent, read_targets
+from tools.mutation.forks import Target
+from tools.mutation.run import Mutant, is_equivalent, read_equivalent, read_targets
 
 
 @pytest.mark.parametrize("target", read_targets(), ids=lambda target: target.name)
@@ -23,7 +24,7 @@ def test_named_modules_and_their_tests_exist(target: Target) -> None:
 
 @pytest.mark.parametrize("entry", read_equivalent(), ids=lambda entry: entry["module"])
 def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why(entry: dict[str, str]) -> None:
-    lines = [line.strip() for line in (ROOT / entry["module"]).read_text(encoding="utf-8").splitlines()]
+    lines = [line.strip() for line in (ROOT / entry["module"]).read_text(encoding="utf-8").splitlines() if line.strip()]
     assert any(re.fullmatch(entry["before"], line) for line in lines), "the line is gone: remove the entry"
     assert not any(re.fullmatch(entry["after"], line) for line in lines)
     assert len(entry["reason"]) > 20
@@ -43,10 +44,10 @@ def test_fork_runs_the_tests_on_changed_code() -> None:
     """In a process of its own, as other tests of this one have imported the module already."""
     code = """
 from pathlib import Path
-from tools.mutation.run import Target, run_tests
+from tools.mutation.forks import Target, run_tests
 target = Target(Path("src/fingertip/sim/grid.py"), ("tests/sim/test_grid.py",))
-source = Path(target.path).read_text(encoding="utf-8")
-assert run_tests(target, source, 300.0) == 0
-assert run_tests(target, source.replace("math.ceil(", "math.floor("), 300.0) != 0
+source = target.source
+assert run_tests(target, source, 300.0).passed
+assert not run_tests(target, source.replace("math.ceil(", "math.floor("), 300.0).passed
 """
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq, fminbound, linprog, minimize_scalar
 
+from fingertip import numerics
 from fingertip.arrays import Array
-from fingertip.numerics import bisect, bisect_arrays, find_maximum, find_maximum_arrays, find_root
+from fingertip.numerics import bisect, bisect_arrays, find_maximum, find_maximum_arrays, find_root, maximise_linear
 
 ROOTS: list[tuple[Callable[[float], float], float, float]] = [
     (lambda x: x * x - 2.0, 0.0, 2.0),
@@ -142,3 +143,206 @@ def test_find_maximum_arrays_finds_a_maximum_in_every_element() -> None:
         )
         assert location[i] == pytest.approx(oracle.x, abs=1e-7)
         assert value[i] == pytest.approx(-oracle.fun, abs=1e-12)
+
+
+class Counted:
+    """Function that remembers where it was evaluated, and fails where a search does not end."""
+
+    def __init__(self, function: Callable[[float], float], most: int = 300) -> None:
+        self.function, self.most, self.points = function, most, list[float]()
+
+    def __call__(self, x: float) -> float:
+        self.points.append(float(x))
+        assert len(self.points) <= self.most, "the search does not end"
+        return self.function(float(x))
+
+
+@pytest.mark.parametrize("boundary", [0.0, 0.3, 0.5, 1.0])
+def test_bisect_evaluates_every_middle_once(boundary: float) -> None:
+    for tolerance, count in ((0.25, 2), (0.24, 3), (0.0, 1100)):
+        is_below = Counted(lambda x: x < boundary, 1100)
+        low, high = bisect(is_below, 0.0, 1.0, tolerance=tolerance)  # type: ignore[arg-type]
+        assert len(is_below.points) <= count
+        assert tolerance == 0.0 or len(is_below.points) == count
+        assert low <= boundary <= high
+        assert high - low <= tolerance or math.nextafter(low, 2.0) == high
+
+
+def test_find_root_takes_the_steps_of_the_illinois_method() -> None:
+    """For x^2 - 2 between 0 and 2 they are fractions: after two chords that leave 2, its value is halved."""
+    function = Counted(lambda x: x * x - 2.0)
+    root = find_root(function, (0.0, 2.0), 1e-13)
+    assert root == pytest.approx(math.sqrt(2.0), rel=1e-15)
+    assert function.points[:5] == pytest.approx([0.0, 2.0, 1.0, 4 / 3, 16 / 11], rel=1e-14)
+    assert len(function.points) < 14
+    known = Counted(function.function)
+    assert find_root(known, (0.0, 2.0), 1e-13, (-2.0, 2.0)) == root
+    assert known.points == function.points[2:]
+
+
+@pytest.mark.parametrize(("tolerance", "count"), [(2.0, 2), (1.0, 3), (0.5, 3), (0.2, 5), (0.02, 6), (1e-6, 8)])
+def test_find_root_stops_where_its_chord_is_shorter_than_the_tolerance(tolerance: float, count: int) -> None:
+    """Points 0, 1, 0.58, 0.68, 0.704, 0.6931, 0.69315 and ln 2: 0.68 and 0.704 are on either side."""
+    function = Counted(lambda x: math.exp(x) - 2.0)
+    root = find_root(function, (0.0, 1.0), tolerance)
+    assert len(function.points) == count
+    assert root == function.points[-1]
+    assert abs(root - math.log(2.0)) < tolerance
+    assert function.points[2:3] == pytest.approx([1 / (math.e - 1)][: count - 2])
+
+
+def test_find_root_of_a_line_needs_one_chord() -> None:
+    line = Counted(lambda x: 3.0 * x - 1.5)
+    assert find_root(line, (0.0, 4.0), 1e-13) == 0.5
+    assert line.points == [0.0, 4.0, 0.5]
+    assert find_root(lambda _: 1.0, (0.0, 4.0), 1e-13) == 4.0, "no chord crosses"
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize(
+    ("function", "low", "high"),
+    [
+        *MAXIMA,
+        (lambda x: x, 0.0, 1.0),
+        (lambda x: -x, 0.0, 1.0),
+        (lambda x: 3.0, 0.0, 1.0),
+        (lambda x: -((x - 0.9) ** 4), 0.0, 1.0),
+        (lambda x: -math.cosh(3.0 * x - 1.0), -5.0, 1.0),
+        (lambda x: -math.exp(6.0 * x) - math.exp(-x), -2.0, 2.0),
+        (lambda x: -math.sqrt(abs(x - 0.7)), 0.0, 2.0),
+        (lambda x: -abs(x - 0.2) - 3.0 * max(0.0, x - 0.2), -1.0, 1.0),
+        (lambda x: math.floor(5.0 * math.sin(x)), 0.0, 3.0),
+        # Parabolas whose vertex lies beyond the one or the other end, and steps on which values are equal.
+        (lambda x: -(abs(x + 0.3) ** 3.2) - (x + 0.3) * (7.1 if x > -0.3 else -1.4), -2.4, 3.0),
+        (lambda x: -(abs(x + 0.1) ** 1.3) * (1.0 if x > -0.1 else 8.5), -1.6, 1.8),
+        (lambda x: math.floor(-5.0 * (math.exp(7.3 * x) + math.exp(-6.5 * x))), -0.8, 1.6),
+        (lambda x: math.floor(-2.0 * (math.exp(x) + math.exp(-8.3 * x))), -1.0, 2.0),
+    ],
+)
+def test_find_maximum_takes_the_steps_of_brents_method(
+    function: Callable[[float], float], low: float, high: float, tolerance: float
+) -> None:
+    """SciPy's steps differ by its least one, which grows by 1.5e-8 of the location."""
+    ours, scipys = Counted(function), Counted(lambda x: -function(x))
+    location, value = find_maximum(ours, low, high, tolerance)
+    expected = fminbound(scipys, low, high, xtol=tolerance)
+    assert ours.points == pytest.approx(scipys.points, abs=3e-6)
+    assert location == pytest.approx(expected, abs=3e-6)
+    assert value == function(location)
+
+
+@pytest.mark.parametrize("steps", [0, 1, 7, 20])
+def test_golden_sections_narrow_every_bracket_alike(steps: int) -> None:
+    golden = (math.sqrt(5.0) - 1.0) / 2.0
+    peaks = np.array([-0.5, 0.1, 1.234, 2.9, 7.0])
+    low, high = np.array([0.0, -1.0, 0.5, 2.0, 1.0]), np.array([1.0, 3.0, 3.0, 3.0, 3.0])
+    calls: list[Array] = []
+
+    def function(x: Array) -> Array:
+        calls.append(x)
+        result: Array = -((x - peaks) ** 2)
+        return result
+
+    location, value = find_maximum_arrays(function, low, high, steps)
+    assert calls[0] == pytest.approx(golden * low + (1 - golden) * high)
+    assert calls[1] == pytest.approx((1 - golden) * low + golden * high)
+    assert len(calls) == steps + 2
+    # The two points inside the last bracket are as far from its ends as the golden section says.
+    width = (high - low) * golden**steps
+    assert np.all(np.abs(location - np.clip(peaks, low, high)) <= golden * width + 1e-12)
+    assert value == pytest.approx(-((location - peaks) ** 2))
+    assert value == pytest.approx(np.max([-((x - peaks) ** 2) for x in calls], axis=0))
+    # Each new point keeps its distance from the best one: what is left after k steps, divided by the golden section.
+    for k, new in enumerate(calls[2:]):
+        nearest = np.min([np.abs(new - x) for x in calls[: k + 2]], axis=0)
+        assert nearest == pytest.approx((high - low) * golden ** (k + 4), rel=1e-6)
+
+
+def test_equal_values_on_both_sides_give_the_left_one() -> None:
+    location, value = find_maximum_arrays(lambda x: 0.0 * x, np.zeros(1), np.ones(1), 0)
+    golden = (math.sqrt(5) - 1) / 2
+    assert (location[0], value[0]) == (pytest.approx(1 - golden), 0.0)
+    location, _ = find_maximum_arrays(lambda x: 0.0 * x, np.zeros(1), np.ones(1), 5)
+    assert location[0] == pytest.approx((1 - golden) * golden**5)
+
+
+AXES = np.eye(3).tolist()
+
+
+@pytest.mark.parametrize("objective", [[1.0, 2.0, 3.0], [-1.0, 0.5, -3.0], [0.0, 0.0, -2.0], [1e-3, -1e-3, 1e-3]])
+def test_a_box_is_left_at_its_corner(objective: list[float]) -> None:
+    """Without other constraints every unknown reaches its limit; with walls it reaches those."""
+    ((value, point),) = maximise_linear([objective], AXES[:1], [100.0], 7.0)
+    assert value == pytest.approx(7.0 * sum(map(abs, objective)))
+    assert [x for x, c in zip(point, objective, strict=True) if c] == pytest.approx(
+        [math.copysign(7.0, c) for c in objective if c]
+    )
+    walls = [*AXES, *(-np.eye(3)).tolist()]
+    ((value, point),) = maximise_linear([objective], walls, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], 7.0)
+    reached = [(0.1, -0.4), (0.2, -0.5), (0.3, -0.6)]
+    assert value == pytest.approx(
+        sum(c * (up if c > 0 else down) for c, (up, down) in zip(objective, reached, strict=True))
+    )
+
+
+def test_nothing_is_gained_where_the_objective_is_zero() -> None:
+    assert maximise_linear([[0.0, 0.0]], [[1.0, 1.0]], [1.0], 5.0) == [(0.0, [0.0, 0.0])]
+
+
+def test_corners_at_which_many_planes_meet() -> None:
+    """Ten planes touch the corner of a cube, and cut nothing off."""
+    rows = [[1.0, 1.0 + i / 10, 1.0] for i in range(10)]
+    bounds = [3.0 + i / 10 for i in range(10)]
+    for objective in ([1.0, 1.0, 1.0], [3.0, 1.0, 2.0], [1.0, 0.0, 0.0]):
+        ((value, _),) = maximise_linear([objective], rows, bounds, 1.0)
+        assert value == pytest.approx(sum(objective))
+
+
+def test_a_pyramid_has_its_maximum_at_the_tip() -> None:
+    sides = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]
+    ((value, point),) = maximise_linear([[0.2, -0.1, 1.0]], sides, [1.0] * 4, 50.0)
+    assert value == pytest.approx(1.0)
+    assert point == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 6])
+def test_linear_programs_have_the_maxima_of_a_library(size: int) -> None:
+    rng = np.random.default_rng(size)
+    for count in (3, 9, 24):
+        rows, bounds = rng.normal(size=(count, size)), rng.uniform(0.01, 2.0, count)
+        objectives = [*rng.normal(size=(4, size)), *rows[:2], np.eye(size)[0]]
+        found = maximise_linear([c.tolist() for c in objectives], rows.tolist(), bounds.tolist(), 5.0)
+        for c, (value, point) in zip(objectives, found, strict=True):
+            oracle = linprog(-c, A_ub=rows, b_ub=bounds, bounds=[(-5.0, 5.0)] * size)
+            assert value == pytest.approx(-oracle.fun, rel=1e-9, abs=1e-12)
+            assert value == pytest.approx(float(c @ point), rel=1e-12)
+            assert np.all(rows @ point <= bounds + 1e-9)
+            assert np.max(np.abs(point)) <= 5.0 + 1e-9
+            ((alone, _),) = maximise_linear([c.tolist()], rows.tolist(), bounds.tolist(), 5.0)
+            assert alone == pytest.approx(value, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rates", "slacks", "active", "hit"),
+    [
+        ([1.0, 1.0, 1.0], [3.0, 2.0, 2.5], [], (1, 2.0)),
+        ([1.0, 4.0], [3.0, 8.0], [], (1, 2.0)),
+        ([1.0, 1.0, 1.0], [3.0, 2.0, 2.5], [1], (2, 2.5)),
+        ([-1.0, 0.0, 1e-13, 1.0], [0.1, 0.1, 0.1, 9.0], [None], (3, 9.0)),
+        ([1.0, 1.0], [2.0, -1e-9], [], (1, 0.0)),  # a plane that rounding errors have passed is at a distance of 0
+        # Of equally near planes, in either order, the one that is met most steeply.
+        ([1.0, 2.0, 1.5], [1.0, 2.0, 1.5], [], (1, 1.0)),
+        ([2.0, 1.0], [2.0, 1.0], [], (0, 1.0)),
+        ([1.0, 2.0], [1.0, 2.0 + 1e-13], [], (1, 1.0)),
+        ([1.0, 2.0], [1.0 + 5e-14, 2.0], [], (1, 1.0)),
+        ([2.0, 1.0], [2.0 + 1e-13, 1.0], [], (0, 1.0)),
+        ([1.0, 2.0], [1.0, 2.0 + 1e-12], [], (0, 1.0)),
+        ([2.0, 1.0], [2.0 + 1e-12, 1.0], [], (1, 1.0)),
+    ],
+)
+def test_a_ray_meets_the_nearest_plane_that_it_approaches(
+    rates: list[float], slacks: list[float], active: list[int | None], hit: tuple[int, float]
+) -> None:
+    plane, distance = numerics._find_first_hit(rates, slacks, active)
+    assert plane == hit[0]
+    assert distance == pytest.approx(hit[1], abs=2e-13)

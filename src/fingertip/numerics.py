@@ -89,7 +89,7 @@ def maximise_linear(
     # Row i of `edges` is the direction in which constraint i is left while the other active ones stay active. At first
     # the origin is held by planes that are no constraints, so that they may be left in both directions.
     active: list[int | None] = [None] * count
-    edges, point = [[-value for value in unit] for unit in units], [0.0] * count
+    edges, point = units, [0.0] * count
     solutions: list[tuple[float, list[float]]] = []
     vertices = [(point, slacks, edges, active)]
     for objective in objectives:
@@ -156,7 +156,7 @@ def find_root(
     (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
     for _ in range(_MAX_STEPS):
         if fa == fb or abs(b - a) < tolerance:
-            break
+            return b
         new = b - fb * (b - a) / (fb - fa)
         value = function(new)
         if value * fb < 0.0:
@@ -165,7 +165,7 @@ def find_root(
             fa *= 0.5
         b, fb = new, value
         if value == 0.0:
-            break
+            return b
     return b
 
 

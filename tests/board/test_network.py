@@ -28,9 +28,9 @@ from fingertip.board.components.amplifiers import AD623_BANDWIDTH_HZ
 from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.components.filter import FilterSelection
 from fingertip.board.kicad import symbols
-from fingertip.board.network import Network, StateSpace, build_network, filter_quantities
+from fingertip.board.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.supplies import SUPPLIES
-from fingertip.board.transfer_function import find_stages, multiply
+from fingertip.board.transfer_function import Rational, find_stages, multiply
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
@@ -421,6 +421,23 @@ def test_charges_that_determine_each_other_are_refused() -> None:
     circuit = passive_circuit(R1=("1k", "VCC", "A"), C1=("1u", "A", "B"), R2=("1k", "B", "GND"))
     with pytest.raises(np.linalg.LinAlgError):
         build_network(circuit).state_space()
+
+
+def test_polynomials_have_no_more_coefficients_than_their_degree() -> None:
+    """(1 + s) (1 + 2 s) = 1 + 3 s + 2 s^2."""
+    product = multiply([Rational([1.0, 1.0], [4.0]), Rational([1.0, 2.0], [1.0, 0.5])])
+    assert product == Rational([1.0, 3.0, 2.0], [4.0, 2.0])
+
+
+def test_determinants_multiply_the_factors_of_their_terms() -> None:
+    """a: 4 g a + 3 c s b = 5 g x; b: 2 g b + 7 c s a = 0, so that b / x = -35 g c s / (8 g^2 - 21 c^2 s^2)."""
+    terms = (
+        Term("a", "a", "g", 4.0, 0), Term("a", "b", "c", 3.0, 1), Term("a", "x", "g", -5.0, 0),
+        Term("b", "b", "g", 2.0, 0), Term("b", "a", "c", 7.0, 1),
+    )  # fmt: skip
+    (stage,) = find_stages(Network(terms, {"g": 10.0, "c": 1.0}, ("x",)), "x", "b")
+    found = stage.evaluate({"g": 10.0, "c": 1.0})
+    assert found == Rational([0.0, -350.0], [800.0, 0.0, -21.0])
 
 
 def test_stage_fed_by_two_nets_is_refused() -> None:

@@ -7,7 +7,12 @@ import math
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import mold
+from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.runners import runners
+from fingertip.cad.shapes.skin import cavity
+from fingertip.cad.solids import difference, intersection, union
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -16,6 +21,7 @@ from fingertip.casting.quantities import (
     compute_batch,
     load_cm3,
     measure_volumes,
+    volumes_data,
 )
 from fingertip.design import Design
 from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
@@ -67,6 +73,38 @@ def test_gap_volume_is_proportional_to_the_fit_clearance() -> None:
     assert loose.gap_cm3 / tight.gap_cm3 == pytest.approx(2.0, rel=0.1)
 
 
+def test_volumes_add_up_to_the_hollow_without_the_insert() -> None:
+    design, evaluator = fsr400("mold.fit_clearance_mm=0.2"), MeshEvaluator(0.02)
+    hollow = intersection(mold.cast_hollow(design), mold.block(design))
+    cast_mm3 = evaluator.manifold(difference(hollow, mold_insert(design))).volume()
+    runners_mm3 = evaluator.manifold(
+        difference(intersection(union(*runners(design)), mold.block(design)), cavity(design))
+    ).volume()
+    volumes = measure_volumes(design, evaluator)
+    assert volumes.total_cm3 == pytest.approx(cast_mm3 / 1000, rel=1e-6)
+    assert volumes.runners_cm3 == pytest.approx(runners_mm3 / 1000, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("volumes", "rounded"),
+    [
+        # 100.6, 50.3 and 25.4 hundredths are 176.3: the hundredth beyond 100, 50 and 25 is the skin's.
+        ((1.006, 0.503, 0.254), (1.01, 0.50, 0.25, 1.76)),
+        # 100.2, 50.7 and 25.9 are 176.8: two hundredths are left.
+        ((1.002, 0.507, 0.259), (1.00, 0.51, 0.26, 1.77)),
+        # 2.3, 4.1 and 6.9 are 13.3: what counts is the part cut off, not the size.
+        ((0.069, 0.041, 0.023), (0.07, 0.04, 0.02, 0.13)),
+        ((0.023, 0.069, 0.041), (0.02, 0.07, 0.04, 0.13)),
+        # 0.29 is 28.999999999999996 hundredths.
+        ((0.29, 0.29, 0.29), (0.29, 0.29, 0.29, 0.87)),
+        ((2.0, 0.0, 0.0), (2.0, 0.0, 0.0, 2.0)),
+    ],
+)
+def test_rounded_volumes_add_up(volumes: tuple[float, float, float], rounded: tuple[float, ...]) -> None:
+    skin, runners, gap, total = rounded
+    assert volumes_data(SiliconeVolumes(*volumes)) == {"skin": skin, "runners": runners, "gap": gap, "total": total}
+
+
 def test_total_volume_is_the_sum_of_the_volumes() -> None:
     assert SiliconeVolumes(1.5, 0.25, 0.125).total_cm3 == 1.875
 
@@ -88,6 +126,14 @@ def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
     assert 1.5 * injected_cm3(predict_mold_filling(small)) > 3.0
     assert load_cm3(small) == 3.0
     assert load_cm3(fsr400("mold.filling=gravity")) == 0.0
+
+
+def test_only_a_load_of_more_than_the_mold_holds_changes_the_batch() -> None:
+    silicone = SILICONES["dragon_skin_30"]
+    batch = compute_batch(silicone, 0.5)
+    assert batch.with_waste_g == pytest.approx(1.25 * 0.5 * silicone.density_g_cm3.high)
+    assert compute_batch(silicone, 0.5, 0.4) == batch
+    assert compute_batch(silicone, 0.5, 0.6).with_waste_g == pytest.approx(1.2 * batch.with_waste_g)
 
 
 def test_step_of_the_scale_errs_by_a_twentieth_of_the_lightest_component() -> None:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from fingertip.casting.retention import FRICTION, skin_pull_off_n
+from fingertip.casting.retention import FRICTION, name_retention, skin_pull_off_n
 from fingertip.design import Design
 from fingertip.silicones import SILICONES
 
@@ -41,3 +41,14 @@ def test_sleeve_is_held_by_friction_along_its_length() -> None:
 def test_friction_is_that_of_rubber_at_its_lower_end() -> None:
     """Rubber on a dry, smooth solid has 0.5 to 1; an estimate of what holds takes no more than the least."""
     assert 0.0 < FRICTION <= 0.5
+
+
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("interference_mm", [0.0, 0.2])
+@pytest.mark.parametrize("depth_mm", [0.0, 0.6])
+def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, method: str) -> None:
+    changes = [f"mold.method={method}", f"mold.sleeve_interference_mm={interference_mm}"]
+    held = name_retention(Design.load(changes=[*changes, f"bone.groove_depth_mm={depth_mm}"]))
+    assert ("the groove" in held) == (depth_mm > 0.0)
+    assert ("the tightness of the sleeve" in held) == (method == "sleeve" and interference_mm > 0.0)
+    assert bool(held) == (pull(*changes, f"bone.groove_depth_mm={depth_mm}") > 0.0)

@@ -9,7 +9,7 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
 from fingertip.slip.format import format_delay
-from fingertip.slip.intervals import intervals, merge, score
+from fingertip.slip.intervals import SlipCollector, intervals, merge, score
 
 TIME = np.arange(10) / 10
 
@@ -30,6 +30,17 @@ def to_flags(text: str) -> np.ndarray:
 )
 def test_intervals_of_flags(text, expected):
     assert [(i.onset_s, i.end_s) for i in intervals(TIME, to_flags(text))] == expected
+
+
+@pytest.mark.parametrize("text", ["0000000000", "0011100000", "1100000011", "1111111111", "0101000000", "0000000001"])
+@pytest.mark.parametrize("sizes", [(10,), (1,) * 10, (3, 0, 4, 3), (5, 5), (9, 1)])
+def test_chunks_give_the_intervals_of_the_whole(text, sizes):
+    flags, at, collector = to_flags(text), 0, SlipCollector()
+    for size in sizes:
+        collector.add(TIME[at : at + size], flags[at : at + size])
+        at += size
+    assert collector.close() == intervals(TIME, flags)
+    assert collector.close() == intervals(TIME, flags)  # nothing is added twice
 
 
 def test_intervals_with_small_gaps_are_merged():

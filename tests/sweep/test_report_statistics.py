@@ -25,12 +25,15 @@ from fingertip.sweep.report.statistics import (
     bin_by_count,
     bin_by_value,
     compute_cell_statistics,
+    compute_correlation,
     compute_null_deviation,
     compute_ranks,
     estimate_explained_variance,
     find_nearest_to_ideal,
     find_pareto_front,
+    is_categorical,
     suits_log_scale,
+    to_sortable,
 )
 from fingertip.sweep.rows import SweepTable
 from tests.sweep.examples import make_plan, make_table
@@ -257,3 +260,115 @@ def test_logarithmic_scale_needs_a_ratio_of_five() -> None:
 def test_nearest_to_the_ideal_is_by_the_straight_distance() -> None:
     """The sum of the parts would be 1.05 for the third row, more than that of the others."""
     assert find_nearest_to_ideal(np.array([[0.0, 1.0], [1.0, 0.0], [0.45, 0.6]]), np.arange(3)) == 2
+
+
+def test_few_values_have_a_bin_each_wherever_they_lie() -> None:
+    column = np.array([10.0, 0.0, 0.1, 0.0])
+    for divide in (bin_by_count, bin_by_value):
+        for maximum in (3, 9):
+            bins = divide(column, maximum)
+            assert bins.is_exact
+            assert (bins.indices.tolist(), bins.low.tolist()) == ([2, 0, 1, 0], [0.0, 0.1, 10.0])
+        assert not divide(column, 2).is_exact
+
+
+def test_bins_by_value_share_the_range() -> None:
+    bins = bin_by_value(np.arange(11.0), 5)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([0, 2, 4, 6, 8], [1, 3, 5, 7, 10])
+    assert bins.indices.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4]
+    shifted = bin_by_value(np.arange(11.0) - 100.0, 5)
+    assert (shifted.indices.tolist(), shifted.low[0]) == (bins.indices.tolist(), -100.0)
+    gap = bin_by_value(np.array([0.0, 1.0, 2.0, 9.0, 10.0]), 4)
+    assert (gap.low.tolist(), gap.high.tolist()) == ([0, 9], [2, 10]), "empty bins are left out"
+
+
+def test_bins_by_count_place_a_value_by_the_middle_of_its_points() -> None:
+    bins = bin_by_count(np.array([0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0]), 2)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([0, 1], [0, 3])
+    # The middles 3, 6.5, 7.5 and 8.5 of 9 points: no value is in the first third.
+    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0], [6, 1, 1, 1]), 3)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 6], [5, 8])
+    # The middles 1.5, 5.5 and 10 of 12 points, in halves: 0.25, 0.92 and 1.67.
+    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0], [3, 5, 4]), 2)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7], [6, 7])
+    # The middles 1, 2.5, 4 and 7 of 9 points, in thirds: 0.33, 0.83, 1.33 and 2.33.
+    bins = bin_by_count(np.repeat([5.0, 6.0, 7.0, 8.0], [2, 1, 2, 4]), 3)
+    assert (bins.low.tolist(), bins.high.tolist()) == ([5, 7, 8], [6, 7, 8])
+
+
+def test_words_have_a_bin_each_and_numbers_among_them_become_words() -> None:
+    mixed = np.array(["auto", 3.0, "auto", 20.0], dtype=object)
+    assert to_sortable(mixed).tolist() == ["auto", "3.0", "auto", "20.0"]
+    bins = bin_by_value(mixed, 2)
+    assert (bins.low.tolist(), bins.indices.tolist()) == (["20.0", "3.0", "auto"], [2, 1, 2, 0])
+    numbers = np.arange(3.0)
+    assert to_sortable(numbers) is numbers
+    assert [is_categorical(np.array(column)) for column in (["a"], [1.0], [True])] == [True, False, False]
+    assert is_categorical(mixed)
+    assert is_categorical(np.array([b"a"]))
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
+    with np.errstate(all="raise"):
+        assert suits_log_scale(unit * np.array([1.0, 4.0, 16.0]))
+        assert suits_log_scale(unit * np.array([1.0, 2.0, 16.0]))
+        assert not suits_log_scale(unit * np.array([1.0, 8.5, 16.0]))
+        assert not suits_log_scale(unit * np.array([1.0, 6.0, 16.0]))
+        assert not suits_log_scale(unit * np.array([1.0, 12.0, 16.0]))
+        assert not suits_log_scale(unit * np.array([0.0, 4.0, 16.0]))
+        assert not suits_log_scale(unit * np.array([-16.0, -4.0, -1.0]))
+        assert not suits_log_scale(np.array([]))
+        assert not suits_log_scale(np.array(["1", "4", "16"]))
+
+
+def test_correlation_of_a_line_is_one_and_of_a_constant_unknown() -> None:
+    x = np.array([1.0, 2.0, 4.0])
+    assert compute_correlation(x, 3 * x + 7) == pytest.approx(1.0)
+    assert compute_correlation(x, 7 - 3 * x) == pytest.approx(-1.0)
+    assert compute_correlation(x, np.array([1.0, -1.0, 1.0])) == pytest.approx(1 / math.sqrt(28))
+    assert math.isnan(compute_correlation(x, np.ones(3)))
+    assert math.isnan(compute_correlation(np.ones(3), x))
+
+
+def test_explained_variance_of_four_points_by_hand() -> None:
+    """Means of 0.5 and 2.5: the variance between is 4 of 5, less what chance adds, 1 - 0.2 x 3 / 2."""
+    bins = bin_by_value(np.array([0.0, 0.0, 1.0, 1.0]), 2)
+    assert estimate_explained_variance(np.arange(4.0), bins) == pytest.approx(0.7)
+    assert estimate_explained_variance(np.array([3.0, 3.0, 8.0, 8.0]), bins) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("bins", "points", "deviation"), [(3, 5, 1.0), (9, 25, 0.25), (1, 9, 0.0)])
+def test_deviation_without_effect_is_that_of_chi_squared(bins: int, points: int, deviation: float) -> None:
+    """The variance of bins - 1 degrees of freedom is twice their number."""
+    assert compute_null_deviation(bins, points) == pytest.approx(deviation)
+
+
+def test_cells_with_one_point_or_none() -> None:
+    axis = bin_by_value(np.array([0.0, 1.0, 2.0]), 3)
+    with np.errstate(all="raise"):
+        cells = compute_cell_statistics(
+            axis, Bins(np.zeros(3, int), np.zeros(1), np.zeros(1)), np.array([5.0, -3.0, np.nan]),
+            np.array([True, True, True]), minimise=True,
+        )  # fmt: skip
+    assert (cells.points.tolist(), cells.finite.tolist()) == ([[1, 1, 1]], [[1, 1, 0]])
+    assert cells.best[0, :2].tolist() == cells.mean[0, :2].tolist() == [5.0, -3.0]
+    assert np.isnan([cells.best[0, 2], cells.mean[0, 2]]).all()
+
+
+def test_objective_that_is_the_same_on_the_whole_front_does_not_count() -> None:
+    costs = np.array([[7.0, 0.0, 1.0], [7.0, 1.0, 0.0], [7.0, 0.4, 0.4]])
+    with np.errstate(all="raise"):
+        assert find_nearest_to_ideal(costs, np.arange(3)) == 2
+        assert find_nearest_to_ideal(costs, np.array([0, 1])) == 0, "the first of two that are equally near"
+        assert find_nearest_to_ideal(np.array([[3.0], [2.0], [2.0]]), np.array([1, 2])) == 1
+
+
+@pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e3), (5.0, 1e-6)])
+def test_nearest_to_the_ideal_does_not_depend_on_the_units(units: tuple[float, float]) -> None:
+    """The third row is 1.018 from the ideal, the other two 1."""
+    costs = np.array([[0.0, 1.0], [1.0, 0.0], [0.72, 0.72], [0.69, 0.71]]) * units
+    assert find_nearest_to_ideal(costs, np.array([0, 1, 2])) == 0
+    assert find_nearest_to_ideal(costs, np.arange(4)) == 3
+    assert find_nearest_to_ideal(costs + 7.0, np.arange(4)) == 3
+    assert find_nearest_to_ideal(costs - 7.0, np.arange(4)) == 3

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import itertools
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future
 from typing import Any, cast
@@ -106,7 +108,9 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 def test_rate_and_remaining_time_are_those_of_the_last_half_minute(clock: Clock) -> None:
     state = RunState(100, 10)
     assert (state.points_per_s, state.remaining_s) == (0.0, math.inf)
-    clock.now_s += 2.0
+    clock.now_s += 0.5
+    assert RunState(100, 0, written=10, history=deque([(clock.now_s - 0.5, 0)])).points_per_s == 20.0
+    clock.now_s += 1.5
     state.add_written(20)
     clock.now_s += 2.0
     assert (state.done, state.points_per_s) == (30, 5.0)
@@ -214,6 +218,29 @@ def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) 
     assert state.failures == 0
 
 
+def test_retry_that_an_idle_pool_refuses_is_sent_to_a_new_one(clock: Clock) -> None:
+    class Refusing(Breaking):
+        def executor(self) -> Executor:
+            pool = super().executor()
+            if self.started == 2:
+                outer, submit = self, pool.submit
+
+                def refuse_retry(function: Callable[..., Any], chunk: Chunk) -> Future[Any]:
+                    if chunk.points != (40,):
+                        return submit(function, chunk)
+                    outer.bad = set()
+                    raise BrokenExecutor
+
+                pool.submit = refuse_retry  # type: ignore[method-assign, assignment]
+            return pool
+
+    engine, database = Refusing({40}, {40: 2 * LIMIT_S}), Database()
+    state = compute(engine, database)
+    assert engine.started == 3
+    assert [row[1] for row in database.rows] == ["ok"] * POINTS
+    assert state.failures == 0
+
+
 def test_breakdowns_count_only_in_a_row(clock: Clock) -> None:
     """A breakdown with a culprit starts the count again: five without one may precede it, and five may follow."""
 
@@ -236,6 +263,25 @@ def test_workers_that_die_without_a_point_end_the_run(clock: Clock) -> None:
         compute(engine, database)
     assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
     assert database.rows == []
+
+
+def test_breakdowns_after_a_result_are_counted_from_the_first(clock: Clock) -> None:
+    engine = Breaking(set(), {})
+
+    def evaluate(chunk: Chunk) -> ChunkResult:
+        engine.bad = set(range(POINTS))
+        return worker(0.01)(chunk)
+
+    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
+        run_sweep(make_plan(), cast(SweepDatabase, Database()), engine, evaluate=evaluate)
+    assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
+
+
+def test_first_rows_are_written_at_once_whatever_the_clock_shows(clock: Clock) -> None:
+    clock.now_s = 0.0
+    database = Database()
+    compute(InlineEngine(), database)
+    assert [len(rows) for rows in database.commits] == [2, 70]
 
 
 def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
@@ -264,3 +310,133 @@ def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
 
     with pytest.raises(SweepError, match="--cluster: is lost"):
         compute(Lost(), Database())
+
+
+class Slow(InlineEngine):
+    """Engine with one worker for two points, whose results come when a test says so."""
+
+    def __init__(self, attempts: int = 1) -> None:
+        super().__init__()
+        self.attempts, self.asked = attempts, 0
+        self.waiting: list[tuple[Chunk, Future[ChunkResult]]] = []
+
+    def executor(self) -> Executor:
+        outer = self
+
+        class Pool(InlineExecutor):
+            def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
+                future: Future[ChunkResult] = Future()
+                outer.waiting.append((arguments[0], future))
+                return future
+
+        return Pool()
+
+    def end_if_stuck(self) -> None:
+        self.asked += 1
+
+    def answer(self) -> None:
+        chunk, future = self.waiting.pop(0)
+        future.set_result(worker(1.0)(chunk))
+
+
+def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker answers at 3 s, then one 9 s later: from more than 5 s on, the engine is asked whether it is stuck."""
+    engine, seen = Slow(), []
+    script = iter([3.0, 0.0, 5.0, 0.5, 3.5, 0.0])
+
+    def progress(state: RunState) -> None:
+        seen.append((state.silent_s, engine.asked, state.hang_s))
+        clock.now_s += next(script, 0.0)
+        if len(seen) in (1, 5):
+            engine.answer()
+
+    monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
+    plan = make_plan(time_limit_s=LIMIT_S)
+    run_sweep(plan, cast(SweepDatabase, Database(missing=2)), engine, progress, worker(1.0))
+    silences = [(silent_s, asked) for silent_s, asked, _ in seen]
+    assert silences == [(0.0, 0), (0.0, 0), (0.0, 0), (5.0, 0), (5.5, 1), (0.0, 1)]
+    assert {hang_s for *_, hang_s in seen} == {3 * LIMIT_S}
+    assert RunState(1, 0).silent_s == 0.0
+
+
+def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
+    engine, waiting = Slow(), list[int]()
+    engine.workers = 3
+
+    def progress(_: RunState) -> None:
+        waiting.append(len(engine.waiting))
+        while engine.waiting:
+            engine.answer()
+
+    run_sweep(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
+    assert waiting[0] == max(waiting) == 6
+
+
+def test_progress_is_shown_as_often_as_rows_are_written(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
+    timeouts: list[float] = []
+
+    def wait(futures: Any, timeout: float, **options: Any) -> Any:
+        timeouts.append(timeout)
+        return concurrent.futures.wait(futures, timeout=timeout, **options)
+
+    monkeypatch.setattr(run, "wait", wait)
+    compute(Breaking({40}, {40: LIMIT_S}), Database())
+    assert set(timeouts) == {run.WRITE_INTERVAL_S}
+
+
+def test_only_commits_of_the_last_half_minute_count(clock: Clock) -> None:
+    state = RunState(100, 0)
+    clock.now_s += 10.0
+    state.add_written(5)
+    clock.now_s += run.RATE_WINDOW_S
+    state.add_written(10)
+    assert len(state.history) == 3, "one of exactly 30 s ago still begins the window"
+    clock.now_s += 1.0
+    state.add_written(0)
+    assert len(state.history) == 3
+    assert state.points_per_s == pytest.approx(10 / 31)
+
+
+@pytest.mark.parametrize(
+    ("limit_s", "second", "status"),
+    [
+        (LIMIT_S, {40: 2 * LIMIT_S}, "timeout"),
+        (0.5, {}, "failed"),
+        (0.5, {41: 9.0}, "failed"),
+        (0.5, {40: 0.6}, "timeout"),
+    ],
+)
+def test_time_of_the_second_death_decides_between_timeout_and_failure(
+    clock: Clock, limit_s: float, second: dict[int, float], status: str
+) -> None:
+    """A point that the engine does not name had not begun."""
+
+    class Twice(Breaking):
+        found = iter([{40: 99.0}, second])
+
+        def find_crashed_points(self) -> Mapping[int, float] | None:
+            return next(self.found)
+
+    database = Database()
+    plan = make_plan(time_limit_s=limit_s)
+    run_sweep(plan, cast(SweepDatabase, database), Twice({40}, None), evaluate=worker(0.01))
+    assert database.rows[40][1] == status
+
+
+@pytest.mark.parametrize(("tick_s", "status"), [(1.4, "failed"), (1.5, "timeout")])
+def test_time_of_a_point_nobody_measured_is_that_of_its_retry(clock: Clock, tick_s: float, status: str) -> None:
+    """From the start of the retry to its end, the clock is read twice."""
+    seen: list[Chunk] = []
+
+    def evaluate(chunk: Chunk) -> ChunkResult:
+        if 40 not in chunk.points:
+            return worker(0.01)(chunk)
+        seen.append(chunk)
+        clock.tick_s = tick_s * (len(seen) == 2)
+        raise ValueError
+
+    database = Database()
+    run_sweep(make_plan(time_limit_s=LIMIT_S), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    assert database.rows[40][1] == status
+    assert sum(row[1] != "ok" for row in database.rows) == 1

@@ -35,13 +35,20 @@ def main() -> None:
             if changed is not None and changed != source:
                 found.append((start, name, occurrence, changed))
     for start, name, _, changed in sorted(found):
-        old, new = source.splitlines(), changed.splitlines()
-        first = next((i for i, pair in enumerate(zip(old, new)) if pair[0] != pair[1]), 0)  # noqa: B905
+        # Where a line goes, cosmic-ray takes the blank lines before it too.
+        old, new = list_lines(source), list_lines(changed)
+        place = next((i for i, pair in enumerate(zip(old, new)) if pair[0][1] != pair[1][1]), 0)  # noqa: B905
+        number, before = old[place]
         mutant = {
-            "line": first + 1, "operator": name.removeprefix("core/"), "before": old[first].strip(),
-            "after": new[first].strip(), "code": changed, "column": start[1],
+            "line": number, "operator": name.removeprefix("core/"), "before": before,
+            "after": new[place][1] if len(new) == len(old) else "", "code": changed, "column": start[1],
         }  # fmt: skip
         print(json.dumps(mutant))
+
+
+def list_lines(code: str) -> list[tuple[int, str]]:
+    """List the lines that are not blank, with their numbers from 1, without indentation."""
+    return [(i + 1, line.strip()) for i, line in enumerate(code.splitlines()) if line.strip()]
 
 
 if __name__ == "__main__":

@@ -1,0 +1,147 @@
+"""Engine of the rules, on rules that are made up: order, prerequisites, what was read, and what cannot be checked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import FrozenInstanceError
+
+import pytest
+
+from fingertip.design.parameters import DesignTables
+from fingertip.design.rules.ruleset import (
+    SLACK,
+    InvalidParameterError,
+    RecordingTables,
+    Rule,
+    RuleChecker,
+    Ruleset,
+    Violation,
+    at_least,
+    at_most,
+    find_violations,
+)
+
+TABLES = DesignTables()
+
+
+def passing(_: DesignTables) -> Violation | None:
+    return None
+
+
+def broken(_: DesignTables) -> Violation | None:
+    return Violation("1 mm is too little")
+
+
+def reads_wall(design: DesignTables) -> Violation | None:
+    return Violation("is thin") if design.bone.wall_mm < 99.0 else None
+
+
+def reads_width(design: DesignTables) -> Violation | None:
+    return Violation("is wide") if design.skin.width_mm > 0.0 else None
+
+
+def test_intervals_are_open_on_one_side() -> None:
+    assert at_least(2.0) == ((2.0, math.inf),)
+    assert at_most(2.0) == ((-math.inf, 2.0),)
+
+
+def test_slack_is_far_above_rounding_and_far_below_what_a_printer_makes() -> None:
+    """Lengths of up to 100 mm are rounded at 1e-14 of them; printers err by hundredths of a millimetre."""
+    assert 1e-9 < SLACK < 1e-4
+
+
+def test_a_violation_says_no_more_than_its_problem_by_default() -> None:
+    violation = Violation("is wrong")
+    assert (violation.passing, violation.note, violation.alternatives, violation.shortfall) == ((), "", {}, None)
+    with pytest.raises(FrozenInstanceError):
+        violation.note = "else"  # type: ignore[misc]
+
+
+def test_rules_are_listed_in_order_with_what_was_said_of_them() -> None:
+    ruleset = Ruleset()
+    first = ruleset.rule("a")(passing)
+    second = ruleset.rule("b", first, takes_long=True)(broken)
+    assert list(ruleset) == [first, second]
+    assert (first.field, first.check, first.prerequisites, first.takes_long) == ("a", passing, (), False)
+    assert (second.field, second.check, second.prerequisites, second.takes_long) == ("b", broken, (first,), True)
+    assert Rule("a", passing).takes_long is False
+    with pytest.raises(FrozenInstanceError):
+        first.field = "c"  # type: ignore[misc]
+
+
+def test_two_rules_that_look_alike_are_two() -> None:
+    one, other = Rule("a", broken), Rule("a", broken)
+    assert one != other
+    assert [found.rule for found in find_violations([one, other], TABLES)] == [one, other]
+
+
+def test_every_broken_rule_is_found_with_its_violation_and_design() -> None:
+    rules = [Rule("a", passing), Rule("b", broken), Rule("c", reads_wall)]
+    found = list(find_violations(rules, TABLES))
+    assert [(item.rule, item.violation.problem) for item in found] == [
+        (rules[1], "1 mm is too little"), (rules[2], "is thin"),
+    ]  # fmt: skip
+    assert all(item.design is TABLES for item in found)
+
+
+def test_a_rule_is_checked_once_and_only_after_its_prerequisites_pass() -> None:
+    calls = []
+
+    def count(_: DesignTables) -> Violation | None:
+        calls.append(1)
+        return None
+
+    good, bad, counted = Rule("a", passing), Rule("b", broken), Rule("c", count)
+    checker = RuleChecker(TABLES)
+    assert checker.passes(good)
+    assert not checker.passes(bad)
+    assert checker.violations == {bad: broken(TABLES)}
+    assert not checker.passes(Rule("d", count, (good, bad)))
+    assert not calls
+    assert checker.passes(Rule("e", passing, (good, counted)))
+    assert checker.passes(counted)
+    assert len(calls) == 1
+    assert list(checker.violations) == [bad], "a rule that was not checked has no violation"
+
+
+def test_a_rule_that_reads_what_is_invalid_is_left_out_with_those_behind_it() -> None:
+    wall, width = Rule("bone.wall_mm", reads_wall), Rule("skin.width_mm", reads_width)
+    behind = Rule("mold.wall_mm", broken, (wall,))
+    invalid = frozenset({"bone.wall_mm"})
+    assert [item.rule for item in find_violations([wall, behind, width], TABLES, invalid)] == [width]
+    assert [item.rule for item in find_violations([wall, width], TABLES, frozenset({"bone"}))] == [width]
+    checker = RuleChecker(TABLES, invalid)
+    assert not checker.passes(wall)
+    assert checker.passes(Rule("a", passing, ()))
+    assert checker.violations == {}
+
+
+def test_what_decides_a_violation_is_recorded() -> None:
+    """Of a rule with its prerequisites, and of itself alone: a repair must change one of the latter."""
+
+    def reads_both(design: DesignTables) -> Violation | None:
+        return Violation("is thin") if design.bone.wall_mm < design.printer.min_wall_mm + 99.0 else None
+
+    def reads_length(design: DesignTables) -> Violation | None:
+        return None if design.skin.length_mm > 0.0 else Violation("is short")
+
+    rule = Rule("bone.wall_mm", reads_both, (Rule("skin.length_mm", reads_length),))
+    (item,) = find_violations([rule], TABLES)
+    assert item.own_reads == {"bone.wall_mm", "printer.min_wall_mm"}
+    assert item.reads == item.own_reads | {"skin.length_mm"}
+
+
+def test_stand_in_has_the_values_of_the_tables_and_refuses_invalid_ones() -> None:
+    recorder = RecordingTables(TABLES, frozenset({"skin.width_mm", "board", "name"}))
+    tables = recorder.as_tables()
+    assert tables.bone.wall_mm == TABLES.bone.wall_mm
+    assert recorder.reads == {"bone.wall_mm"}
+    for read in (lambda: tables.skin.width_mm, lambda: tables.board, lambda: tables.name):
+        with pytest.raises(InvalidParameterError):
+            read()
+    assert recorder.reads == {"bone.wall_mm", "skin.width_mm", "board", "name"}
+    free = RecordingTables(TABLES)
+    assert free.as_tables().dimensions.sensor_z == TABLES.dimensions.sensor_z
+    assert free.as_tables().dimensions is free.as_tables().dimensions
+    assert free.as_tables().mold_layout.half_width == TABLES.mold_layout.half_width
+    assert {"skin.length_mm", "sensor.distance_from_tip_mm"} <= free.reads

@@ -19,7 +19,7 @@ LOUD = 10.0
 def one_question() -> FastModel:
     """Model of one tree: a score of 10 where the wide energy of 20 ms is large, else -10."""
     wide, leaves = FEATURES.index("wide energy, 20 ms"), [-10.0] * ((NODES + 1) // 2) + [10.0] * ((NODES + 1) // 2)
-    return FastModel(np.full(NODES, float(wide)), np.full(NODES, LOUD), np.array(leaves), 0.0, 0.0, -1.0)
+    return FastModel(np.full(NODES, float(wide)), np.full(NODES, LOUD), np.array(leaves), 0.0, 0.0, 0.0, -1.0)
 
 
 def noise(samples: int, seed: int = 2) -> np.ndarray:

@@ -89,7 +89,7 @@ def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
     # The slip begins sooner after the motion; from gross slip on, fast waits until it is no contact.
     assert fast.change_s < 0.002
     assert fast.onset_change_s < -0.003
-    assert noisy.change_s > 0.003
+    assert noisy.change_s > 0.002
     assert noisy.onset_change_s == 0.0
     assert weak.median_s != base.median_s
 

@@ -61,7 +61,9 @@ def _voltage(network: Network, f: Array, net: str, driven: str) -> Spectrum:
 
 def _find_margin_deg(loop: Spectrum) -> float:
     """Phase of a loop above -180 degrees where its gain last falls through 1, by interpolation between two points."""
-    level, phase = np.log(np.abs(loop)), np.degrees(np.unwrap(np.angle(loop)))
+    with np.errstate(divide="ignore"):  # far above its bandwidth a loop may have no gain left
+        level = np.log(np.abs(loop))
+    phase = np.degrees(np.unwrap(np.angle(loop)))
     above = np.flatnonzero(level > 0.0)
     if not len(above):
         return math.inf

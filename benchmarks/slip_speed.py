@@ -3,7 +3,7 @@
     python benchmarks/slip_speed.py [--samples 2000000] [--chunk 100000] [--stream 1000000000]
 
 scipy.signal.sosfilt applies the third-order high-pass only. `digital`, the article's whole chain in software, applies
-that, rectification, envelope, window and threshold. `fast` applies four filters and, every 2 ms, 120 trees. `analog`
+that, rectification, envelope, window and threshold. `fast` applies four filters and, every 2 ms, 160 trees. `analog`
 applies window and threshold only, because the board does the rest. All take the same samples in the same chunks. The
 best of several rounds counts, and the contenders take turns, so that other load on the machine affects all alike.
 """

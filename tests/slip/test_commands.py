@@ -87,6 +87,12 @@ def test_detect_warns_if_every_sample_is_clipped(trace):
     assert "is a sensor connected?" not in found.stderr
 
 
+def test_detect_asks_for_the_sensor_of_a_dead_channel(trace):
+    found = run("detect", trace([f"{i / 2000:.4f},0.0,0.8,0" for i in range(200)]))
+    assert "the voltage is constant at 0 V; is a sensor connected?" in found.stderr
+    assert "limits of the ADC range" not in found.stderr
+
+
 def test_an_adc_with_less_noise_detects_the_smoothest_surface_sooner(tmp_path):
     quiet = ["--set", "detector.noise_v=2e-5", "--set", "detector.adc_bits=24", "--set", "detector.threshold_v=0.005"]
     out = tmp_path / "trace.csv"

@@ -8,7 +8,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
-from fingertip.slip.format import format_delay
+from fingertip.slip.format import format_delay, measure_false_on_s
 from fingertip.slip.intervals import SlipCollector, intervals, merge, score
 
 TIME = np.arange(10) / 10
@@ -100,6 +100,12 @@ def test_description_distinguishes_incipient_slip_from_already_on():
     assert format_delay(0.0123) == "detected after 12.3 ms"
     assert format_delay(-0.006) == "detected 6.0 ms before onset, in incipient slip"
     assert format_delay(-0.01) == "already ON 10 ms before onset"
+
+
+def test_an_interval_that_began_long_before_a_slip_is_on_without_slip():
+    detected = [Interval(0.0, 1.2), Interval(2.0, 2.25), Interval(3.0, 3.5)]
+    assert measure_false_on_s(detected, [Interval(1.0, 1.5), Interval(2.1, 2.2)]) == pytest.approx(1.0 + 0.15 + 0.5)
+    assert measure_false_on_s(detected, []) == pytest.approx(1.95)
 
 
 def test_number_of_slips_does_not_depend_on_the_detector():

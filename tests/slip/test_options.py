@@ -39,7 +39,7 @@ def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
 def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, np.round(V / 3.3 * 4096)))
     words = ("detect", tmp_path / "t.csv", "--json")
-    assert "--scale 0.00080566406 converts counts to volts" in run(*words).stderr
+    assert "--scale 0.00080566406 converts counts of 12 bits to volts" in run(*words).stderr
     assert single_onset(run(*words, "--scale", 0.00080566406)) == pytest.approx(ONSET, abs=0.003)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fingertip.slip.detection import Detection
@@ -13,6 +14,8 @@ DETECTED = "detected"
 """Name of an interval in which the detector is ON."""
 INTERVAL = "{onset} s to {end} s"
 """Form in which an interval is printed."""
+_TOLD_S = 0.2
+"""Time of ON without slip from which it is told [s]: less is the detector's memory after a slip."""
 
 
 def format_delay(delay_s: float | None) -> str:
@@ -47,7 +50,19 @@ def as_text(detection: Detection) -> str:
         lines.append(f"{truth:{width}} {_format_interval(slip)}: {said}")
     lines.append(f"false intervals: {len(score.false_intervals)}")
     lines.extend(f"{'':{width}} {_format_interval(i)}" for i in score.false_intervals)
+    silent_s = measure_false_on_s(detection.intervals, score.slips)
+    if silent_s > _TOLD_S:
+        lines.append(f"ON for {silent_s:.2f} s without slip")
     return "\n".join(lines)
+
+
+def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
+    """Measure the time that a detector is ON outside all slips [s].
+
+    An interval that began long before a slip overlaps it, and so is no false interval.
+    """
+    on_s = sum(i.end_s - i.onset_s for i in detected)
+    return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)
 
 
 def describe_detector(detection: Detection) -> str:

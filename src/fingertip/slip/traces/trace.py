@@ -313,7 +313,10 @@ def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> 
     """
     if all_whole:
         scale = f"--scale {detector.adc_step_v:.8g}"
-        remedy = f"the values are whole numbers, as ADC counts are: {scale} converts counts to volts"
+        remedy = (
+            f"the values are whole numbers, as ADC counts are: {scale} converts counts of {detector.adc_bits} bits to "
+            "volts; of other bits, give the step of that converter"
+        )
     else:
         remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
     return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
@@ -323,11 +326,11 @@ def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]
     """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant."""
     volts, maximum, step = trace.voltage_v, detector.adc_range_v, detector.adc_step_v
     clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 + detector.adc_low_v)))
-    if clipped:
+    if np.ptp(volts) == 0.0 and volts[0] < maximum - 1.5 * step:
+        yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
+    elif clipped:
         count = f"all {clipped}" if clipped == len(volts) else f"{clipped} of {len(volts)}"
         yield (
             f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible "
             "there. Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
         )
-    elif np.ptp(volts) == 0.0:
-        yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"

@@ -10,8 +10,10 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
 from fingertip.design.rules import RULES
+from fingertip.design.rules.force_curve import calibration_spans_forces
+from fingertip.design.rules.search import Search
 from fingertip.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
 from tests.design.remedies import as_changes, read_alternatives, read_remedy
@@ -28,6 +30,14 @@ def refuse(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue, ...]:
     except DesignError as error:
         return error.issues
     return ()
+
+
+@pytest.mark.parametrize("smallest", [5e-324, 1e-307, 1e-3])
+def test_search_begins_at_any_positive_number(smallest):
+    """The ratio of two numbers of a search may exceed the largest number."""
+    tables = DesignTables(name="own").with_values({"force_curve.min_force_n": 0.5})
+    found = Search((calibration_spans_forces,), ()).refine(tables, "force_curve.max_force_n", smallest, 10.0)
+    assert 0.5 <= found <= 10.0
 
 
 def check_remedies(changes: Sequence[str], name: str = "fsr400") -> None:

@@ -79,7 +79,7 @@ class Search:
 
         def between(share: float) -> float:
             if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
-                return as_typed(name, failing * (passing / failing) ** share)
+                return as_typed(name, _blend(failing, passing, share))
             return as_typed(name, failing + share * (passing - failing))
 
         below, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
@@ -113,6 +113,16 @@ class Search:
             return abs(math.log(value / present)) if is_wide and present > 0.0 else abs(value - present)
 
         return sorted(inside, key=lambda value: (distance(value), value))
+
+
+def _blend(first: float, last: float, share: float) -> float:
+    """Blend two positive numbers in equal ratios: the first for a share of 0, the last for 1."""
+    ratio = last / first
+    if 0.0 < ratio < math.inf:
+        blend: float = first * ratio**share
+        return blend
+    # The ratio of two numbers that differ by more than 308 powers of ten is no number.
+    return math.exp((1.0 - share) * math.log(first) + share * math.log(last))
 
 
 def find_parameter_bounds(name: str) -> Bounds:

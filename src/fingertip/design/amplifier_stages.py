@@ -6,6 +6,7 @@ its preferred values, and a test compares both.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 
@@ -110,6 +111,7 @@ def loaded_swing_v(board: Board, amplifier: Amplifier) -> float:
     return min(input_swing_v(board, amplifier), smaller_headroom_v(board) - RAIL_DISTANCE_V)
 
 
+@functools.cache
 def section_currents() -> tuple[float, float, float]:
     """Currents of the Sallen-Key section over (2 pi f_c C V), at most in the band of the vibrations.
 

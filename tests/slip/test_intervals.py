@@ -8,8 +8,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
-from fingertip.slip.format import format_delay, measure_false_on_s
-from fingertip.slip.intervals import SlipCollector, intervals, merge, score
+from fingertip.slip.format import format_delay
+from fingertip.slip.intervals import SlipCollector, intervals, measure_false_on_s, merge, score
 
 TIME = np.arange(10) / 10
 

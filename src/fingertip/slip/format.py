@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.intervals import INCIPIENT_S, Interval
+from fingertip.slip.intervals import INCIPIENT_S, Interval, measure_false_on_s
 from fingertip.slip.robot_motion import ENCODER_HZ, format_delay_band
 
 DETECTED = "detected"
@@ -54,15 +53,6 @@ def as_text(detection: Detection) -> str:
     if silent_s > _TOLD_S:
         lines.append(f"ON for {silent_s:.2f} s without slip")
     return "\n".join(lines)
-
-
-def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
-    """Measure the time that a detector is ON outside all slips [s].
-
-    An interval that began long before a slip overlaps it, and so is no false interval.
-    """
-    on_s = sum(i.end_s - i.onset_s for i in detected)
-    return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)
 
 
 def describe_detector(detection: Detection) -> str:

@@ -134,3 +134,12 @@ def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: flo
         delays.append(None if first is None else first.onset_s - slip.onset_s)
     false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
     return Score(slips, tuple(delays), false)
+
+
+def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
+    """Measure the time that a detector is ON outside all slips [s].
+
+    An interval that began long before a slip overlaps it, and so is no false interval.
+    """
+    on_s = sum(i.end_s - i.onset_s for i in detected)
+    return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)

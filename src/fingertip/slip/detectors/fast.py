@@ -35,6 +35,7 @@ from fingertip.design import Design
 from fingertip.design.signal_ground import filtered_range_v
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples
+from fingertip.slip.detectors.fast_coefficients import FastCoefficients
 from fingertip.slip.detectors.fast_filters import (
     HIGH_HZ,
     LOW_HZ,
@@ -42,7 +43,7 @@ from fingertip.slip.detectors.fast_filters import (
     design_filters,
     noise_energies,
 )
-from fingertip.slip.detectors.fast_loop import COUNT, LOOP, FastCoefficients
+from fingertip.slip.detectors.fast_loop import COUNT, LOOP
 from fingertip.slip.detectors.fast_model import FastModel, load_model
 from fingertip.slip.detectors.noise import input_noise_v
 

@@ -17,6 +17,7 @@ from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount, drag
 from fingertip.sim.scene.timeline import TrapezoidalMove
+from tests.oracles import coupled_rates
 from tests.oracles.steady_friction import steady_coefficient
 
 FORCE_N = 0.8
@@ -293,7 +294,7 @@ def test_jacobian_agrees_with_finite_differences(elastic):
         state = np.array([1e-4, v, s, y, 3.0])
         given = curve, sigma, mount, normal, 90.0, 0.7
         found = coupled_loop.linearise(*given, *state)
-        assert found[:3] == pytest.approx(coupled_loop.rates(*given, *state), rel=1e-12, abs=1e-12)
+        assert found[:3] == pytest.approx(coupled_rates.rates(*given, *state), rel=1e-12, abs=1e-12)
         J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy, J_ww = found[3:]
         expected = np.array(
             [[-mount[0], J_vv, J_vs, J_vy, 0.0], [0.0, J_sv, J_ss, J_sy, 0.0], [0.0, 0.0, 0.0, J_wy, J_ww]]
@@ -302,7 +303,7 @@ def test_jacobian_agrees_with_finite_differences(elastic):
         differences = np.empty((3, 5))
         for i in range(5):
             h = 1e-5 * scale[i] * np.eye(5)[i]
-            ahead, behind = (np.array(coupled_loop.rates(*given, *(state + sign * h))) for sign in (1, -1))
+            ahead, behind = (np.array(coupled_rates.rates(*given, *(state + sign * h))) for sign in (1, -1))
             differences[:, i] = (ahead - behind) / (2 * h[i])
         size = np.abs(expected * scale).max(axis=1, keepdims=True) + 1e-12
         assert (np.abs(differences - expected) * scale / size).max() < 1e-4, (case, state)
@@ -384,7 +385,7 @@ def balance_energy(rates, curve, sigma, former, load_n, ratio, phase, amplitude_
 def test_friction_is_passive_under_a_varying_load(elastic):
     """Friction never delivers more than it stored, close to the bound of its bristle damping."""
     pytest.importorskip("numba")
-    balance, rates = compile_for_process(balance_energy), compile_for_process(coupled_loop.rates)
+    balance, rates = compile_for_process(balance_energy), compile_for_process(coupled_rates.rates)
     rng = np.random.default_rng(11)
     for case in range(300):
         f = draw_friction(rng, elastic)
@@ -400,7 +401,7 @@ def test_friction_is_passive_under_a_varying_load(elastic):
 def test_bristle_deflection_as_state_would_deliver_energy():
     """With z instead of s as state, friction would drive a motion of 10 um by 3 uJ per cycle, for ever."""
     pytest.importorskip("numba")
-    balance, rates = compile_for_process(balance_energy), compile_for_process(coupled_loop.rates)
+    balance, rates = compile_for_process(balance_energy), compile_for_process(coupled_rates.rates)
     curve, sigma = loop_parameters(Friction(0.6, 0.48, elastic=ELASTO_PLASTIC))
     drive = 1.0, 2.0, 0.0, 1e-5, 10.0, 20, 4000
     _, former = balance(rates, curve, (*sigma[:-1], 0.0), True, *drive)

@@ -21,28 +21,7 @@ import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.jit import CompiledLoop
-
-GAMMA = 0.25
-ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
-"""Times of the stages, as fractions of the step."""
-D = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
-"""Coefficients of the time derivative."""
-_LAST = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950)
-A = (
-    (1.544,),
-    (0.9466785280815826, 0.2557011698983284),
-    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
-    _LAST,
-)
-"""Coefficients a_ij of stages 2 to 5. Stage 6 has those of stage 5, and 1 for u_5."""
-C = (
-    (-5.6688,),
-    (-2.430093356833875, -0.2063599157091915),
-    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
-    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
-    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
-)
-"""Coefficients c_ij of stages 2 to 6."""
+from fingertip.sim.contact.rodas_coefficients import ALPHA, A, C, D
 
 _, ALPHA2, ALPHA3, ALPHA4, _, _ = ALPHA
 D1, D2, D3, D4, _, _ = D
@@ -98,32 +77,6 @@ def normal_rate(normal: tuple[float, float, float, float], d: float, y: float, w
     return stiffness * (d - rho * y) - flight_damping * w
 
 
-def rates(
-    curve: tuple[float, float, float, float],
-    sigma: tuple[float, float, float, float, float],
-    mount: tuple[float, float, float],
-    normal: tuple[float, float, float, float],
-    pull: float,
-    d: float,
-    x: float,
-    v: float,
-    s: float,
-    y: float,
-    w: float,
-) -> tuple[float, float, float]:
-    """Return the right-hand sides dv/dt, ds/dt and dw/dt (equations in `fingertip.sim.contact.coupled`).
-
-    `pull` is ``(k X + c_m V) / m``, and `mount` holds k / m, c_m / m and 1 / m.
-    """
-    s0, s1, s2, _, n0 = sigma
-    k_m, c_m, per_m = mount
-    load = y if y > 0.0 else 0.0
-    scale = 1 / math.sqrt(load + n0)
-    ds = bristle_rate(curve, sigma, load, scale, v, s)
-    dv = pull - k_m * x - c_m * v - load * per_m * (s0 * scale * s + s1 * scale * ds + s2 * v)
-    return dv, ds, normal_rate(normal, d, y, w)
-
-
 def linearise(
     curve: tuple[float, float, float, float],
     sigma: tuple[float, float, float, float, float],
@@ -137,8 +90,9 @@ def linearise(
     y: float,
     w: float,
 ) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
-    """Return `rates` and the entries of the Jacobian that vary: J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy and J_ww.
+    """Return dv/dt, ds/dt and dw/dt, and the entries of the Jacobian that vary.
 
+    These are J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy and J_ww.
     J_sv is the derivative of ds/dt by v, and so on. J_vx is -k / m, the only entries of the rows of x and y are 1, and
     all others are 0. At y = 0 and at v = 0, where the right-hand side has corners, the derivatives are those of one
     side.

@@ -76,7 +76,7 @@ choose_requirements() {
         options='--require-hashes --only-binary=:all:'
         requirements "$@" >.venv/requirements.txt
     else
-        say "there are no hashes for this Python ($target); the versions are the tested ones, but nothing compares files"
+        say "constraints-hashes.txt does not cover this Python ($target): packages are installed without comparing hashes"
         options=
         requirements "$@" | sed '/--hash/d; s/ \\$//' >.venv/requirements.txt
     fi

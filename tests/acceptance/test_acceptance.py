@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from fingertip import Design, board_values
 from fingertip.acceptance.expectation import SPREAD, expect_drop_ratio, expect_open_v, expect_readings
 from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.casting.wires import size_wires
 from fingertip.design.new_design import PRESETS
 from fingertip.make_files import simulate_and_detect
 from fingertip.sim.signal.bridge import ConductanceCurve
@@ -122,21 +120,6 @@ def test_page_of_a_calibrated_design_names_its_curve(detection: Detection) -> No
     page = render_acceptance(acceptance_data(load("fsr400", *CALIBRATED), detection))
     assert "calibrated curve of this FSR 400" in page
     assert "| 1.2 |" in page
-
-
-def test_wires_fit_and_follow_the_joint() -> None:
-    """AWG 30 has 0.255 mm (ASTM B258): it is chosen where half of the diameter is at least that. JST SH: 28 to 32."""
-    post, clevis = load("fsr400"), load("adult_finger")
-    assert size_wires(post).max_diameter_mm == post.bone.channel_diameter_mm / 2
-    assert size_wires(clevis).max_diameter_mm == clevis.sensor.wire_diameter_mm
-    for diameter, gauge in ((0.511, 30), (0.509, 31), (1.03, 28)):
-        assert size_wires(load("adult_finger", f"sensor.wire_diameter_mm={diameter}")).conductor_awg == gauge
-    assert size_wires(post).thinnest_awg == size_wires(clevis).thinnest_awg == 32
-    joint = clevis.dimensions.joint
-    assert joint
-    radius = clevis.dimensions.bone_outline.section.dorsal - joint.axis_y
-    arc = math.radians(clevis.hand.travel_deg) * radius
-    assert size_wires(clevis).slack_mm - size_wires(post).slack_mm == pytest.approx(arc)
 
 
 def test_page_states_the_data_and_every_failure_has_a_meaning(detection: Detection) -> None:

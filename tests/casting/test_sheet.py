@@ -163,6 +163,7 @@ def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) 
     dims, data = design.dimensions, casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
     cover, rim = data["fit"]["cover_tape"], 0.5
     pocket = max(dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm, dims.tail_half_width)
+    assert cover["pocket_mm"] == pytest.approx(2 * pocket, abs=0.005)
     (narrow, wide), (short, long) = cover["width_mm"], cover["length_mm"]
     assert 2 * (pocket + rim) - 1e-9 <= narrow <= wide
     assert wide <= flat_width_mm(design, dims.sensor_z) + 1e-9, "it ends on the flat"

@@ -38,6 +38,7 @@ FIGURES = {
         "fit.seat_tape.to_mm": 5.5,
         "bill.anchor pin of the tendon (spring steel wire).diameter_mm": 1.0,  # a hole of 1.2 mm and 0.2 mm of play
         "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.0,  # the chord of the collar there
+        "chaplet.length_mm": 12.0,  # M2 from 4 mm below the facet at 4.52 mm to less than the face at 12.9 mm
     },
     "fsr400 bone.interface=socket bone.base_length_mm=32": {
         "bill.cross bolt (machine screw).crossed_mm": 13.0,  # a finger of 17 mm less 2 mm of skin on both sides
@@ -66,6 +67,8 @@ def test_figures_are_those_computed_by_hand(case: str) -> None:
     name, *changes = case.split()
     data = sheet_data(Design.load(design_file(name), changes=changes))
     assert {path: figure(data, path) for path in FIGURES[case]} == FIGURES[case]
+    # Screw and boss hold the tip beside the sensor; play grows towards the apex.
+    assert data["fit"]["retained_over_sensor_percent"] > data["fit"]["retained_elsewhere_percent"]
 
 
 def test_sheet_of_a_calibrated_printer_states_the_same_prints() -> None:

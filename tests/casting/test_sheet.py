@@ -586,6 +586,8 @@ def test_filling_step_states_the_predicted_time_and_volume() -> None:
     assert f"the mold takes {data['filling']['injected_cm3']:g} cm3" in text
     thin = sheet_data(material="ecoflex_00_30")
     assert thin["filling"]["fill_s"] < data["filling"]["fill_s"] / 5
+    force_n = data["filling"]["min_force_n"]
+    assert thin["filling"]["min_force_n"] == pytest.approx(force_n * 3 / 35, abs=0.05), "3 Pa s instead of 35"
     poured = procedure_text("mold.filling=gravity", "silicone.product=sylgard_184")
     assert "Stand the mold funnel up" in poured
     assert "syringe" not in poured

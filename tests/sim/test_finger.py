@@ -6,6 +6,7 @@ import io
 import math
 import random
 import tracemalloc
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,8 +25,14 @@ from fingertip.sim.randomness import open_stream
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.scene.scene_file import OUTPUTS
 from fingertip.sim.signal.converter import AdcRange
-from fingertip.sim.signal.interference import HandVibration, PinkNoise, compute_cable_v, compute_hum_v
-from fingertip.sim.signal.parameters import Cable, Noise
+from fingertip.sim.signal.interference import (
+    HandVibration,
+    InterferenceSource,
+    PinkNoise,
+    compute_cable_v,
+    compute_hum_v,
+)
+from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 
@@ -247,6 +254,14 @@ def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
     assert jumps[[700, 1000]] == pytest.approx([0.01, -0.01], rel=0.02)
     assert volts[[750, 1050]] / volts[[700, 1000]] == pytest.approx(1 / math.e, rel=0.01)
     assert not volts[:700].any()
+
+
+def test_amplifier_drifts_by_its_rate():
+    """2 mV/s: 5 mV after 2.5 s, also across two chunks, and nothing else."""
+    source = InterferenceSource(Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1))
+    volts = np.concatenate([source.process(np.ones(12_500)).volts for _ in range(2)])
+    assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
+    assert np.ptp(np.diff(volts)) < 1e-15
 
 
 def test_noise_is_the_same_on_a_finer_grid():

@@ -209,7 +209,9 @@ def test_tolerances_of_two_mating_parts_leave_half_of_their_play(name: str, is_c
     sensor, bolt_mm = design.dimensions.sensor, 3.0
     mates: list[tuple[Size | float, Size | float]] = [
         (bone["pocket of the sensor"], sensor.head_diameter_mm), (bone["width of the slot"], sensor.tail_width_mm),
+        (dorsal["hole of the screw"], 2.0),
     ]  # fmt: skip
+    assert bone["pilot hole of the screw"].text() == "Ø1.6 ±0.1", "the screw keeps three quarters of its bite"
     for which in ("larger", "smaller"):
         mates.append((palmar[f"{which} socket, at the parting plane"], dorsal[f"{which} key, at the parting plane"]))
     if "lid" in drawings:

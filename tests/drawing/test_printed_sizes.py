@@ -217,7 +217,9 @@ def test_tolerances_of_two_mating_parts_leave_half_of_their_play(name: str, is_c
     if "lid" in drawings:
         mates.append((sensor.tail_width_mm + 2 * design.sensor.clearance_mm - design.printer.offset_mm,
                       drawings["lid"]["width"]))  # fmt: skip
+        mates.append((drawings["lid"]["length"].value + design.sensor.clearance_mm, drawings["lid"]["length"]))
         mates.append((bone["gap between the cheeks"], design.hand.width_mm))
+        assert bone["bore of the joint's pin"].text() == "Ø2 0/-0.1", "it is reamed, never wider than the pin"
     else:
         mates.append((bone["hole of the cross bolt"], 2.0))
     for half in (palmar, dorsal):

@@ -66,6 +66,10 @@ def test_thinnest_wall_from_which_on_all_print() -> None:
 
     def wall() -> float | None:
         made = calibrate_printer(design, check_readings(tables, design, "r.toml"))
+        for value in made.values:
+            if value.path == "printer.min_wall_mm":
+                # The limit lies anywhere between this wall and the next thinner one.
+                assert value.uncertainty == pytest.approx((value.value - value.low) / 12**0.5)
         return made.changes.get("printer.min_wall_mm")
 
     assert wall() == THINNEST_MM

@@ -24,7 +24,7 @@ from fingertip.casting.quantities import (
     volumes_data,
 )
 from fingertip.design import Design
-from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
+from fingertip.design.geometry.clamp_bolts import size_clamp_bolts, standard_length_mm
 from fingertip.design.threads import THREADS, select_thread
 from fingertip.errors import DesignError
 from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
@@ -138,6 +138,17 @@ def test_only_a_load_of_more_than_the_mold_holds_changes_the_batch() -> None:
 
 def test_step_of_the_scale_errs_by_a_twentieth_of_the_lightest_component() -> None:
     assert pytest.approx(0.05 * MIN_COMPONENT_G) == SCALE_G / 2
+
+
+def test_threads_nuts_and_lengths_are_those_of_the_standards() -> None:
+    """ISO 273 (fine), ISO 4032 (largest flats and height) and ISO 888, which has neither 14 nor 18 mm."""
+    standard = {
+        1.6: (1.7, 3.2, 1.3), 2.0: (2.2, 4.0, 1.6), 2.5: (2.7, 5.0, 2.0), 3.0: (3.2, 5.5, 2.4), 4.0: (4.3, 7.0, 3.2),
+        5.0: (5.3, 8.0, 4.7), 6.0: (6.4, 10.0, 5.2), 8.0: (8.4, 13.0, 6.8),
+    }  # fmt: skip
+    assert {t.diameter_mm: (t.hole_mm, t.nut_flats_mm, t.nut_height_mm) for t in THREADS} == standard
+    lengths = [standard_length_mm(mm) for mm in (11.9, 12.1, 16.1, 20.1, 31.0, 71.0)]
+    assert lengths == [12.0, 16.0, 20.0, 25.0, 35.0, 80.0]
 
 
 @pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])

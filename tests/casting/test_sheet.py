@@ -163,6 +163,7 @@ def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) 
     dims, data = design.dimensions, casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
     cover, rim = data["fit"]["cover_tape"], 0.5
     pocket = max(dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm, dims.tail_half_width)
+    assert cover["pocket_mm"] == pytest.approx(2 * pocket, abs=0.005)
     (narrow, wide), (short, long) = cover["width_mm"], cover["length_mm"]
     assert 2 * (pocket + rim) - 1e-9 <= narrow <= wide
     assert wide <= flat_width_mm(design, dims.sensor_z) + 1e-9, "it ends on the flat"
@@ -585,6 +586,8 @@ def test_filling_step_states_the_predicted_time_and_volume() -> None:
     assert f"the mold takes {data['filling']['injected_cm3']:g} cm3" in text
     thin = sheet_data(material="ecoflex_00_30")
     assert thin["filling"]["fill_s"] < data["filling"]["fill_s"] / 5
+    force_n = data["filling"]["min_force_n"]
+    assert thin["filling"]["min_force_n"] == pytest.approx(force_n * 3 / 35, abs=0.05), "3 Pa s instead of 35"
     poured = procedure_text("mold.filling=gravity", "silicone.product=sylgard_184")
     assert "Stand the mold funnel up" in poured
     assert "syringe" not in poured

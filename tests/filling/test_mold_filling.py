@@ -13,7 +13,7 @@ from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
 from fingertip.filling import mold_filling
-from fingertip.filling.mold_filling import list_ducts, place_vents, predict_mold_filling
+from fingertip.filling.mold_filling import gate_opening, injected_cm3, list_ducts, place_vents, predict_mold_filling
 from fingertip.filling.predict import Opening
 from tests.conftest import design_file
 
@@ -55,6 +55,13 @@ def test_ducts_follow_the_inlet() -> None:
     assert nozzle.resistance > 2 * (cone.resistance + sprue.resistance + runner.resistance)
     legs = (inlet.z - inlet.gate_z) + (inlet.x - design.dimensions.outer.half_width_at(1.25, inlet.gate_z))
     assert runner.volume_mm3 == pytest.approx(3.0 * 2.5 * legs, rel=0.01)
+    # From the end of the nozzle the cone narrows by 6 % from 4.0 to 3.85 mm; the sprue runs to a face 11.014 mm up.
+    assert cone.volume_mm3 == pytest.approx(math.pi / 12 * (4.0**2 + 4.0 * 3.85 + 3.85**2) * 2.5)
+    assert sprue.volume_mm3 == pytest.approx(math.pi / 4 * 3.85**2 * (11.014 - 7.5), rel=1e-3)
+    assert gate_opening(design).diameter_mm == pytest.approx(3.09, abs=0.005), "a disc as large as 3.0 x 2.5 mm"
+    # What is injected fills the cavity, and these ducts too.
+    prediction, ducts_mm3 = predict_mold_filling(design), sum(d.volume_mm3 for d in (nozzle, cone, sprue, runner))
+    assert 1000 * injected_cm3(prediction) - prediction.volume_mm3 == pytest.approx(ducts_mm3)
 
 
 def test_a_tenth_of_a_millimetre_of_nozzle_changes_the_time_by_a_sixth() -> None:

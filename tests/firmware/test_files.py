@@ -196,6 +196,8 @@ def test_sketches_agree_with_readme_and_board() -> None:
     assert f"Start it {POWER_UP_S:g} s after" in readme
     assert "OFF for its first 0.2 s" in readme
     assert "--design fsr400 <" in readme
+    assert "lag by 0.51 s before samples" in readme, "1024 samples at 2 kHz"
+    assert "0.5 ms between two samples" in readme
     assert "--design mine.toml <" in firmware_files(Design(name="mine"))["."]["README.md"].decode()
 
 

@@ -91,6 +91,9 @@ def test_points_are_placed_by_their_axes() -> None:
     frame = Frame(Axis(1, 100, "", True), Axis(0, 2, ""), 10, 20, 200, 100)
     assert frame.point(10, 1) == pytest.approx((110, 70))
     assert frame.point(1000, -1) == pytest.approx((210, 120))  # beyond the axes: on the border
+    decades = Axis(3, 700, "", True)
+    assert [decades.share(value) for value in (3, 700, math.sqrt(3 * 700))] == pytest.approx([0, 1, 0.5])
+    assert decades.share(60) - decades.share(6) == pytest.approx(decades.share(300) - decades.share(30)), "equal ratios"
     assert number(-0.04) == "0"
 
 

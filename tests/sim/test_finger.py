@@ -6,6 +6,7 @@ import io
 import math
 import random
 import tracemalloc
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,8 +25,14 @@ from fingertip.sim.randomness import open_stream
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.scene.scene_file import OUTPUTS
 from fingertip.sim.signal.converter import AdcRange
-from fingertip.sim.signal.interference import HandVibration, PinkNoise, compute_hum_v
-from fingertip.sim.signal.parameters import Noise
+from fingertip.sim.signal.interference import (
+    HandVibration,
+    InterferenceSource,
+    PinkNoise,
+    compute_cable_v,
+    compute_hum_v,
+)
+from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 
@@ -226,6 +233,35 @@ def test_hum_has_its_harmonics():
     values = compute_hum_v(Noise(hum_v=1e-3, hum_third=0.2, hum_fifth=0.1), time_s)
     lines = 2 * np.abs(np.fft.rfft(values)) / len(values)
     assert lines[[50, 150, 250]] == pytest.approx([1e-3, 2e-4, 1e-4], rel=1e-9)
+
+
+def test_touched_cable_hums_as_long_as_it_is_touched():
+    """50 Hz from 0.7 to 1.0 s: thirty half waves, whose RMS is the amplitude over the root of two."""
+    cable, time_s = Cable(hum_v=1e-3, at_s=0.2, duration_s=0.3), (np.arange(20_000) + 0.5) * 1e-4
+    volts, jumps = compute_cable_v(cable, 0.5, time_s, 1e-4)
+    touched = slice(7000, 10_000)
+    assert (np.flatnonzero(volts)[[0, -1]] == [7000, 9999]).all()
+    assert np.count_nonzero(np.diff(np.sign(volts[touched]))) == 29
+    assert np.sqrt(np.mean(volts[touched] ** 2)) == pytest.approx(1e-3 / math.sqrt(2))
+    assert not jumps.any()
+
+
+def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
+    """Up at 0.7 s and down at 1.0 s by 10 mV, of which 1/e is left after 50 ms."""
+    cable, time_s = Cable(step_v=0.01, decay_s=0.05, at_s=0.2, duration_s=0.3), (np.arange(2000) + 0.5) * 1e-3
+    volts, jumps = compute_cable_v(cable, 0.5, time_s, 1e-3)
+    assert np.flatnonzero(jumps).tolist() == [700, 1000]
+    assert jumps[[700, 1000]] == pytest.approx([0.01, -0.01], rel=0.02)
+    assert volts[[750, 1050]] / volts[[700, 1000]] == pytest.approx(1 / math.e, rel=0.01)
+    assert not volts[:700].any()
+
+
+def test_amplifier_drifts_by_its_rate():
+    """2 mV/s: 5 mV after 2.5 s, also across two chunks, and nothing else."""
+    source = InterferenceSource(Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1))
+    volts = np.concatenate([source.process(np.ones(12_500)).volts for _ in range(2)])
+    assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
+    assert np.ptp(np.diff(volts)) < 1e-15
 
 
 def test_noise_is_the_same_on_a_finer_grid():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -433,14 +434,31 @@ def test_folder_that_may_not_be_written_is_refused_and_nothing_is_left(
     folder = tmp_path / "area" / "board"
     prepare(folder)
     folder.chmod(mode)
-    may_write = os.access  # root may write everywhere
-    monkeypatch.setattr(os, "access", lambda path, how: os.stat(path).st_mode & 0o200 and may_write(path, how))
+    mkdir = os.mkdir
+
+    def refuse(path: Path, mode: int = 0o777) -> None:  # root may write everywhere
+        if not os.stat(path.parent).st_mode & 0o200:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        mkdir(path, mode)
+
+    monkeypatch.setattr(os, "mkdir", refuse)
     with pytest.raises(OutputError, match="board: may not be written; change its mode"):
         writer(folder, "new").write(NEW)
     assert [path.name for path in folder.parent.iterdir()] == ["board"]
     folder.chmod(0o755)
     assert_whole(folder)
     assert files_in(folder) == OLD
+
+
+@pytest.mark.parametrize("place", ["/proc/fingertip/board", "area/" + 300 * "b"])
+def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OutputError, match=r"cannot be written \((No such file|File name too long).*another folder"):
+        writer(Path(place), "new").check(NEW)
+    writer(Path("area/board"), "new").check(NEW)
+    assert list(tmp_path.iterdir()) == []
 
 
 # Single files

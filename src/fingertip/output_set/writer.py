@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from fingertip.output_set.content import Content, equals_file, hash_content
 from fingertip.output_set.lock import lock, output_errors
 from fingertip.output_set.manifest import MANIFEST, Manifest, hash_file, read_manifest
 from fingertip.output_set.replacement import recover, replace_files
+from fingertip.output_set.trial import find_place_issues
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,8 @@ class SetWriter:
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):
                 self._refuse(names, revisions)
+        if issues := list(find_place_issues(self.folder, "choose another folder with --out")):
+            raise OutputError(issues)
 
     def _refuse(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
         with output_errors(self.folder):
@@ -79,8 +81,6 @@ class SetWriter:
         if not place.is_dir():
             yield Issue(str(place), "is a file; choose another folder with --out.")
             return
-        if not os.access(place, os.W_OK):
-            yield Issue(str(place), "may not be written; change its mode, or choose another folder with --out.")
         manifest = read_manifest(self.folder)
         if manifest and manifest.kind != self.kind:
             message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"

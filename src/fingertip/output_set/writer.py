@@ -161,17 +161,18 @@ class SetWriter:
         OutputError
             As `write` does, and if the folder holds a set of other parameters.
         """
-        self.check_parameters()
+        self.check_addition(contents)
         self.write(contents)
 
-    def check_parameters(self) -> None:
-        """Refuse to add to a folder that holds a set of other parameters, before work starts.
+    def check_addition(self, names: Collection[str]) -> None:
+        """Refuse to add these names to a folder, before work starts.
 
         Raises
         ------
         OutputError
-            If the folder holds one.
+            As `check` does, and if the folder holds a set of other parameters.
         """
+        self.check(names)
         manifest = read_manifest(self.folder)
         if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
             message = (
@@ -217,6 +218,12 @@ class SetWriter:
             if not is_own:
                 foreign.add(name)
         return foreign
+
+
+def check_set(path: Path) -> None:
+    """Refuse to write one file if `add_to_set` would refuse it for the set in its folder, before work starts."""
+    if manifest := read_manifest(path.parent):
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).check([path.name])
 
 
 def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:

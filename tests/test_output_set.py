@@ -480,7 +480,7 @@ def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_u
 def test_unfinished_file_of_a_running_process_is_left_alone(tmp_path: Path) -> None:
     with open_atomic(tmp_path / "long.csv") as file:
         file.write(b"half")
-        write_file(tmp_path / "short.csv", b"short")
+        write_file(tmp_path / (251 * "s" + ".csv"), b"as long a name as disks permit")
         file.write(b" and half")
     assert (tmp_path / "long.csv").read_bytes() == b"half and half"
 

@@ -18,10 +18,9 @@ from fingertip.cli.console import (
     SetOption,
     VerboseOption,
     command,
-    find_suffix_issues,
 )
 from fingertip.cli.options import OptionalDesignArgument
-from fingertip.errors import Issue
+from fingertip.cli.output_files import find_file_issues
 
 if TYPE_CHECKING:
     from fingertip.board.board_values import BoardValues
@@ -101,7 +100,7 @@ def board(
     from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
-    if issues := [*find_suffix_issues("--bode", bode, ".csv", "CSV"), *_find_plot_issues(plot)]:
+    if issues := [*find_file_issues("--bode", bode, ".csv"), *find_file_issues("--plot", plot, ".png", ".svg")]:
         raise OutputError(issues)
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
@@ -194,13 +193,6 @@ def board(
         "warnings": warnings,
     }
     console.result(data, text)
-
-
-def _find_plot_issues(path: Path | None) -> Iterator[Issue]:
-    """Find a plot whose name does not end in the suffix of a format that is written."""
-    if path is not None and path.suffix.lower() not in (".png", ".svg") and not path.is_dir():
-        problem = f"{path.name!r} is not the name of a PNG or SVG file, the only formats written"
-        yield Issue("--plot", f"{problem}; end it in .png or .svg.")
 
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:

@@ -16,8 +16,8 @@ from fingertip.cli.console import (
     JsonOption,
     QuietOption,
     command,
-    find_suffix_issues,
 )
+from fingertip.cli.output_files import find_file_issues
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -82,11 +82,7 @@ def sweep(
     if outputs:
         _list_outputs(console)
         return
-    issues = [
-        *find_suffix_issues("--csv", csv, ".csv", "CSV"),
-        *find_suffix_issues("--parquet", parquet, ".parquet", "Parquet"),
-    ]
-    if issues:
+    if issues := [*find_file_issues("--csv", csv, ".csv"), *find_file_issues("--parquet", parquet, ".parquet")]:
         raise SweepError(issues)
     if parquet is not None:
         export.load_pyarrow()  # a missing package is reported before the sweep, not after it

@@ -11,7 +11,7 @@ import pytest
 import typer
 
 from fingertip.build_files import parts_writer
-from fingertip.cli import app
+from fingertip.cli import app, main
 from fingertip.cli.help_page import metavar
 from fingertip.cli.output_files import find_file_issues
 from fingertip.design import Design
@@ -144,3 +144,52 @@ def test_each_fault_of_a_file_is_named(
     assert len(issues) == (said is not None)
     assert not said or said in str(issues[0])
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "idle"),
+    [
+        (("board", "--check", "--bode", "x.csv", "--plot", "x.svg", "--bringup"), ["--bode", "--plot", "--bringup"]),
+        (("board", "--readings", "r.toml", "--check", "--fab", "--bode", "x.csv"), ["--check", "--fab", "--bode"]),
+        (("params", "--schema", "--toml", "--html", "x.html"), ["--html", "--toml"]),
+        (("params", "--toml", "--html", "x.html"), ["--html"]),
+        (("simulate", "--parameters", "--out", "x.csv", "--plot", "x.png"), ["--out", "--plot"]),
+        (("sweep", "board", "--outputs", "--csv", "x.csv", "--parquet", "x.parquet"), ["--csv", "--parquet"]),
+    ],
+)
+def test_a_file_that_would_not_be_written_is_refused(words: tuple[str, ...], idle: list[str], tmp_path: Path) -> None:
+    done = run_fingertip(*words, PWD=str(tmp_path))
+    assert done.returncode == 2
+    said = re.findall(r"^error: (--\w+): has no effect with --\w+, which writes nothing", done.stderr, re.MULTILINE)
+    assert said == idle
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("words", [("board", "--out", ""), ("board", "--out="), ("build", "")])
+def test_an_empty_word_names_no_folder(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A variable of the shell that is not set once wrote a board among the files of the current folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["fingertip", *words])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    name = "--out" if "board" in words else "argument"
+    assert capsys.readouterr().err.startswith(f"error: {name}: is empty, perhaps a variable that is not set; give a")
+    assert not any(tmp_path.iterdir())
+
+
+def test_fabrication_files_that_cannot_be_made_are_refused_before_the_board(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "fab").touch()
+    done = run_fingertip("board", "--fab", "--out", tmp_path)
+    assert done.returncode == 2
+    assert "fab: is a file; choose another folder with --out." in done.stderr
+    (tmp_path / "fab").unlink()
+    monkeypatch.setenv("PATH", "")
+    done = run_fingertip("board", "--fab", "--out", tmp_path)
+    assert done.returncode == 2
+    assert "kicad-cli is not on the PATH; install KiCad 9" in done.stderr
+    assert not any(tmp_path.iterdir())

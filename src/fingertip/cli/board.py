@@ -20,7 +20,7 @@ from fingertip.cli.console import (
     command,
 )
 from fingertip.cli.options import OptionalDesignArgument
-from fingertip.cli.output_files import find_file_issues
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 
 if TYPE_CHECKING:
     from fingertip.board.board_values import BoardValues
@@ -95,12 +95,18 @@ def board(
         write_board,
         write_fabrication,
     )
-    from fingertip.board.output import board_folder, refuse_edited, refuse_other_board
+    from fingertip.board.output import board_folder, check_fabrication, refuse_other_board
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
-    if issues := [*find_file_issues("--bode", bode, ".csv"), *find_file_issues("--plot", plot, ".png", ".svg")]:
+    issues = [*find_file_issues("--bode", bode, ".csv"), *find_file_issues("--plot", plot, ".png", ".svg")]
+    written = {"--bode": bode, "--plot": plot, "--bringup": bring_up}
+    if readings:
+        issues += find_idle_issues("--readings", {"--check": check, "--fab": fab, **written})
+    elif check:
+        issues += find_idle_issues("--check", written)
+    if issues:
         raise OutputError(issues)
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
@@ -127,11 +133,10 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    if not force:
-        if not is_named:
-            refuse_other_board(loaded)
-        if fab:
-            refuse_edited(out)
+    if not force and not is_named:
+        refuse_other_board(loaded)
+    if fab:
+        check_fabrication(loaded, out, force=force)
     edits: list[str] = []
     paths = write_board(loaded, out, force=force, bring_up=bring_up, progress=edits.append)
     for path in paths:

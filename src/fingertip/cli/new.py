@@ -81,7 +81,6 @@ def new(
     if issues:
         raise FingertipError(issues)
     assert made
-    write_file(path, made.text.encode())
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data: dict[str, Any] = {
         "design": path.as_posix(), "name": name, "sensor": made.design.sensor.model, "base": made.base,
@@ -100,4 +99,5 @@ def new(
         data["strength"] = strength_data(strength)
         lines += describe_strength(strength)
         lines += (f"warning: {text}" for text in list_warnings(check_strength(made.design, strength)))
+    write_file(path, made.text.encode())
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from fingertip.errors import Issue
+
+
+def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:
+    """Find options that are given though an option that only prints something would pass over them."""
+    for name, value in options.items():
+        if value:
+            yield Issue(name, f"has no effect with {mode}, which writes nothing; leave one of them out.")
 
 
 def find_file_issues(

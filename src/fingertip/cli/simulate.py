@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command
-from fingertip.cli.output_files import find_file_issues
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 from fingertip.temporary import TemporaryFolder
 
 if TYPE_CHECKING:
@@ -74,6 +74,8 @@ def simulate(
 
     console = Console(as_json, quiet)
     issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
+    if parameters:
+        issues += find_idle_issues("--parameters", {"--out": out, "--plot": plot})
     simulation: Simulation | None = None
     try:
         simulation = load_simulation(

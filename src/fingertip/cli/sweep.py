@@ -17,7 +17,7 @@ from fingertip.cli.console import (
     QuietOption,
     command,
 )
-from fingertip.cli.output_files import find_file_issues
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -79,11 +79,14 @@ def sweep(
     from fingertip.sweep.report import export
 
     console = Console(as_json, quiet)
+    issues = [*find_file_issues("--csv", csv, ".csv"), *find_file_issues("--parquet", parquet, ".parquet")]
+    if outputs:
+        issues += find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet})
+    if issues:
+        raise SweepError(issues)
     if outputs:
         _list_outputs(console)
         return
-    if issues := [*find_file_issues("--csv", csv, ".csv"), *find_file_issues("--parquet", parquet, ".parquet")]:
-        raise SweepError(issues)
     if parquet is not None:
         export.load_pyarrow()  # a missing package is reported before the sweep, not after it
     if show:

@@ -461,6 +461,16 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_manifest_of_another_program_is_refused_before_work(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).write_text('{"icons": []}')
+    with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):
+        writer(tmp_path, "new").check(["bom.csv"])
+
+
+def test_the_root_of_the_file_system_can_hold_a_set() -> None:
+    recover(Path("/"))  # before each write below it; its own name is empty
+
+
 # Single files
 
 

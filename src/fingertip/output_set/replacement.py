@@ -104,7 +104,7 @@ def try_to_write(folder: Path, path: Path) -> None:
 
 def _staging(folder: Path) -> Path:
     """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
-    return folder.with_name(f".{folder.name}{_STAGING_SUFFIX}")
+    return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
 
 
 def _free_name(path: Path) -> Path:

@@ -59,6 +59,7 @@ class SetWriter:
             If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
             folder or of a file that is somebody's own.
         """
+        names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
         try:
             self._refuse(names, revisions)
         except OutputError:

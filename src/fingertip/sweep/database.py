@@ -83,6 +83,7 @@ class SweepDatabase:
             )
         if issues := list(find_place_issues(folder, "choose another folder with --out")):
             raise OutputError(issues)
+        created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rwc"), lock)
@@ -90,6 +91,9 @@ class SweepDatabase:
             _translate_errors(folder, lambda: database._create_tables(plan))
         except BaseException:
             database.close()
+            for path in created:
+                with contextlib.suppress(OSError):
+                    path.unlink() if path.name == FILE else path.rmdir()
             raise
         return database
 

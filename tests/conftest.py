@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from typing import TypeVar
 
 import hypothesis
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from fingertip.build_files import build
@@ -22,6 +24,9 @@ from fingertip.design import Design
 # How long an example takes depends on the machine; no test asserts it. `benchmarks/` measures.
 hypothesis.settings.register_profile("fingertip", deadline=None)
 hypothesis.settings.load_profile("fingertip")
+
+# Making the commands takes longer than most of them do in a test, so they are made once.
+typer.testing.__dict__["_get_command"] = functools.cache(typer.main.get_command)
 
 ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact")

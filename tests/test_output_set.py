@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -433,14 +434,41 @@ def test_folder_that_may_not_be_written_is_refused_and_nothing_is_left(
     folder = tmp_path / "area" / "board"
     prepare(folder)
     folder.chmod(mode)
-    may_write = os.access  # root may write everywhere
-    monkeypatch.setattr(os, "access", lambda path, how: os.stat(path).st_mode & 0o200 and may_write(path, how))
+    mkdir = os.mkdir
+
+    def refuse(path: Path, mode: int = 0o777) -> None:  # root may write everywhere
+        if not os.stat(path.parent).st_mode & 0o200:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        mkdir(path, mode)
+
+    monkeypatch.setattr(os, "mkdir", refuse)
     with pytest.raises(OutputError, match="board: may not be written; change its mode"):
         writer(folder, "new").write(NEW)
     assert [path.name for path in folder.parent.iterdir()] == ["board"]
     folder.chmod(0o755)
     assert_whole(folder)
     assert files_in(folder) == OLD
+
+
+@pytest.mark.parametrize("place", ["/proc/fingertip/board", "area/" + 300 * "b"])
+def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OutputError, match=r"cannot be written \((No such file|File name too long).*another folder"):
+        writer(Path(place), "new").check(NEW)
+    writer(Path("area/board"), "new").check(NEW)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_manifest_of_another_program_is_refused_before_work(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).write_text('{"icons": []}')
+    with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):
+        writer(tmp_path, "new").check(["bom.csv"])
+
+
+def test_the_root_of_the_file_system_can_hold_a_set() -> None:
+    recover(Path("/"))  # before each write below it; its own name is empty
 
 
 # Single files
@@ -462,7 +490,7 @@ def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_u
 def test_unfinished_file_of_a_running_process_is_left_alone(tmp_path: Path) -> None:
     with open_atomic(tmp_path / "long.csv") as file:
         file.write(b"half")
-        write_file(tmp_path / "short.csv", b"short")
+        write_file(tmp_path / (251 * "s" + ".csv"), b"as long a name as disks permit")
         file.write(b" and half")
     assert (tmp_path / "long.csv").read_bytes() == b"half and half"
 

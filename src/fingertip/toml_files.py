@@ -19,6 +19,7 @@ from fingertip.input_files import TOML_LIMIT, read_input
 
 MAX_DEPTH = 12
 """Maximum depth of tables and lists in a file. A sweep of scenes needs five."""
+_TOO_DEEP = f"nests tables and lists more than {MAX_DEPTH} deep; write them side by side"
 _NUMBER_REMEDY = "write whole numbers of at most 18 digits, and larger ones with an exponent, such as 1e30"
 
 
@@ -110,15 +111,26 @@ def parse_toml(text: str) -> dict[str, Any]:
     UnusableTomlError
         If it is nested deeper, or holds a larger number.
     """
-    too_deep = f"nests tables and lists more than {MAX_DEPTH} deep; write them side by side"
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
         raise
     except RecursionError:
-        raise UnusableTomlError(too_deep) from None
+        raise UnusableTomlError(_TOO_DEEP) from None
     except ValueError:  # Python converts no whole number of thousands of digits
         raise UnusableTomlError(f"holds a number that is too long; {_NUMBER_REMEDY}") from None
+    check_values(tables)
+    return tables
+
+
+def check_values(tables: Mapping[str, Any]) -> None:
+    """Check that tables are nested little, and that their whole numbers have 64 bits.
+
+    Raises
+    ------
+    UnusableTomlError
+        If they are nested deeper, or hold a larger number.
+    """
     level: list[Any] = [tables]
     for _ in range(MAX_DEPTH):
         for value in level:
@@ -129,8 +141,8 @@ def parse_toml(text: str) -> dict[str, Any]:
         level = [inner for values in nested if isinstance(values, Collection) and not isinstance(values, str)
                  for inner in values]  # fmt: skip
         if not level:
-            return tables
-    raise UnusableTomlError(too_deep)
+            return
+    raise UnusableTomlError(_TOO_DEEP)
 
 
 def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:

@@ -168,13 +168,3 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
         assert "write it again with --fab" in run.stdout
     (tmp_path / "fab" / PROVENANCE).unlink()
     assert "has no valid made_from.sha256" in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr
-
-
-@pytest.mark.slow
-def test_without_kicad_the_error_says_how_to_install_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / "pcb")
-    assert run.returncode == 2
-    assert len(run.stderr.splitlines()) == 1
-    assert "apt-get install -t bookworm-backports kicad" in run.stderr
-    assert not (tmp_path / "pcb" / "fab").exists()

@@ -272,7 +272,7 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     out.write_text("# mine\n")
     refused = run("calibrate", "sensor", path, "article", "--out", out)
     assert refused.exit_code == 2
-    assert f"{out}: exists and is not overwritten; give another file with --out" in " ".join(refused.stderr.split())
+    assert f"{out}: exists and is not overwritten; choose another file with --out" in " ".join(refused.stderr.split())
     assert out.read_text() == "# mine\n"
     assert run("calibrate", "sensor", path, "article", "--out", out, "--force").exit_code == 0
     assert out.read_bytes() == first

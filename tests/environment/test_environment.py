@@ -168,7 +168,7 @@ def test_a_folder_of_somebody_else_is_refused(unprivileged: tuple[str, ...], tmp
         done = run(*words, folder=theirs, launcher=unprivileged, HOME="/nonexistent")
         assert_refused(done, "may not be written; change its mode, or choose another folder with --out.")
     done = run("new", "tip", folder=theirs, launcher=unprivileged, HOME="/nonexistent")
-    assert_refused(done, "tip.toml: cannot be written (Permission denied)")
+    assert_refused(done, "may not be written; change its mode, or choose another file with --out.")
     assert list(theirs.iterdir()) == []
 
 

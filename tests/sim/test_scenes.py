@@ -314,7 +314,12 @@ def test_command_reports_all_issues_at_once(tmp_path):
         "--seed", "-1", "--out", tmp_path / "a.xyz",
     )  # fmt: skip
     assert done.returncode == 2
-    for message in ("'a.xyz' is not a known kind of trace file", "tap.rise_s: 9", "skin.width_mm: 1", "--seed: -1"):
+    for message in (
+        "'a.xyz' is of no format that is written; end it in .csv or .npz",
+        "tap.rise_s: 9",
+        "skin.width_mm: 1",
+        "--seed: -1",
+    ):
         assert message in done.stderr
     done = run_fingertip("simulate", design_file, "--set", "tap.force_n=1", "--out", tmp_path / "a.csv")
     assert done.returncode == 2
@@ -322,5 +327,3 @@ def test_command_reports_all_issues_at_once(tmp_path):
     assert not list(tmp_path.iterdir())
     done = run_fingertip("simulate", design_file, "--design", design_file, "--out", tmp_path / "a.csv")
     assert "is not a scene; leave --design out" in done.stderr
-    done = run_fingertip("simulate", design_file, "--out", tmp_path / "a.csv", "--plot", tmp_path / "a.csv")
-    assert "is also the name of the trace; choose another" in done.stderr

@@ -72,15 +72,6 @@ def test_slip_that_begins_while_the_detector_is_already_on(tmp_path):
     assert "detected after -" not in done.stdout
 
 
-def test_a_plot_must_have_the_suffix_png(tmp_path):
-    (tmp_path / "t.csv").write_text(csv(T, V))
-    for words in (("detect", tmp_path / "t.csv"), ("simulate", "--out", tmp_path / "s.csv")):
-        done = run(*words, "--plot", tmp_path / "p.svg")
-        assert done.exit_code == 2
-        assert "'p.svg' is not the name of a PNG file, the only format written; end it in .png" in done.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
-
-
 def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
     t, v = burst(5000)
     (tmp_path / "t.csv").write_text(csv(t, v, header=("t", "AI0")))

@@ -81,9 +81,30 @@ def recover(folder: Path) -> None:
                 shutil.rmtree(path, ignore_errors=True)
 
 
+def try_to_write(folder: Path, path: Path) -> None:
+    """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
+
+    What a command that was killed has left of it, `recover` removes as it does unfinished renames.
+
+    Raises
+    ------
+    OSError
+        If that is not possible.
+    """
+    recover(folder)
+    with contextlib.ExitStack() as undo:
+        made = folder / _COMMIT
+        for name in (*path.parent.parts, ""):
+            made.mkdir()
+            undo.callback(made.rmdir)
+            made /= name
+        undo.callback((made / path.name).unlink, missing_ok=True)
+        (made / path.name).write_bytes(b"?")
+
+
 def _staging(folder: Path) -> Path:
     """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
-    return folder.with_name(f".{folder.name}{_STAGING_SUFFIX}")
+    return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
 
 
 def _free_name(path: Path) -> Path:

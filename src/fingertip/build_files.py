@@ -44,9 +44,9 @@ from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.errors import DesignError, InputFileError, Issue
-from fingertip.input_files import OUTPUT_LIMIT, is_safe_name, read_input
+from fingertip.input_files import PARSED_LIMIT, is_safe_name, read_input
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
-from fingertip.output_set.manifest import MAX_BYTES, has_hash
+from fingertip.output_set.manifest import has_hash
 from fingertip.progress import Work
 
 
@@ -249,7 +249,7 @@ def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -
 def _files_of_version_one(folder: Path) -> list[str]:
     """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
     try:
-        report = json.loads(read_input(folder / REPORT, OUTPUT_LIMIT, length=MAX_BYTES, below=folder))
+        report = json.loads(read_input(folder / REPORT, PARSED_LIMIT, below=folder))
         hashes = {
             entry["files"][file_format]: digest
             for entry in report["parts"].values()

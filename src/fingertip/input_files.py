@@ -64,6 +64,8 @@ SAMPLES_LIMIT = Limit("FINGERTIP_MAX_SAMPLES", 2**23, 1, "samples")
 """Largest number of samples of a recording. Each takes some 75 bytes of memory."""
 OUTPUT_LIMIT = Limit("FINGERTIP_MAX_OUTPUT_MB", 256, _MEGABYTE, "MB")
 """Largest file of an output folder that is read back [bytes]."""
+PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
+"""Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
 MAX_MEMBERS = 10_000
 """Maximum number of files in an archive."""
 MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
@@ -107,14 +109,14 @@ def is_safe_name(name: object) -> TypeGuard[str]:
     )
 
 
-def find_unsafe_names(names: Iterable[object]) -> Iterator[object]:
+def find_unsafe_names(names: Iterable[object]) -> list[object]:
     """Find the names that are not safe, and those that are one file with an earlier one where case does not count."""
-    seen = set()
+    seen, found = {""}, []
     for name in names:
         folded = unicodedata.normalize("NFD", name).casefold() if is_safe_name(name) else ""
-        if not folded or folded in seen:
-            yield name
+        found += [name] if folded in seen else []
         seen.add(folded)
+    return found
 
 
 def find_link(folder: Path, path: Path) -> Path | None:

@@ -44,10 +44,7 @@ def write_page(
     except (FingertipError, OSError, MemoryError):
         raise
     except Exception as error:  # what the manifest lists may be any file all the same
-        reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        message = (
-            f"holds files that cannot be shown ({reason}); make them again in another folder with `fingertip make`."
-        )
+        message = f"holds files that cannot be shown ({type(error).__name__}: {error}); `fingertip make` makes others."
         raise OutputError(Issue(str(folder), message)) from error
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())

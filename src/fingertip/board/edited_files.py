@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
 from fingertip.errors import Issue, OutputError
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import PARSED_LIMIT, read_input
 from fingertip.output_set import Revision, read_manifest
 from fingertip.output_set.manifest import has_hash
 
@@ -132,7 +132,7 @@ def revise_edited(
         by both, or if a file cannot be read. All issues are raised at once.
     """
     manifest = read_manifest(folder)
-    present = {name: read_input(folder / name, OUTPUT_LIMIT, below=folder) for name in find_edited(folder, names)}
+    present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder, names)}
     present = {name: data for name, data in present.items() if data != contents[name]}
     revisions, notes, issues = {}, [], []
     if names.project in present:
@@ -171,7 +171,7 @@ def revise_edited(
 
 def _read_circuit(path: Path) -> CircuitRecord:
     try:
-        return read_netlist(read_input(path, OUTPUT_LIMIT, below=path.parent))
+        return read_netlist(read_input(path, PARSED_LIMIT, below=path.parent))
     except (ValueError, StopIteration):
         raise OutputError(Issue(str(path), f"states no circuit; {_REMEDY}")) from None
 

@@ -10,11 +10,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fingertip.errors import InputFileError
-from fingertip.input_files import OUTPUT_LIMIT, RECORDING_LIMIT, find_unsafe_names, open_input, read_input
+from fingertip.input_files import PARSED_LIMIT, RECORDING_LIMIT, find_unsafe_names, open_input, read_input
 
 MANIFEST = "manifest.json"
-MAX_BYTES = 2**24
-"""Maximum size of a manifest and of what else lists files [bytes]. JSON takes many times its size in memory."""
 _SHA256 = re.compile("[0-9a-f]{64}")
 
 
@@ -45,10 +43,10 @@ def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
     folder that the user has named, if that is another one above.
     """
     try:
-        data = json.loads(read_input(folder / MANIFEST, OUTPUT_LIMIT, length=MAX_BYTES, below=below or folder))
+        data = json.loads(read_input(folder / MANIFEST, PARSED_LIMIT, below=below or folder))
         manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
         texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters)
-        is_own = all(isinstance(text, str) for text in texts) and not any(find_unsafe_names(manifest.files))
+        is_own = all(isinstance(text, str) for text in texts) and not find_unsafe_names(manifest.files)
         is_own &= all(_SHA256.fullmatch(digest) for digest in manifest.files.values())
     except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None

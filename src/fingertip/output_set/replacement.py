@@ -21,9 +21,8 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from fingertip.errors import InputFileError, Issue, OutputError
-from fingertip.input_files import OUTPUT_LIMIT, find_unsafe_names, is_safe_name, read_input
+from fingertip.input_files import PARSED_LIMIT, find_unsafe_names, is_safe_name, read_input
 from fingertip.output_set.content import Content, write_content
-from fingertip.output_set.manifest import MAX_BYTES
 
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
@@ -101,9 +100,9 @@ def read_plan(commit: Path) -> tuple[list[str], list[str]]:
     if not os.path.lexists(commit / _COMPLETE):
         return [], []
     try:
-        plan = json.loads(read_input(commit / _COMPLETE, OUTPUT_LIMIT, length=MAX_BYTES, below=commit))
+        plan = json.loads(read_input(commit / _COMPLETE, PARSED_LIMIT, below=commit))
         files, removed = plan["files"], plan["removed"]
-        is_sound = isinstance(files, list) and isinstance(removed, list) and not any(find_unsafe_names(files + removed))
+        is_sound = isinstance(files, list) and isinstance(removed, list) and not find_unsafe_names(files + removed)
         if is_sound and not any(is_folder(commit.parent / name) for name in files + removed):
             return files, removed
     except (InputFileError, ValueError, KeyError, TypeError, RecursionError):

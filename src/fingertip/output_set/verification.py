@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from fingertip.errors import InputFileError, Issue, OutputError
@@ -26,22 +25,8 @@ _COMMANDS = {
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench", 0),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
-
-
 _FOLDERS = frozenset({*_OF_ONE_DESIGN, "fab", "3d"})
 """Names of folders in which commands write below the one that is named. As links, they would lead elsewhere."""
-
-
-@dataclass
-class _Tree:
-    """What stands in a folder."""
-
-    folders: list[Path] = field(default_factory=list)
-    """The folder, and those below it, outer ones first."""
-    unfinished: dict[Path, Path] = field(default_factory=dict)
-    """Folder that a command has left unfinished -> output folder that it belongs to."""
-    issues: list[Issue] = field(default_factory=list)
-    """What cannot be read."""
 
 
 def verify_sets(folder: Path) -> tuple[int, list[str]]:
@@ -60,27 +45,33 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
     OutputError
         If there is no manifest, or the folder holds too many files.
     """
+    outside = Path(os.path.realpath(folder)).parent
     with output_errors(folder):
-        for place in _look_through(folder).unfinished.values():
-            with lock(Path(os.path.realpath(place)).parent, shared=True):  # a command that is still at work ends first
+        for place in _look_through(folder)[1].values():
+            with lock(outside if place == folder else place.parent, shared=True):  # who is still at work ends first
                 pass
-        with lock(Path(os.path.realpath(folder)).parent, shared=True):
+        with lock(outside, shared=True):
             return _compare(folder)
 
 
-def _look_through(top: Path) -> _Tree:
-    tree, deeper, left = _Tree(), [top], _MAX_ENTRIES
-    real = Path(os.path.realpath(top))
-    tree.unfinished = {path: top for path in (staging_folder(real),) if is_folder(path)}
+def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]:
+    """List a folder with those below it, outer ones first.
+
+    With them come the folders that commands have left unfinished, each with the output folder that it belongs to, and
+    issues of what cannot be read.
+    """
+    staging = staging_folder(Path(os.path.realpath(top)))
+    unfinished = {staging: top} if is_folder(staging) else {}
+    folders, issues, deeper, left = list[Path](), list[Issue](), [top], _MAX_ENTRIES
     for _ in range(_MAX_DEPTH + 1):
         level, deeper = deeper, []
         for place in level:
-            tree.folders.append(place)
+            folders.append(place)
             try:
                 with os.scandir(place) as entries:
                     found = sorted(itertools.islice(entries, left + 1), key=lambda entry: entry.name)
             except OSError as error:
-                tree.issues.append(Issue(str(place), f"cannot be read ({error.strerror}); change its mode."))
+                issues.append(Issue(str(place), f"cannot be read ({error.strerror}); change its mode."))
                 continue
             left -= len(found)
             if left < 0:
@@ -89,27 +80,22 @@ def _look_through(top: Path) -> _Tree:
             for entry in found:
                 path = place / entry.name
                 if entry.is_symlink() and entry.name in _FOLDERS:
-                    tree.issues.append(Issue(str(path), "is a link, not a folder; put the folder in its place."))
-                elif entry.is_dir(follow_symlinks=False):
-                    if output_folder := find_output_folder(path):
-                        tree.unfinished[path] = output_folder
-                    elif not entry.name.startswith("."):
-                        deeper.append(path)
-    return tree
+                    issues.append(Issue(str(path), "is a link, not a folder; put the folder in its place."))
+                elif entry.is_dir(follow_symlinks=False) and (output_folder := find_output_folder(path)):
+                    unfinished[path] = output_folder
+                elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):
+                    deeper.append(path)
+    return folders, unfinished, issues
 
 
 def _compare(folder: Path) -> tuple[int, list[str]]:
-    tree = _look_through(folder)
-    manifests = {place: read_manifest(place) for place in tree.folders if os.path.lexists(place / MANIFEST)}
+    folders, unfinished, issues = _look_through(folder)
+    manifests = {place: read_manifest(place) for place in folders if os.path.lexists(place / MANIFEST)}
     found = {place: manifest for place, manifest in manifests.items() if manifest}
-    issues = [
-        *tree.issues,
-        *(
-            Issue(str(place / MANIFEST), "was not written by fingertip, or was changed since; the set is not compared.")
-            for place in manifests.keys() - found.keys()
-        ),
-        *(_describe_unfinished(path, place, found) for path, place in tree.unfinished.items()),
-    ]
+    issues += [_describe_unfinished(path, place, found) for path, place in unfinished.items()]
+    for place in (place for place in manifests if place not in found):
+        message = "was not written by fingertip, or was changed since; the set is not compared."
+        issues.append(Issue(str(place / MANIFEST), message))
     if not found:
         message = f"has no {MANIFEST} of fingertip; name a design file, or a folder that a command wrote."
         raise OutputError([Issue(str(folder), message), *issues])
@@ -124,8 +110,7 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
     top = found.get(folder)
     for place, manifest in found.items():
         if top and manifest.kind in _OF_ONE_DESIGN and manifest.parameters != top.parameters:
-            message = f"was made from other parameters than {folder}; make both again."
-            issues.append(Issue(str(place), message))
+            issues.append(Issue(str(place), f"was made from other parameters than {folder}; make both again."))
     return sum(len(manifest.files) for manifest in found.values()), [str(issue) for issue in issues]
 
 

@@ -62,13 +62,14 @@ class SetWriter:
             If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
             folder or of a file that is somebody's own.
         """
-        if self._find_link() is None:
+        link = self._find_link()
+        if link is None:
             finish_interrupted(self.folder)
         try:
             self._refuse(names, revisions)
         except OutputError:
             parent = Path(os.path.realpath(self.folder)).parent
-            if not parent.is_dir():
+            if link or not parent.is_dir():
                 raise
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):

@@ -108,7 +108,13 @@ def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes]
 
 
 def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a set that a page may show and that are there."""
+    """Yield the files of a set that a page may show and that are there, within a limit of their sum."""
+    left = OUTPUT_LIMIT.value
     for name in sorted(manifest.files):
         if name.endswith(_SHOWN) and os.path.lexists(folder / name):
-            yield name, read_input(folder / name, OUTPUT_LIMIT, below=folder)
+            data = read_input(folder / name, OUTPUT_LIMIT, below=folder)
+            left -= len(data)
+            if left < 0:
+                message = f"holds files that are too large together to be shown; raise {OUTPUT_LIMIT.variable}."
+                raise OutputError(Issue(str(folder), message))
+            yield name, data

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.errors import InputFileError
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_input
 
 _SOURCES = (".kicad_pcb", ".kicad_sch", "bom.csv")
 """Endings of the names of the board files that the fabrication files depend on."""
@@ -41,7 +41,7 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
     """
     remedy = "write it again with --fab"
     try:
-        text = read_input(folder / record, OUTPUT_LIMIT, below=folder.parent).decode()
+        text = read_input(folder / record, PARSED_LIMIT, below=folder.parent).decode()
         lines = [line.split("  ", 1) for line in text.splitlines()]
         recorded = {name: digest for digest, name in lines}
     except (InputFileError, ValueError):  # a UnicodeDecodeError is a ValueError

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import PARSED_LIMIT, read_input
 from fingertip.output_set import read_manifest
 from fingertip.output_set.manifest import has_hash
 
@@ -46,7 +46,7 @@ def read_origin(path: Path) -> Origin:
     detection = path.parent / DETECTION
     if path.name != TRACE or not has_hash(detection, manifest.files.get(DETECTION)):
         return Origin(is_simulated=True)
-    return parse_origin(read_input(detection, OUTPUT_LIMIT, below=path.parent))
+    return parse_origin(read_input(detection, PARSED_LIMIT, below=path.parent))
 
 
 def parse_origin(detection: bytes | None) -> Origin:

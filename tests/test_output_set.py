@@ -127,6 +127,19 @@ def kill_everywhere(folder: Path, action: Callable[[], object]) -> Iterator[int]
         operation += 1
 
 
+def tree_of(folder: Path) -> dict[str, bytes | None]:
+    return {str(path): path.read_bytes() if path.is_file() else None for path in sorted(folder.rglob("*"))}
+
+
+def assert_check_only_reports(folder: Path, unfinished: Path, command: str) -> None:
+    """`check` changes nothing. It names what is left unfinished, and the command that completes it."""
+    before = tree_of(folder.parent)
+    differences = "\n".join(verify_sets(folder)[1])
+    assert tree_of(folder.parent) == before
+    text = f"{unfinished}: was left by a command that was ended before it was done; {command} completes it."
+    assert (text in differences) == unfinished.exists()
+
+
 def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     seen, steps = set(), 0
@@ -134,6 +147,8 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
         steps += 1
         assert_whole(folder)  # at once, before anything else has run
         seen.add("old" if files_in(folder) == OLD else "new")
+        staging = folder.with_name(".board.fingertip")
+        assert_check_only_reports(folder, staging, f"`fingertip board DESIGN --out {folder}`")
         writer(folder, "new").write(NEW)  # the next run
         assert files_in(folder) == NEW
         assert (folder / "fab" / "gerbers.zip").read_bytes() == b"gerbers"
@@ -142,20 +157,13 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
     assert steps > 12
 
 
-def test_check_recovers_what_a_killed_writer_left(tmp_path: Path) -> None:
+def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
-    for _ in kill_everywhere(folder, lambda: writer(folder, "new").write(NEW)):
-        verify_sets(folder)
-        assert_whole(folder)
-        assert_no_litter(folder)
-
-
-def test_check_recovers_sets_in_subfolders(tmp_path: Path) -> None:
-    folder = tmp_path / "area" / "board"
-    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "new")
+    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "old", force=True)
     for _ in kill_everywhere(folder, lambda: fabrication.write({"gerbers.zip": b"new"})):
+        assert_check_only_reports(folder, folder / ".fab.fingertip", "the next command that writes there")
+        fabrication.write({"gerbers.zip": b"new"})
         assert verify_sets(folder) == (4, [])
-        assert [path.name for path in (folder / "fab").iterdir() if path.name.startswith(".")] == []
         assert_no_litter(folder)
 
 
@@ -183,7 +191,8 @@ def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp
     folder = tmp_path / "area" / "board"
     seen = set()
     for _ in kill_everywhere(folder, lambda: writer(folder, "new", in_place=True).write(NEW)):
-        verify_sets(folder)
+        assert_check_only_reports(folder, folder / ".fingertip-commit", f"`fingertip board DESIGN --out {folder}`")
+        writer(folder, "new").check([])
         assert_whole(folder)
         seen.add("old" if files_in(folder) == OLD else "new")
         assert_no_litter(folder)

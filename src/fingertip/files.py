@@ -67,7 +67,8 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         path.parent.mkdir(parents=True, exist_ok=True)
         _remove_leftovers(path.parent)
         try:
-            with temporary.open("wb") as file:
+            temporary.unlink(missing_ok=True)
+            with temporary.open("xb") as file:  # never through a link of that name
                 yield file
             os.replace(temporary, path)
         finally:
@@ -87,7 +88,7 @@ def _remove_leftovers(folder: Path) -> None:
     """Remove unfinished files of processes that were killed."""
     for path in folder.glob(f"{_PREFIX}*"):
         process = path.name.removeprefix(_PREFIX).partition("-")[0]
-        if process.isdigit() and not _is_running(int(process)):
+        if process.isascii() and process.isdecimal() and not _is_running(int(process)):
             with contextlib.suppress(OSError):
                 path.unlink()
 
@@ -95,7 +96,7 @@ def _remove_leftovers(folder: Path) -> None:
 def _is_running(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
+    except (ProcessLookupError, OverflowError):  # or no number of a process
         return False
     except OSError:  # it belongs to somebody else
         return True

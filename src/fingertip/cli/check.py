@@ -81,7 +81,8 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
         results.append(
             {"folder": folder.as_posix(), "passed": not differences, "files": count, "differences": differences}
         )
-        summary = f"{folder}: {count - len(differences)} of {count} files are as written"
+        verdict = f"{len(differences)} differences" if differences else "all are as written"
+        summary = f"{folder}: {count} files compared, {verdict}"
         texts.append("\n".join([*differences, summary]))
     return results, texts
 

@@ -180,7 +180,10 @@ class _Drawing:
         rng, design = self.rng, self._write_design()
         names, short = _SCENES[kind]
         name = rng.choice(sorted(list_bundled_files(names)))
-        outputs = ["voltage_v", *rng.sample(model.known_outputs[1:], rng.randint(0, 4))]
+        board = self.design.board
+        lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": board.supply != "single_3v3"}
+        outputs = [name for name in model.known_outputs if not lacking.get(name) and rng.random() < 0.4]
+        outputs = ["voltage_v", *(name for name in outputs if name != "voltage_v")]
         changes = [*short, f"outputs={json.dumps(outputs)}", *draw_changes(rng, list_parameters(model), LONG_S)]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / design

@@ -200,20 +200,19 @@ def identify_kind(path: Path) -> FileKind | None:
 def split_changes(changes: Iterable[str], kinds: Collection[FileKind]) -> tuple[list[str], list[str]]:
     """Split changes, such as "tap.force_n=5", into those of a file of some kinds and those of the design beside it.
 
-    The name before the first dot decides. A name of a kind that was not given counts as the file's, whose error then
-    lists the file's names. Any other unknown name counts as the most similar known one, so that the error can suggest
-    it.
+    The name before the first dot decides. A name that only files of other kinds have counts as the file's, whose error
+    then lists the file's names. Any other unknown name counts as the most similar known one, so that the error can
+    suggest it.
     """
     own: list[str] = []
     others: list[str] = []
-    own_names = frozenset().union(*(kind.names for kind in kinds))
-    known = sorted(own_names | DESIGN.names)
     foreign = frozenset().union(*(kind.names for kind in KINDS)) - DESIGN.names
+    own_names = foreign.union(*(kind.names for kind in kinds))
+    known = sorted(own_names | DESIGN.names)
     for change in changes:
         name = change.partition("=")[0].partition(".")[0].strip()
         similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
-        is_own = bool(own_names.intersection(similar)) if similar else name in foreign
-        (own if is_own else others).append(change)
+        (own if own_names.intersection(similar) else others).append(change)
     return own, others
 
 

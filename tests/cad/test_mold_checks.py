@@ -146,7 +146,8 @@ def test_walls_much_thicker_than_the_limit_are_measured() -> None:
 
 def test_search_for_a_distance_that_does_not_exist_ends() -> None:
     assert 500.0 <= search_distance(lambda reach_mm: reach_mm, 1.6) <= 1000.0
-    assert search_distance(lambda reach_mm: min(reach_mm, 7.25), 1.6) == 7.25
+    for first_mm in (1.6, 0.0, -0.4):  # a limit less a coarse tolerance may be negative; the search then never ended
+        assert search_distance(lambda reach_mm: min(reach_mm, 7.25), first_mm) == 7.25
 
 
 def test_engraving_too_deep_fails(monkeypatch: pytest.MonkeyPatch) -> None:

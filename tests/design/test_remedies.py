@@ -16,7 +16,7 @@ from fingertip.design.rules.force_curve import calibration_spans_forces
 from fingertip.design.rules.search import Search
 from fingertip.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
-from tests.design.remedies import as_changes, read_alternatives, read_remedy
+from tools.fuzz.remedies import as_changes, read_alternatives, read_remedy
 
 MANY = int(os.environ.get("FINGERTIP_RANDOM_CHANGES", "0"))
 """Random changes per seed; 0 for the usual number."""

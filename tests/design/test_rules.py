@@ -9,7 +9,7 @@ from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import RecordingTables, find_violations
 from fingertip.errors import DesignError, Issue
 from tests.conftest import design_file
-from tests.design.remedies import as_changes, read_remedy
+from tools.fuzz.remedies import as_changes, read_remedy
 
 FOLDED = [
     "sensor.tail=folded", "skin.length_mm=25", "skin.tip_length_mm=8", "sensor.distance_from_tip_mm=9.5",

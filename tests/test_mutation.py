@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from tools.mutation.forks import Target
 
 from tests.conftest import ROOT
-from tools.mutation.forks import Target
 from tools.mutation.run import Mutant, is_equivalent, read_equivalent, read_targets
 
 

@@ -16,7 +16,6 @@ from typing import Any
 
 import kinparse
 import numpy as np
-import scipy.linalg
 
 PREFIXES = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
 # Output, inverting and non-inverting input of each amplifier in a package, from the data sheets.
@@ -83,8 +82,10 @@ class NetlistCircuit:
 
     def poles(self, source: str) -> Any:
         """Compute the natural frequencies [rad/s] with the source at 0 V and amplifiers of finite bandwidth."""
+        from scipy.linalg import eigvals
+
         G, C = self._equations(source, bandwidth_hz=GAIN_BANDWIDTH_HZ)
-        found = scipy.linalg.eigvals(G, -C)
+        found = eigvals(G, -C)
         return found[np.isfinite(found) & (np.abs(found) < 1e12)]
 
     def _equations(self, source: str, bandwidth_hz: float | None) -> tuple[Any, Any]:

@@ -2,7 +2,7 @@
 
 So every process that a test starts has it too. What it does is said by two variables of the environment:
 
-FINGERTIP_MUTANT        path of a JSON file with `name`, `path` and `code`: that module gets this source
+FINGERTIP_MUTANT        path of a JSON file with `name` and `code`: that module gets this source
 FINGERTIP_REACH         folder: each function of fingertip records the blocks that it enters (`tools.mutation.reach`)
 FINGERTIP_REACH_FILE    file to which this process adds the numbers of these blocks, four bytes each
 """
@@ -15,13 +15,13 @@ import json
 import os
 import struct
 import sys
-from importlib.abc import MetaPathFinder, SourceLoader
-from importlib.machinery import ModuleSpec, PathFinder
-from importlib.util import spec_from_file_location
+from collections.abc import Callable, Mapping
+from functools import partial
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import CodeType, ModuleType
 from typing import Any
 
-PACKAGE = "fingertip"
 LOOPS = "CompiledLoop"
 """Word in the source of modules that numba compiles: it cannot compile what a hook adds, so they record nothing."""
 
@@ -39,74 +39,43 @@ def number_blocks(tree: ast.Module) -> list[list[ast.stmt]]:
     return [blocks[place] for place in sorted(blocks)]
 
 
-class _Recording(MetaPathFinder, SourceLoader):  # type: ignore[misc]  # as importlib's own classes combine them
-    """Finder of fingertip's modules that lets each block record its number."""
+class _Source(SourceFileLoader):
+    """Loader of a module whose source is changed on the way; it reads and writes no bytecode."""
 
-    def __init__(self, first: dict[str, int]) -> None:
-        self._first = first
+    def __init__(self, name: str, path: str, change: Callable[[bytes], ast.Module | bytes]) -> None:
+        super().__init__(name, path)
+        self._change = change
 
-    def find_spec(self, fullname: str, path: Any = None, target: ModuleType | None = None) -> ModuleSpec | None:
-        """Find the modules that have blocks."""
-        if fullname not in self._first:
-            return None
-        spec = PathFinder.find_spec(fullname, path)
-        if spec is None or spec.origin is None:
-            return None
-        return spec_from_file_location(
-            fullname, spec.origin, loader=self, submodule_search_locations=spec.submodule_search_locations
-        )
-
-    def get_filename(self, fullname: str) -> str:
-        """Return the path of the module."""
-        return str(sys.modules[fullname].__file__)
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Run the module with its blocks recording."""
-        with open(str(module.__file__), encoding="utf-8") as file:
-            exec(self._record(file.read(), str(module.__file__), self._first[module.__name__]), module.__dict__)
-
-    def get_data(self, path: Any) -> bytes:
-        """Return the text of a file."""
-        with open(path, "rb") as file:
-            return file.read()
-
-    def _record(self, source: str, path: str, first: int) -> CodeType:
-        tree = ast.parse(source)
-        for number, body in enumerate(number_blocks(tree), first):
-            at = int(
-                isinstance(body[0], ast.Expr)
-                and isinstance(body[0].value, ast.Constant)
-                and isinstance(body[0].value.value, str)
-            )
-            call = ast.parse(f"{number} in __seen__ or __reach__({number})").body[0]
-            for node in ast.walk(call):
-                ast.copy_location(node, body[0])
-            body.insert(at, call)
-        return compile(tree, path, "exec", dont_inherit=True)
+    def get_code(self, fullname: str) -> CodeType:
+        """Compile the changed source."""
+        changed = self._change(self.get_data(self.path))
+        return compile(changed, self.path, "exec", dont_inherit=True)  # type: ignore[no-any-return]
 
 
-class _Changed(MetaPathFinder, SourceLoader):  # type: ignore[misc]  # as importlib's own classes combine them
-    """Finder of one module, to which it gives another source."""
+class _Finder(MetaPathFinder):
+    """Finder of some modules, whose source it changes."""
 
-    def __init__(self, name: str, path: str, code: str) -> None:
-        self._name, self._path, self._code = name, path, code
+    def __init__(self, changes: Mapping[str, Callable[[bytes], ast.Module | bytes]]) -> None:
+        self._changes = changes
 
     def find_spec(self, fullname: str, path: Any = None, target: ModuleType | None = None) -> ModuleSpec | None:
-        """Find the changed module only."""
-        if fullname != self._name:
-            return None
-        folders = [os.path.dirname(self._path)] if self._path.endswith("__init__.py") else None
-        return spec_from_file_location(fullname, self._path, loader=self, submodule_search_locations=folders)
+        """Find these modules only."""
+        spec = PathFinder.find_spec(fullname, path) if fullname in self._changes else None
+        if spec is not None and spec.origin is not None:
+            spec.loader = _Source(fullname, spec.origin, self._changes[fullname])
+        return spec
 
-    def get_filename(self, fullname: str) -> str:
-        """Return the path of the unchanged file."""
-        return self._path
 
-    def get_data(self, path: Any) -> bytes:
-        """Return the changed source; there is no bytecode."""
-        if path != self._path:
-            raise OSError(path)
-        return self._code.encode()
+def _let_blocks_record(source: bytes, first: int) -> ast.Module:
+    """Add to each block of a module the call that records its number."""
+    tree = ast.parse(source)
+    for number, body in enumerate(number_blocks(tree), first):
+        has_text = isinstance(body[0], ast.Expr) and isinstance(body[0].value, ast.Constant)
+        call = ast.parse(f"{number} in __seen__ or __reach__({number})").body[0]
+        for node in ast.walk(call):
+            ast.copy_location(node, body[0])
+        body.insert(int(has_text), call)
+    return tree
 
 
 SEEN: set[int] = set()
@@ -122,9 +91,9 @@ def _reach(number: int) -> None:
         os.close(handle)
 
 
-def change_module(name: str, path: str, code: str) -> None:
+def change_module(name: str, code: str) -> None:
     """Give one module another source in this process."""
-    sys.meta_path.insert(0, _Changed(name, path, code))
+    sys.meta_path.insert(0, _Finder({name: lambda source: code.encode()}))
 
 
 def record_blocks(folder: str) -> None:
@@ -133,7 +102,7 @@ def record_blocks(folder: str) -> None:
         first = json.load(file)
     builtins.__seen__ = SEEN  # type: ignore[attr-defined]
     builtins.__reach__ = _reach  # type: ignore[attr-defined]
-    sys.meta_path.insert(0, _Recording(first))
+    sys.meta_path.insert(0, _Finder({name: partial(_let_blocks_record, first=first[name]) for name in first}))
 
 
 if "FINGERTIP_MUTANT" in os.environ:

@@ -18,9 +18,8 @@ from fingertip.build_files import build
 from fingertip.build_result import Build
 from fingertip.cli import app
 from fingertip.design import Design
+from tests import first_set
 from tests.first_set import FULL
-
-pytest_plugins = ["tests.first_set"]
 
 # How long an example takes depends on the machine; no test asserts it. `benchmarks/` measures.
 hypothesis.settings.register_profile("fingertip", deadline=None)
@@ -31,6 +30,11 @@ DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
 
 
 Case = TypeVar("Case")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Select the tests that run, and measure them."""
+    config.pluginmanager.register(first_set)
 
 
 def some_of(cases: Iterable[Case], *kept: Case) -> list[Case]:

@@ -103,8 +103,8 @@ class Reach:
     def candidates(self, mutant: Mutant) -> tuple[str, ...]:
         """List the tests that can notice a mutant.
 
-        A change outside all blocks (a constant, a signature, a loop that numba compiles) reaches whoever uses the module:
-        the tests that enter it, and those of the modules that import it.
+        A change outside all blocks (a constant, a signature, a loop that numba compiles) reaches whoever uses the
+        module: the tests that enter it, and those of the modules that import it.
         """
         block = self._innermost(mutant)
         if block is not None:

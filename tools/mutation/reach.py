@@ -22,12 +22,12 @@ from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tools.mutation.mutants import REACH, ROOT, list_modules
+
 START = Path(__file__).resolve().parent / "start"
-REACH = ROOT / "out" / "mutation" / "reach.pickle"
 sys.path.insert(0, str(START))
 
-import sitecustomize as start  # noqa: E402
+import sitecustomize as start  # type: ignore[import-not-found]  # noqa: E402
 
 
 @dataclass
@@ -40,12 +40,6 @@ class Record:
     """Fixtures of a test that other tests share."""
 
 
-def list_modules() -> Iterator[tuple[str, Path]]:
-    """List the modules of src in the order of their paths."""
-    for path in sorted((ROOT / "src").rglob("*.py")):
-        yield ".".join(path.relative_to(ROOT / "src").with_suffix("").parts).removesuffix(".__init__"), path
-
-
 def list_blocks() -> tuple[dict[str, int], list[tuple[str, int, int]]]:
     """List the blocks of all modules.
 
@@ -56,7 +50,8 @@ def list_blocks() -> tuple[dict[str, int], list[tuple[str, int, int]]]:
     blocks
         Module, first and last line of each block.
     """
-    first, blocks = {}, []
+    first: dict[str, int] = {}
+    blocks: list[tuple[str, int, int]] = []
     for name, path in list_modules():
         source = path.read_text(encoding="utf-8")
         if start.LOOPS in source:
@@ -97,14 +92,18 @@ class Recorder:
         self._take()
         self._shared, self._shared_s, begun_s = set[int](), 0.0, cpu_now_s()
         yield
-        fixtures = {self._name(one) for defs in item._fixtureinfo.name2fixturedefs.values() for one in defs if one.scope != "function"}
-        params = getattr(item, "callspec", None)
-        fixtures = {f"{name}[{params.params[name.split('::')[-1]]}]" if params and name.split("::")[-1] in params.params else name for name in fixtures}
+        parameters = item.callspec.params if hasattr(item, "callspec") else {}
+        fixtures = {
+            self._name(one, parameters.get(one.argname))
+            for definitions in item._fixtureinfo.name2fixturedefs.values()
+            for one in definitions
+            if one.scope != "function"
+        }
         self._records[item.nodeid] = Record(cpu_now_s() - begun_s - self._shared_s, self._take(), fixtures)
 
     @staticmethod
-    def _name(definition: Any) -> str:
-        return f"{definition.baseid}::{definition.argname}"
+    def _name(definition: Any, parameter: object) -> str:
+        return f"{definition.baseid}::{definition.argname}" + ("" if parameter is None else f"[{parameter}]")
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_fixture_setup(self, fixturedef: Any, request: Any) -> Iterator[None]:
@@ -114,9 +113,7 @@ class Recorder:
             return
         before, begun_s, inner_s = self._take(), cpu_now_s(), self._shared_s
         yield
-        name = self._name(fixturedef)
-        if hasattr(request, "param"):
-            name += f"[{request.param}]"
+        name = self._name(fixturedef, getattr(request, "param", None))
         record = self._records.setdefault(name, Record())
         spent_s = cpu_now_s() - begun_s
         record.cpu_s += spent_s - (self._shared_s - inner_s)
@@ -131,7 +128,8 @@ class Recorder:
 
 def pytest_configure(config: Any) -> None:
     """Record in each process of pytest that runs tests."""
-    if "FINGERTIP_REACH" in os.environ and not (getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput")):
+    runs_tests = hasattr(config, "workerinput") or not config.getoption("numprocesses", None)
+    if "FINGERTIP_REACH" in os.environ and runs_tests:
         config.pluginmanager.register(Recorder(Path(os.environ["FINGERTIP_REACH"])))
 
 

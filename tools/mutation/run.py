@@ -1,11 +1,11 @@
-"""Command `python -m tools.mutation.run`: draw changes of the source, one at a time, and list those that no test notices.
+"""Command `python -m tools.mutation.run`: change the source in one place at a time, and list what no test notices.
 
     python -m tools.mutation.reach -n 2                                   once: which tests enter which blocks
     python -m tools.mutation.run --cosmic-ray PYTHON --count 400 --seed 1
 
 The mutants are drawn over all lines of src (`tools/mutation/changes.py`). With FINGERTIP_FULL=1 the whole suite judges,
-without it the first set. A command that is stopped goes on where it was: out/mutation has the results. The exit code is 1
-if less than `MIN_KILLED` of all mutants, or `MIN_KILLED_GROUP` of those of a group of packages, were noticed.
+without it the first set. A command that is stopped goes on where it was: out/mutation has the results. The exit
+code is 1 if less than `MIN_KILLED` of all mutants, or `MIN_KILLED_GROUP` of those of a group of packages, were noticed.
 """
 
 from __future__ import annotations
@@ -58,7 +58,9 @@ def main() -> None:
         file.write_text(json.dumps(known, indent=1), "utf-8")
         done += 1
         left_s = (time.monotonic() - begun_s) / done * (len(todo) - done)
-        print(f"{done} of {len(todo)}, {left_s / 60:.0f} min left: {'' if outcome.noticed else 'NOT '}noticed", flush=True)
+        print(
+            f"{done} of {len(todo)}, {left_s / 60:.0f} min left: {'' if outcome.noticed else 'NOT '}noticed", flush=True
+        )
 
     if todo:
         RESULTS.mkdir(parents=True, exist_ok=True)
@@ -74,7 +76,7 @@ def key_of(mutant: Mutant) -> str:
 
 
 def plan_job(mutant: Mutant, reach: Reach, kills: Counter[str], cpu_s: float) -> Job:
-    """Select the tests of a mutant: those that noticed most mutants first, then the cheapest, as long as time allows."""
+    """Select the tests of a mutant: those that noticed most first, then the cheapest, as long as time allows."""
     words = set(Path(mutant.path).stem.split("_")) | {mutant.package}
 
     def rank(test: str) -> tuple[int, bool, float]:

@@ -1,8 +1,8 @@
 """Runs of tests on changed modules.
 
 A server process imports and collects all tests once. For each mutant it forks, gives the changed functions their new
-code, empties the caches of functions, and runs the tests that reach the change, the most promising first, until one fails.
-A change outside functions (a constant, a class, a loop that numba compiles) needs the module to be imported anew: these
+code, empties the caches of functions, and runs the tests that reach the change, the most promising first, until one
+fails. A change outside functions (a constant, a class, a loop that numba compiles) needs the module to be imported anew: these
 mutants run in a fresh process, whose import hook gives the module its changed source.
 """
 
@@ -125,7 +125,7 @@ def _become_run(session: Any, items: Sequence[Any], job: Job, answer: int) -> No
             else:
                 resource.setrlimit(resource.RLIMIT_CPU, (job.limit_s, job.limit_s))
                 os.environ |= _environment(job.mutant, Path(folder))
-                _change_functions(job.mutant)
+                change_functions(job.mutant)
                 status = _run_here(session, items, answer)
     finally:
         os._exit(status)
@@ -152,7 +152,18 @@ def _run_fresh(job: Job, folder: Path, answer: int) -> int:
         TESTS_VARIABLE: str(tests), f"{TESTS_VARIABLE}_FAILED": str(failed),
     }  # fmt: skip
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "tools.mutation.server", *files]
+    words = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        __name__,
+        *files,
+    ]
     limit = (job.limit_s, job.limit_s)
     done = subprocess.run(
         words, cwd=ROOT, env=environment, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit)
@@ -171,7 +182,7 @@ def _environment(mutant: Mutant, folder: Path) -> dict[str, str]:
     return {"FINGERTIP_MUTANT": str(file), "PYTHONPATH": os.pathsep.join(paths)}
 
 
-def _change_functions(mutant: Mutant) -> None:
+def change_functions(mutant: Mutant) -> None:
     """Give every function of a module the code that it has in the changed source, and forget what functions cached."""
     path = str(ROOT / mutant.path)
     changed = {_place(code): code for code in _all_code(compile(mutant.code, path, "exec", dont_inherit=True))}

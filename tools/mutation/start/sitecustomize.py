@@ -49,7 +49,7 @@ class _Source(SourceFileLoader):
     def get_code(self, fullname: str) -> CodeType:
         """Compile the changed source."""
         changed = self._change(self.get_data(self.path))
-        return compile(changed, self.path, "exec", dont_inherit=True)  # type: ignore[no-any-return]
+        return compile(changed, self.path, "exec", dont_inherit=True)
 
 
 class _Finder(MetaPathFinder):

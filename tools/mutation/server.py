@@ -2,8 +2,8 @@
 
 A server process imports and collects all tests once. For each mutant it forks, gives the changed functions their new
 code, empties the caches of functions, and runs the tests that reach the change, the most promising first, until one
-fails. A change outside functions (a constant, a class, a loop that numba compiles) needs the module to be imported anew: these
-mutants run in a fresh process, whose import hook gives the module its changed source.
+fails. A change outside functions (a constant, a class, a loop that numba compiles) needs the module to be imported
+anew: these mutants run in a fresh process, whose import hook gives the module its changed source.
 """
 
 from __future__ import annotations

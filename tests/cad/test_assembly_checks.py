@@ -9,7 +9,6 @@ import pytest
 
 from fingertip.build_files import build
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
@@ -140,6 +139,8 @@ def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
 @pytest.mark.slow
 def test_brep_solid_with_an_extra_hole_fails(finger: Design, evaluator: MeshEvaluator) -> None:
     """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
+    from fingertip.cad.kernel import brep
+
     hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
     pierced = brep.BrepEvaluator().solid(difference(bone.bone(finger), hole))
     exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))

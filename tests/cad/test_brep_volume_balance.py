@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
@@ -18,11 +17,13 @@ class BrepVolumes:
     """Volumes of solids of one design, each evaluated once."""
 
     def __init__(self, design: Design) -> None:
-        self.design, self._brep = design, brep.BrepEvaluator()
+        from fingertip.cad.kernel import brep
+
+        self.design, self._brep, self._volume = design, brep.BrepEvaluator(), brep.volume
         self.part = {name: part.solid(design) for name, part in parts_by_name(design).items()}
 
     def __call__(self, solid: Solid) -> float:
-        return brep.volume(self._brep.shape(solid))
+        return self._volume(self._brep.shape(solid))
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,10 @@ import hashlib
 import json
 import re
 import zipfile
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
 from fingertip.build_result import Build
@@ -18,6 +18,10 @@ from fingertip.cad.shapes.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
 pytestmark = pytest.mark.slow
+
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 def names(built: Build) -> set[str]:
@@ -31,6 +35,8 @@ def mesh_files(built: Build) -> list[tuple[str, str]]:
 
 
 def load(built: Build, name: str, file_format: str) -> trimesh.Trimesh:
+    import trimesh
+
     loaded = trimesh.load(built.folder / f"{name}.{file_format}", force="mesh")
     assert isinstance(loaded, trimesh.Trimesh)
     return loaded

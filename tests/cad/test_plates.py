@@ -12,11 +12,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from typing import TYPE_CHECKING
 from zipfile import ZipFile
 
 import numpy as np
 import pytest
-import trimesh
 
 from fingertip.build_files import build
 from fingertip.cad.files import stl, threemf
@@ -34,6 +34,9 @@ from fingertip.design.new_design import PRESETS
 from fingertip.errors import OutputError
 from fingertip.output_set import verify_sets
 from tests.conftest import DESIGNS, design_file, run_fingertip
+
+if TYPE_CHECKING:
+    import trimesh
 
 TOLERANCE = 0.1
 NOTE = "cast in silicone, not to be printed"
@@ -58,6 +61,8 @@ def failed(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str
 
 def placed_on(plate: bytes) -> dict[str, trimesh.Trimesh]:
     """Objects of a plate where they stand, as trimesh reads them."""
+    import trimesh
+
     scene = trimesh.load(io.BytesIO(plate), file_type="3mf")
     assert isinstance(scene, trimesh.Scene)
     found = {}

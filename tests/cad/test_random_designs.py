@@ -11,7 +11,6 @@ from collections.abc import Iterator
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.part_files import check_brep_solid
@@ -98,6 +97,8 @@ def test_random_designs_that_break_a_rule_are_rejected_after_few_trials(monkeypa
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 100 + (MANY or 5)))
 def test_kernels_agree_on_a_random_design(seed: int) -> None:
+    from fingertip.cad.kernel import brep
+
     design, evaluator, exact = next(generate_accepted(seed)), MeshEvaluator(TOLERANCE), brep.BrepEvaluator()
     for part in parts_by_name(design).values():
         solid = part.solid(design)

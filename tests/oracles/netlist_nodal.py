@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from tests.oracles.sexpressions import children, descendants, parse, word
 
@@ -78,8 +77,10 @@ class NetlistCircuit:
 
     def poles(self, source: str) -> Any:
         """Compute the natural frequencies [rad/s] with the source at 0 V and amplifiers of finite bandwidth."""
+        from scipy.linalg import eigvals
+
         G, C = self._equations(source, bandwidth_hz=GAIN_BANDWIDTH_HZ)
-        found = scipy.linalg.eigvals(G, -C)
+        found = eigvals(G, -C)
         return found[np.isfinite(found) & (np.abs(found) < 1e12)]
 
     def _equations(self, source: str, bandwidth_hz: float | None) -> tuple[Any, Any]:

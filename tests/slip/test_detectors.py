@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import signal as scipy_signal
 
 from fingertip import jit
 from fingertip.design import Design
@@ -146,6 +145,8 @@ def test_tail_probability_of_a_sum_of_squares():
 @pytest.mark.parametrize("detector", ["digital", "fast", "fft"])
 @pytest.mark.parametrize("kind", ["white", "low-passed", "hum"])
 def test_a_quiet_part_sets_the_threshold_whatever_its_spectrum(detector, kind):
+    from scipy import signal as scipy_signal
+
     rng = np.random.default_rng(9)
     t = np.arange(40_000) / 2000
     signal_v = rng.normal(0, 3e-4, len(t))

@@ -139,6 +139,7 @@ def as_pinned(names: Iterable[str]) -> None:
         pytest.skip(f"the list is about the pinned versions, and {wrong[0]} {installed.get(wrong[0])} is installed")
 
 
+@pytest.mark.full
 def test_licence_of_every_dependency_is_listed() -> None:
     as_pinned(needs.collect(users_packages(read_project())))
     found = licences.list_licences()
@@ -151,6 +152,7 @@ def test_licence_of_every_dependency_is_listed() -> None:
         assert licences.format_page(found) == PAGE
 
 
+@pytest.mark.full
 def test_every_package_that_mentions_the_lgpl_is_named() -> None:
     as_pinned(needs.collect(users_packages(read_project())))
     found = {canonical(one.name) for one in licences.list_licences()}

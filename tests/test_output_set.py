@@ -140,6 +140,7 @@ def assert_check_only_reports(folder: Path, unfinished: Path, command: str) -> N
     assert (text in differences) == unfinished.exists()
 
 
+@pytest.mark.full
 def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     seen, steps = set(), 0
@@ -186,6 +187,7 @@ def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> N
     assert os.waitpid(child, 0)[1] == 0
 
 
+@pytest.mark.full
 def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp_path: Path) -> None:
     """Where folders cannot be swapped, the set is whole again after the next command."""
     folder = tmp_path / "area" / "board"
@@ -220,7 +222,7 @@ def test_current_folder_is_not_swapped_from_under_the_shell(tmp_path: Path, monk
     assert_no_litter(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_random_interruptions_leave_whole_sets(tmp_path: Path) -> None:
     """200 writers are killed after random times. No folder is ever mixed, and nothing is left in the end."""
     folder = tmp_path / "area" / "board"
@@ -243,7 +245,7 @@ def test_random_interruptions_leave_whole_sets(tmp_path: Path) -> None:
     assert_no_litter(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)
@@ -483,6 +485,7 @@ def test_the_root_of_the_file_system_can_hold_a_set() -> None:
 # Single files
 
 
+@pytest.mark.full
 def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_up(tmp_path: Path) -> None:
     path = tmp_path / "trace.csv"
     operation, killed = 0, True

@@ -55,6 +55,7 @@ def max_deviation(circuit: NetlistCircuit, design: Design) -> float:
     return max(abs(circuit.gain(f, "/TACTILE", "/FILTERED") / H - 1) for f, H in expected)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
 def test_wiring_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
     design, path = write_netlist(tmp_path, changes)
@@ -75,6 +76,7 @@ def test_feedback_is_negative(tmp_path: Path) -> None:
     assert max(poles.real) < 0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("swap", SWAPS)
 def test_miswired_netlist_is_detected(tmp_path: Path, swap: tuple[tuple[str, str], tuple[str, str]]) -> None:
     design, path = write_netlist(tmp_path, [])
@@ -154,6 +156,7 @@ def find_differences(design: Design, path: Path) -> list[str]:
     return [content for content, equal in is_equal.items() if not equal]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
 def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
     """All signals refer to VMID, the buffered mid-supply. Nothing of the filter returns to ground."""
@@ -203,7 +206,7 @@ def test_uuids_do_not_depend_on_values() -> None:
     assert component_uuid(first, "R1") == component_uuid(second, "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
     digests = []
     for seed in ("1", "2"):
@@ -216,6 +219,7 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
     assert sorted({path.parts[0] for path in digests[0]}) == FILES
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("design", "folder"), [("fsr400", "pcb"), ("article", "pcb/article")])
 def test_bundled_board_files_are_up_to_date(tmp_path: Path, design: str, folder: str) -> None:
     """The folder pcb/ holds the default board with its bring-up sheet, pcb/article/ that of the article."""

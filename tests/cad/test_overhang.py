@@ -148,7 +148,6 @@ def test_steps_are_as_high_as_a_layer_at_every_scale_of_the_print() -> None:
     assert BRIDGE_STEP_MM * smallest / 100.0 > 0.2
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", DESIGNS)
 def test_both_kernels_build_the_same_steps(name: str, method: str) -> None:
@@ -173,6 +172,7 @@ def overhang(part: str, *changes: str, added: Solid | None = None) -> float:
     return check.value
 
 
+@pytest.mark.full
 def test_plain_nut_traps_and_counterbores_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     assert overhang("mold_palmar") == 0.0
     assert overhang("mold_dorsal") == 0.0

@@ -101,7 +101,7 @@ def test_grip_steps_change_the_force_without_slip():
             assert after < before - 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     size = MixSize(24, 4.0, 30, 12)
     found = summarise(run_detector("fast", DESIGN, generate_mix(DESIGN, size, HELD_OUT_FROM + 77_000_000)))

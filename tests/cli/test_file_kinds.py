@@ -60,7 +60,7 @@ def test_a_design_with_an_unknown_name_is_not_taken_for_another_kind(tmp_path: P
     assert run("params", design_file("fsr400"), "--set", "tap.force_n=2").stderr.count("is a scene") == 0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_files_with_a_byte_order_mark(tmp_path: Path) -> None:
     def marked(file: Path) -> Path:
         path = tmp_path / file.name

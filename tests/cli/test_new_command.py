@@ -155,7 +155,7 @@ def test_out_json_and_quoting(folder: Path) -> None:
     assert Design.load(data["design"]).name == "mine"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("sensor", some_of(SENSORS, "fsr400"))
 def test_the_next_command_runs(sensor: str, folder: Path) -> None:
     """The message's command as it stands. STEP, which takes long, is left out for all sensors but the first."""
@@ -166,6 +166,7 @@ def test_the_next_command_runs(sensor: str, folder: Path) -> None:
     assert (folder / "out/mine/bone.stl").exists()
 
 
+@pytest.mark.full
 def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     """The command names each length that it fitted, and the file holds the hand's own sizes."""
     done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "david_finger")
@@ -181,6 +182,7 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)
 
 
+@pytest.mark.full
 def test_measured_sizes_stay_while_the_rest_is_fitted(folder: Path) -> None:
     done = run_fingertip(
         "new", "mine", "--preset", "adult_finger", "--set", "skin.width_mm=15.4", "--set", "skin.length_mm=26"

@@ -40,6 +40,7 @@ def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method:
     assert failed(f"mold.method={method}", name=name) == set()
 
 
+@pytest.mark.full
 def test_vents_stay_off_the_pad() -> None:
     for name in DESIGNS:
         for vent in place_vents(load(name)):
@@ -85,6 +86,7 @@ def test_silicone_that_is_far_too_thick_is_too_slow() -> None:
     assert {"mold.fill_time", "mold.syringe_force"} <= failed(*own)
 
 
+@pytest.mark.full
 def test_narrow_nozzle_and_small_syringe_fail() -> None:
     assert failed("mold.nozzle_bore_mm=0.6") == {"mold.fill_time", "mold.syringe_force"}
     assert failed("mold.syringe=3ml", name="fsr402") == {"mold.syringe_volume"}
@@ -104,6 +106,7 @@ def test_air_without_a_vent_at_its_place_fails(monkeypatch: pytest.MonkeyPatch, 
         predict_mold_filling.cache_clear()
 
 
+@pytest.mark.full
 def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     design = load("adult_finger")
     placed = place_vents(design)
@@ -122,6 +125,7 @@ def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pyte
             cache_of.cache_clear()
 
 
+@pytest.mark.full
 def test_wider_bolts_hold_more_and_a_stronger_thumb_loads_more() -> None:
     checks = {c.name: c for c in check_filling(load("fsr400"))}
     strong = {c.name: c for c in check_filling(load("fsr400", "mold.thumb_force_n=60"))}

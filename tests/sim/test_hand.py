@@ -163,7 +163,7 @@ def test_every_step_is_ros2_with_the_full_jacobian():
     assert shear[:, -1] == pytest.approx(y[:3], rel=3e-8)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_impact_agrees_with_scipy_radau():
     """scipy uses tight tolerances and stops at the kinks of the drive."""
     from scipy.integrate import solve_ivp

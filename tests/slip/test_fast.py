@@ -371,6 +371,7 @@ def test_any_sampling_rate_is_quiet_in_noise_and_finds_a_burst(rate):
     assert 7.0 < t[np.flatnonzero(on)[0]] < 7.015
 
 
+@pytest.mark.full
 def test_features_hardly_depend_on_the_sampling_rate():
     """A burst well above the noise has the same features at every rate, on average over the noise, but for filters."""
     found = []

@@ -12,6 +12,7 @@ from fingertip.design import Design
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, single_onset
 
 
+@pytest.mark.full
 def test_invalid_options_give_an_error(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for words, message in (
@@ -43,6 +44,7 @@ def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     assert single_onset(run(*words, "--scale", 0.00080566406)) == pytest.approx(ONSET, abs=0.003)
 
 
+@pytest.mark.full
 def test_a_quiet_part_in_which_something_happens(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for seconds in ("5", "1", "inf"):
@@ -64,7 +66,7 @@ def test_a_quiet_part_in_which_something_happens(tmp_path):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_slip_that_begins_while_the_detector_is_already_on(tmp_path):
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, slip=(T >= 0.6) & (T < 0.7))
     done = run("detect", tmp_path / "t.npz", "--plot", tmp_path / "p.png")
@@ -126,6 +128,7 @@ def test_a_quiet_part_without_noise_gives_no_threshold(tmp_path):
     assert f"constant up to 0.2995 s, within 0:0.4 s of --calibrate: {message}" in run(*words, "0:0.4").stderr
 
 
+@pytest.mark.full
 def test_calibration_on_any_interval(tmp_path):
     """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
     rng = np.random.default_rng(8)

@@ -39,7 +39,6 @@ from tests.sweep.examples import make_plan, make_table
 COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.floats(-50, 50), min_size=1, max_size=60)
 
 
-@pytest.mark.slow
 @settings(max_examples=60)
 @given(COLUMNS, st.integers(2, 9), st.sampled_from([bin_by_count, bin_by_value]))
 def test_bins_cover_a_column_without_overlap(

@@ -237,6 +237,7 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     assert stresses["eye"].at_shock
 
 
+@pytest.mark.full
 def test_random_joints_pass_every_mesh_check() -> None:
     """Presets with random joints; what the rules accept moves freely and stops at both ends."""
     rng, accepted = random.Random(3), 0

@@ -67,6 +67,7 @@ def test_random_design_passes_every_mesh_check(seed: int) -> None:
     assert [check for check in found if not check.passed and not check.name.endswith(NOT_GEOMETRY)] == []
 
 
+@pytest.mark.full
 def test_random_designs_that_break_a_rule_are_rejected_after_few_trials(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is rejected by a `DesignError` with messages, before any geometry is made.
 

@@ -273,6 +273,7 @@ def test_validate_writes_results_and_assumptions(validated):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.full
 def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     for module in (plots, trial_plots):  # drawn by the test above
         monkeypatch.setattr(module, "to_png", lambda figure: b"")

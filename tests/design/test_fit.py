@@ -92,6 +92,7 @@ def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
         find_hand(tmp_path / "h.toml")
 
 
+@pytest.mark.full
 def test_half_of_the_fingers_near_a_preset_are_accepted() -> None:
     """All that is measured on finger and hand is drawn within 20 % of a preset; the rest is fitted."""
     rng, accepted, count = random.Random(11), 0, 24

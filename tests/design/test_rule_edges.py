@@ -158,6 +158,7 @@ def test_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs([("skin.length_mm", "skin.tip_length_mm"), *random.Random(0).sample(same_unit, 60)])
 
 
+@pytest.mark.full
 def test_all_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs(list_equal_pairs())
 
@@ -193,6 +194,7 @@ def test_bounds_in_pairs_raise_no_exception(rule: Rule) -> None:
         check_rules(DEFAULTS.with_values(row))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
     """The rows begin from a design that reaches the rule, so that its prerequisites pass in many of them."""
@@ -201,6 +203,7 @@ def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
         check_typed_remedies(base.with_values(row))
 
 
+@pytest.mark.full
 def test_bounds_of_all_parameters_in_pairs_have_remedies_that_pass() -> None:
     for row in make_covering_array(list_levels()):
         check_typed_remedies(DEFAULTS.with_values(row))

@@ -155,6 +155,7 @@ def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
         assert area == pytest.approx(slab.volume() / thin, rel=2e-3), part
 
 
+@pytest.mark.full
 def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     require_module("reportlab")
     written = []

@@ -148,6 +148,7 @@ def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: L
     assert total >= 10_000_000
 
 
+@pytest.mark.full
 def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> None:
     """The campaign's traces, and a thousand slips in noise, so that one difference is less than the limit.
 

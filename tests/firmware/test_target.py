@@ -148,6 +148,7 @@ def test_the_committed_measurements_are_within_the_limits() -> None:
     assert_limits(costs.read_costs())
 
 
+@pytest.mark.full
 def test_the_committed_measurements_are_measured_again(library: Library) -> None:
     """With the compiler that made the table, the same bytes and nearly the same counts; else the limits alone."""
     require_arm()

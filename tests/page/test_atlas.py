@@ -130,6 +130,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     assert "is a folder" in done.stderr
 
 
+@pytest.mark.full
 def test_every_parameter_that_shapes_a_part_is_drawn(design: Design) -> None:
     """All have a picture, on this design or another, but the one of which no bundled design takes both values."""
     drawn = {picture.path: picture for picture in draw_atlas(design)}

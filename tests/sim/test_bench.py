@@ -224,6 +224,7 @@ def test_missing_peers_are_listed_loudly(monkeypatch):
     assert not diagram.misses_target
 
 
+@pytest.mark.full
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(

@@ -156,6 +156,7 @@ def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
     assert plan.scene == SceneFile.load("sliding_finger")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "words",
     [
@@ -165,10 +166,10 @@ def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
         ("simulate", "sliding_surface", "--design", "fsr402"),
         ("simulate", "real_manipulation", "--parameters"),
         ("sweep", "map", *SMALL_MAP),
-        pytest.param(("check", "fsr400", "fsr402"), marks=pytest.mark.slow),
-        pytest.param(("sheet", "fsr402"), marks=pytest.mark.slow),
-        pytest.param(("picture", "fsr400"), marks=pytest.mark.slow),
-        pytest.param(("build", "fsr400", "--parts", "skin", "--formats", "stl"), marks=pytest.mark.slow),
+        pytest.param(("check", "fsr400", "fsr402"), marks=pytest.mark.full),
+        pytest.param(("sheet", "fsr402"), marks=pytest.mark.full),
+        pytest.param(("picture", "fsr400"), marks=pytest.mark.full),
+        pytest.param(("build", "fsr400", "--parts", "skin", "--formats", "stl"), marks=pytest.mark.full),
     ],
     ids=lambda words: words[0],
 )
@@ -182,6 +183,7 @@ def test_commands_take_names_and_write_no_path_of_this_machine(words: tuple[str,
         assert str(folder).encode() not in text
 
 
+@pytest.mark.full
 def test_detect_takes_a_name(folder: Path) -> None:
     assert run_fingertip("simulate", "fsr400", "--out", "trace.csv").returncode == 0
     by_name, by_path = (
@@ -211,7 +213,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         held = {name: archive.read(name) for name in archive.namelist() if name.startswith("fingertip/params/")}
@@ -219,7 +221,7 @@ def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
     assert held == {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in files}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_installed_wheel_finds_its_files(wheel: Path, folder: Path) -> None:
     target = folder / "installed"
     command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(target), str(wheel)]

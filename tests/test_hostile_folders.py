@@ -328,7 +328,7 @@ def test_hostile_files(world: World, name: str) -> None:
     assert find_faults_with(world, COMMANDS[name], cases) == []
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_file_in_turn(world: World, name: str) -> None:
     cases = [(file, kind) for file in list_files(world, COMMANDS[name]) for kind in ("link", "pipe")]

@@ -78,6 +78,7 @@ def test_no_command_opens_a_device_or_a_pipe(tmp_path: Path, kind: str, words: t
     assert ODD_FILES[kind][1] in done.stderr
 
 
+@pytest.mark.full
 def test_limits_apply_and_may_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.toml"
     path.write_bytes(b"#" * MEGABYTE)
@@ -118,6 +119,7 @@ def archive_of(count: int, size: int = 0) -> io.BytesIO:
     return file
 
 
+@pytest.mark.full
 def test_archives_of_many_files_are_refused_by_their_directory() -> None:
     check_archive(archive_of(3))
     check_archive(io.BytesIO(b"no archive"))
@@ -147,6 +149,7 @@ def test_a_manifest_that_is_a_device_or_nested_is_none(tmp_path: Path) -> None:
         assert read_manifest(tmp_path) is None
 
 
+@pytest.mark.full
 def test_a_link_to_a_device_in_the_folder_of_a_board_is_a_difference(tmp_path: Path) -> None:
     assert run_fingertip("board", "--out", tmp_path / "b").returncode == 0
     layout = tmp_path / "b" / "slip_filter.kicad_pcb"
@@ -171,6 +174,7 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
 
 
+@pytest.mark.full
 def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[skin]\n" + "".join(f"x{i} = {i}\n" for i in range(10_000)))
     done = run_fingertip("params", tmp_path / "a.toml")
@@ -179,6 +183,7 @@ def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
     assert "error: and 9800 more; correct these first" in done.stderr
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("text", "message"),
     [

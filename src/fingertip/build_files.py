@@ -124,6 +124,8 @@ def build(
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
     print_writer = prints_writer(design, folder, force)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
+    picture_writer = steps_writer(design, folder, force)
+    picture_writer.check(())
 
     with contextlib.ExitStack() as stack:
         # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
@@ -173,7 +175,6 @@ def build(
     result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[DESIGN] = to_toml(design, DESIGN_HEADING).encode()
-    picture_writer = steps_writer(design, folder, force)
     print_writer.check(prints.contents)
     picture_writer.check(steps_drawn)
     removed = writer.write(contents)

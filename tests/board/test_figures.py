@@ -1,10 +1,20 @@
-"""Figures with a few significant digits."""
+"""Figures with a few significant digits, and those that a board's README and its bring-up sheet state, by hand."""
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
+from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.figures import format_figure
+from fingertip.board.bringup.prediction import Board
+from fingertip.board.bringup.sheet import _ohm
+from fingertip.board.bringup.unpowered import supply_current_a
+from fingertip.board.readme_parts.power import power_notes
+from fingertip.board.readme_parts.signals import signal_notes
+from fingertip.design import Design
+from tests.designs import ARTICLE
 
 
 @pytest.mark.parametrize(
@@ -16,3 +26,44 @@ from fingertip.board.analysis.figures import format_figure
 )  # fmt: skip
 def test_figures_have_the_given_number_of_significant_digits(value: float, digits: int, text: str) -> None:
     assert format_figure(value, digits) == text
+
+
+@pytest.mark.parametrize(
+    ("design", "milliampere"),
+    [
+        # Six units of 0.55 mA and the AD623's 0.375; both arms of the bridge from 0.8 to 0.446 of 3.3 V; two dividers.
+        (Design(), 6 * 0.55 + 0.375 + 1.1682 / 1.771 + 1.1682 / 1.607 + 3.3 / 150 + 3.3 / 99.1),
+        # Two units of a TL082, the AD623, and both arms from 5 V to ground.
+        (ARTICLE, 2 * 1.4 + 0.375 + 5 / 6.44 + 5 / 3.382),
+    ],
+)
+def test_supply_current_is_that_of_the_data_sheets_and_of_ohms_law(design: Design, milliampere: float) -> None:
+    board = Board.of_design(design, board_circuit(board_values(design)))
+    assert 1e3 * supply_current_a(board) == pytest.approx(milliampere, rel=1e-4)
+
+
+def test_figures_of_the_signals_are_those_computed_by_hand() -> None:
+    design = Design()
+    notes = " ".join((*signal_notes(board_values(design), design), *power_notes(board_values(design), design)))
+    for said in (
+        "T 11k, E 10k, S 10k, M 1k",  # R8 and R9 are 1 and 10 kohm
+        "leakage current of 91 nA into a pin shifts it by 1 mV",  # in 11 kohm
+        "input resistance of 10 Mohm by 0.1 %",
+        "With 5 nA (maximum of a BAV199; unverified) these shifts are 0.05 mV and 0.06 mV",  # in 10 and 11 kohm
+        "a step of the ADC (0.81 mV) is 13 uV",  # 3.3 V / 4096, over a gain of 64.2
+        "M is 0.446 of it",  # 44.2 of 54.9 and 44.2 kohm
+        "VREF, which feeds the bridge, is 0.8 of it",  # 120 of 30 and 120 kohm
+        "E rises to about 0.8 V",  # 1.47 V to ground, less 0.1 V of the output and a diode's 0.6 V
+        "for 2000 samples per second",
+        "It costs 85 uV per mA at most (85 mohm)",
+        "wait 2 s",  # eight times 24.5 kohm and 10 uF
+    ):
+        assert said in notes
+
+
+def test_no_figure_has_an_exponent_where_gain_and_steps_are_large() -> None:
+    design = Design.load(changes=["board.passband_gain=120", "detector.adc_bits=8", "detector.noise_v=0.01"])
+    notes = signal_notes(board_values(design), design)
+    assert [_ohm(value) for value in (4.7, 6800.0, 1.1e6)] == ["4.7 ohm", "6.8 kohm", "1.1 Mohm"]
+    assert any("a step of the ADC (13 mV) is 110 uV" in note for note in notes), "3.3 V / 256, over 115"
+    assert not re.findall(r"\de[+-]\d", " ".join(notes))

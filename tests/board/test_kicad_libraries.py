@@ -142,7 +142,7 @@ def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     xvfb.wait()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     record = import_netlist(tmp_path / NETLIST)
@@ -163,11 +163,11 @@ def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> 
     }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("original", "corrupted"),
     [
-        pytest.param("(export (version", "(export\n  (version", marks=pytest.mark.thorough),  # is no netlist to it
+        pytest.param("(export (version", "(export\n  (version", marks=pytest.mark.full),  # is no netlist to it
         ('(code "3")', '(code "0")'),  # the ground net is dropped silently
         ("Package_SO:SOIC-8_3.9x4.9mm_P1.27mm", "Package_SO:SOIC-8_no_such"),
     ],
@@ -190,7 +190,7 @@ def test_pcb_editor_detects_a_corrupted_netlist(
     assert not is_clean or connected < sum(len(net.nodes) for net in CIRCUIT.nets)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
     """With KiCad's libraries, the mismatches report every symbol and footprint, and the others nothing."""
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)

@@ -54,6 +54,7 @@ def read_solids(path: Path) -> list[tuple[float, Centre]]:
     return [(solid.Volume(), solid.Center().toTuple()) for solid in solids]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_part_to_buy_has_a_model_and_nothing_else(name: str) -> None:
     circuit, _ = load_board(name)
@@ -84,7 +85,7 @@ def test_boxes_lie_within_the_courtyard_and_leads_on_their_pads(footprint: str) 
         assert len([b for b in blocks if b.low[2] < -1.6]) == len(pads)  # through the board
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_kernel_reads_every_model_as_solids_of_these_volumes(tmp_path: Path) -> None:
     for footprint in MODELLED:
         path = tmp_path / "model.step"
@@ -122,7 +123,7 @@ def export_step(folder: Path, target: Path, *options: str) -> list[tuple[float, 
     return read_solids(target)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", EXPORTED)
 def test_kicad_exports_every_part_in_its_place(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
     circuit, placement = load_board(name)
@@ -141,7 +142,7 @@ def test_kicad_exports_every_part_in_its_place(board_folder: BoardFolder, tmp_pa
         ), (x, y, z)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_variable_selects_another_folder_of_models(board_folder: BoardFolder, tmp_path: Path) -> None:
     require_module("cadquery")
     folder = board_folder(*BOARD_CONFIGURATIONS["article_split"].changes)

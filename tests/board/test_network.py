@@ -147,6 +147,7 @@ def test_network_of_ideal_parts_agrees_with_the_closed_forms(
     assert float(article_model.envelope.gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
 
 
+@pytest.mark.full
 @settings(max_examples=200)
 @given(st.floats(0.02, 50), st.floats(0.2, 40))
 def test_overall_cutoff_is_the_highest_half_power_frequency(first_pole: float, quality: float) -> None:
@@ -286,6 +287,7 @@ FAST_AMPLIFIER = {"split": "OPA2197", "single": "OPA2197", "single_3v3": "OPA237
 """Amplifier that is fast enough for such a gain, by supply."""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
@@ -356,6 +358,7 @@ def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     assert offset.typical_v == pytest.approx(amplifier.offset_v * math.hypot(*conducting), rel=1e-4)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("threshold", [0.017, 0.1])
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: float) -> None:

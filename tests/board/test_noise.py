@@ -54,6 +54,14 @@ def test_total_noise_agrees_with_ngspice(board_folder: BoardFolder, tmp_path: Pa
     )
 
 
+@pytest.mark.parametrize(("gain_resistor", "density_nv"), [("1M", 57.37), ("100k", 43.01), ("10k", 35.29)])
+def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(gain_resistor: str, density_nv: float) -> None:
+    """AD623's data sheet: 35 nV at the input and 50 nV at the output; with gains of 1.1, 2 and 11 [nV/sqrt(Hz)]."""
+    sources = {source.name: source for source in add_noise(CIRCUIT.replace("R14", gain_resistor), 4e6).sources}
+    assert sources["U2"].noise == pytest.approx(density_nv * 1e-9, rel=1e-3)
+
+
+@pytest.mark.full
 def test_noise_alternatives_agree_with_density_times_bandwidth() -> None:
     """2.4 uV/sqrt(Hz) at the tactile voltage, amplified 67.7 times in the equivalent noise bandwidth of two poles."""
     density = math.hypot(35e-9, 50e-9 / VALUES.bridge.gain) * VALUES.bridge.gain
@@ -126,6 +134,7 @@ def test_readme_of_the_folder_contains_the_noise(board_folder: BoardFolder, name
 HIGH_NOISE = ("board.passband_gain=300", "board.amplifier=OPA2197")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("threshold", "is_warned_of"), [("0.004", True), ("0.012", False), ("0.017", False)])
 def test_noise_above_the_threshold_is_warned_of(threshold: str, is_warned_of: bool) -> None:
     design = load_article(("board.variant=precision", *HIGH_NOISE, f"detector.threshold_v={threshold}"))

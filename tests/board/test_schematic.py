@@ -35,7 +35,7 @@ def export_netlist(folder: Path) -> tuple[object, object]:
     return read_netlist(folder / "kicad.net")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_kicads_netlist_of_the_drawing_equals_ours(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
     assert export_netlist(board_folder(*changes)) == read_netlist(board_folder(*changes) / NETLIST)
@@ -55,11 +55,13 @@ def test_kicads_bill_of_materials_has_our_numbers(board_folder: BoardFolder, nam
     assert {reference: tuple(numbers) for reference, *numbers in rows} == ours
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, changes: tuple[str, ...]) -> None:
     assert run_erc(board_folder(*changes)) == []
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("original", "corrupted"),
     [
@@ -113,6 +115,7 @@ def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     assert own_pins == kicad_pins
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_title_fits_the_title_block(name: str) -> None:
     """KiCad's block holds about 107 mm: 45 characters of 2 mm behind the word Title."""

@@ -28,7 +28,6 @@ from fingertip.design.new_design import PRESETS
 from tests.conftest import DESIGNS, design_file, some_of
 from tests.tools import require_tool
 
-pytestmark = pytest.mark.slow
 COARSE = 0.05
 """Tolerance of the plates' meshes [mm], which slice faster than those of a build."""
 LAYER_MM = 0.2
@@ -53,6 +52,7 @@ def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, fi
     assert float(facts["volume"]) == pytest.approx(part.mesh.volume(), rel=1e-5)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["bone", "mold_palmar", "mold_dorsal"])
 def test_slicer_slices_printed_parts(slicer: Path, built: Build, name: str, tmp_path: Path) -> None:
     code = tmp_path / f"{name}.gcode"
@@ -90,6 +90,7 @@ def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) 
     return count
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["fdm", "sla"])
 @pytest.mark.parametrize(
     ("name", "method"),
@@ -130,6 +131,7 @@ def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
             assert not inside.any(), item.name
 
 
+@pytest.mark.full
 def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate(slicer: Path, tmp_path: Path) -> None:
     """The measure of the test above finds supports in nut traps where the plate does not switch them off."""
     design = Design()
@@ -139,6 +141,7 @@ def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate
     assert in_nut_traps(design, items, support_moves(code)) > 100
 
 
+@pytest.mark.full
 def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
     """A bridge is printed in each layer of the first two steps of a trap that is wide enough for one."""
     design = Design()
@@ -155,6 +158,7 @@ def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
     assert {round(depth + LAYER_MM, 2), round(depth + 2 * LAYER_MM, 2)} <= heights
 
 
+@pytest.mark.full
 def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path) -> None:
     """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
     design = Design()
@@ -174,6 +178,7 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
     assert brims[1] > brims[0], "a brim beside the usual skirt"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(("fsr400", "adult_thumb"), "fsr400"))
 def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_path: Path) -> None:
     design = Design.load(design_file(name))

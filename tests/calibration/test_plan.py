@@ -17,6 +17,7 @@ from fingertip.calibration.readings import PLAN, write_template
 from fingertip.design import Design
 from fingertip.view.coupon_plan import draw_plan
 from tests.conftest import ROOT, design_file, some_of
+from tests.drawing.test_printed_sizes import calibrated
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
 STEP_MM = 0.1
@@ -59,6 +60,7 @@ def is_at_its_place(meshes: Mapping[str, Mesh], length: Length) -> bool:
     return False
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(FILES, "fsr400", "adult_thumb"))
 def test_lengths_and_heights_are_where_the_plan_draws_them(name: str) -> None:
     design = Design.load(design_file(name))
@@ -97,6 +99,7 @@ def test_page_and_template_number_the_lengths_as_the_plan_does() -> None:
         assert f"| {height.feature} | {height.height_mm:.2f} |" in page
 
 
+@pytest.mark.full
 def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
     design = Design.load(design_file("fsr400"))
     meshes = meshes_of(design)
@@ -110,6 +113,14 @@ def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
     assert blue.sum() > 500
     fewer = draw_plan(design.with_values({"mold.filling": "gravity"}), meshes)  # no tower to measure
     assert (np.asarray(Image.open(io.BytesIO(fewer)).convert("RGB")) == (150, 30, 20)).all(axis=2).sum() < red.sum()
+
+
+def test_page_of_a_calibrated_printer_states_the_same_gap_and_the_lengths_of_its_files() -> None:
+    """A pocket 0.12 mm wider prints the gap that was asked for; 3.2 mm and 13 mm become 0.4 % more."""
+    page = render_instructions(calibrated("fsr400"), "coupon_readings.toml")
+    assert "with a gap of about 0.15 mm all round" in page
+    assert "block with the trap | 3.21 |" in page
+    assert "`slice_width_mm` | x | 13.05 |" in page
 
 
 def test_page_says_with_which_layers_and_on_which_machine_to_print() -> None:

@@ -106,6 +106,22 @@ def test_moduli_follow_from_the_stress_at_100_percent_strain(name: str, stress_p
     assert strength.low == pytest.approx(strength_psi * PSI_MPA, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("name", "cubic_inches_per_pound", "centipoise", "pot_life_min", "cure_h"),
+    [
+        ("dragon_skin_30", 25.7, 20_000, 45, 16), ("ecoflex_00_30", 26.0, 3_000, 45, 4),
+        ("smooth_sil_940", 23.5, 35_000, 30, 24), ("mold_star_30", 24.7, 12_500, 45, 6),
+    ],
+)  # fmt: skip
+def test_products_have_the_figures_of_their_bulletins(
+    name: str, cubic_inches_per_pound: float, centipoise: float, pot_life_min: float, cure_h: float
+) -> None:
+    silicone = SILICONES[name]
+    found = (silicone.density_g_cm3, silicone.viscosity_pa_s, silicone.pot_life_min, silicone.cure_h)
+    stated = (453.59 / 16.387 / cubic_inches_per_pound, centipoise / 1000, pot_life_min, cure_h)
+    assert [value.high for value in found] == pytest.approx(stated, rel=0.006)
+
+
 def test_products_are_mixed_as_on_their_containers() -> None:
     parts = {name: parts_by_weight(silicone) for name, silicone in SILICONES.items()}
     equal = {"mold_star_30", "dragon_skin_30", "ecoflex_00_30"}

@@ -24,7 +24,7 @@ from fingertip.casting.quantities import (
     volumes_data,
 )
 from fingertip.design import Design
-from fingertip.design.geometry.clamp_bolts import size_clamp_bolts
+from fingertip.design.geometry.clamp_bolts import size_clamp_bolts, standard_length_mm
 from fingertip.design.threads import THREADS, select_thread
 from fingertip.errors import DesignError
 from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
@@ -42,6 +42,7 @@ def measure(design: Design) -> SiliconeVolumes:
     return measure_volumes(design, MeshEvaluator(TOLERANCE_MM))
 
 
+@pytest.mark.full
 def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     shallow, deep = (fsr400("mold.filling=gravity", f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
     mold, vents = deep.mold, len(place_vents(deep))
@@ -52,12 +53,14 @@ def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
 
 
+@pytest.mark.full
 def test_without_shrinkage_the_cavity_has_the_volume_of_the_skin() -> None:
     unshrunk = fsr400("mold.silicone_shrinkage_percent=0")
     skin = MeshEvaluator(TOLERANCE_MM).manifold(PARTS["skin"].solid(unshrunk)).volume() / 1000
     assert measure(unshrunk).skin_cm3 == pytest.approx(skin, rel=1e-9)
 
 
+@pytest.mark.full
 def test_sleeve_cavity_is_larger_by_the_cube_of_the_shrinkage_factor() -> None:
     unshrunk, shrinking = (
         fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
@@ -67,6 +70,7 @@ def test_sleeve_cavity_is_larger_by_the_cube_of_the_shrinkage_factor() -> None:
     assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
 
 
+@pytest.mark.full
 def test_gap_volume_is_proportional_to_the_fit_clearance() -> None:
     tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}")) for gap in (0.1, 0.2))
     assert 0.0 < tight.gap_cm3 < loose.gap_cm3
@@ -140,6 +144,17 @@ def test_step_of_the_scale_errs_by_a_twentieth_of_the_lightest_component() -> No
     assert pytest.approx(0.05 * MIN_COMPONENT_G) == SCALE_G / 2
 
 
+def test_threads_nuts_and_lengths_are_those_of_the_standards() -> None:
+    """ISO 273 (fine), ISO 4032 (largest flats and height) and ISO 888, which has neither 14 nor 18 mm."""
+    standard = {
+        1.6: (1.7, 3.2, 1.3), 2.0: (2.2, 4.0, 1.6), 2.5: (2.7, 5.0, 2.0), 3.0: (3.2, 5.5, 2.4), 4.0: (4.3, 7.0, 3.2),
+        5.0: (5.3, 8.0, 4.7), 6.0: (6.4, 10.0, 5.2), 8.0: (8.4, 13.0, 6.8),
+    }  # fmt: skip
+    assert {t.diameter_mm: (t.hole_mm, t.nut_flats_mm, t.nut_height_mm) for t in THREADS} == standard
+    lengths = [standard_length_mm(mm) for mm in (11.9, 12.1, 16.1, 20.1, 31.0, 71.0)]
+    assert lengths == [12.0, 16.0, 20.0, 25.0, 35.0, 80.0]
+
+
 @pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])
 def test_largest_thread_that_passes_a_hole_is_selected(hole: float, thread: float) -> None:
     assert select_thread(hole).diameter_mm == thread
@@ -169,6 +184,7 @@ def test_hole_too_small_for_any_bolt_is_refused_with_the_minimum_diameter() -> N
     fsr400("bone.cross_bolt_diameter_mm=1.7")
 
 
+@pytest.mark.full
 def test_bolts_and_nuts_fit_the_printed_holes_and_traps() -> None:
     """Bolts pass their holes, nuts enter their traps, and no trap is so wide that its nut turns."""
     for thread in THREADS:

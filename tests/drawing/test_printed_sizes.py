@@ -91,6 +91,7 @@ def _growth_of_circle(corners: Array, normal: Array, size: Size) -> float:
     return factor * float(np.sign(towards[side].sum()))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: "-".join((variant[0], *variant[1])))
 def test_growth_follows_from_the_faces_of_the_part(variant: tuple[str, tuple[str, ...]]) -> None:
     design = load_variant(variant).with_values({"mold.engraving_depth_mm": 0.0})
@@ -172,6 +173,7 @@ def test_sizes_without_a_surface_stand_in_parentheses_and_are_not_checked() -> N
                 assert any("parentheses" in note for note in drawing.notes)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: "-".join((variant[0], *variant[1])))
 def test_lengths_of_bone_and_core_start_at_a_surface(variant: tuple[str, tuple[str, ...]]) -> None:
     design = load_variant(variant).with_values({"mold.engraving_depth_mm": 0.0})
@@ -190,3 +192,45 @@ def test_lengths_of_bone_and_core_start_at_a_surface(variant: tuple[str, tuple[s
     assert isinstance(loose, Length)
     corners, normal = normals(MeshEvaluator(0.01).mesh(PARTS["bone"].solid(design)))
     assert outward(corners, normal, loose, 0) is None
+
+
+def limits_mm(size: Size | float) -> tuple[float, float, float]:
+    """Least, stated and largest size [mm]; of a bought part all are one."""
+    if isinstance(size, float):
+        return size, size, size
+    tolerance = size.tolerance or general(size.printed)
+    return size.printed + tolerance.low, size.printed, size.printed + tolerance.high
+
+
+@pytest.mark.parametrize("is_calibrated", [False, True])
+@pytest.mark.parametrize("name", ["fsr400", "adult_finger"])
+def test_tolerances_of_two_mating_parts_leave_half_of_their_play(name: str, is_calibrated: bool) -> None:
+    design = calibrated(name) if is_calibrated else load_variant((name, ()))
+    drawings = {drawing.part: by_name(drawing) for drawing in part_drawings(design)}
+    bone, palmar, dorsal = (drawings[part] for part in ("bone", "mold_palmar", "mold_dorsal"))
+    sensor, bolt_mm = design.dimensions.sensor, 3.0
+    mates: list[tuple[Size | float, Size | float]] = [
+        (bone["pocket of the sensor"], sensor.head_diameter_mm), (bone["width of the slot"], sensor.tail_width_mm),
+        (dorsal["hole of the screw"], 2.0),
+    ]  # fmt: skip
+    assert bone["pilot hole of the screw"].text() == "Ø1.6 ±0.1", "the screw keeps three quarters of its bite"
+    for which in ("larger", "smaller"):
+        mates.append((palmar[f"{which} socket, at the parting plane"], dorsal[f"{which} key, at the parting plane"]))
+    if "lid" in drawings:
+        mates.append((sensor.tail_width_mm + 2 * design.sensor.clearance_mm - design.printer.offset_mm,
+                      drawings["lid"]["width"]))  # fmt: skip
+        mates.append((drawings["lid"]["length"].value + design.sensor.clearance_mm, drawings["lid"]["length"]))
+        mates.append((bone["gap between the cheeks"], design.hand.width_mm))
+        assert bone["bore of the joint's pin"].text() == "Ø2 0/-0.1", "it is reamed, never wider than the pin"
+    else:
+        mates.append((bone["hole of the cross bolt"], 2.0))
+    for half in (palmar, dorsal):
+        hole = half["bolt holes"]
+        mates.append((hole, bolt_mm))
+        for way in ("across", "along"):
+            low, _, high = limits_mm(half[f"spacing of the bolts, {way}"])
+            # The spacings of the halves differ by this at most, and their holes by half of it at either end.
+            assert limits_mm(hole)[0] - (high - low) / 2 >= bolt_mm - 1e-9, "bolts pass both halves"
+    for hole, shaft in mates:
+        (least, stated_hole, _), (_, stated_shaft, largest) = limits_mm(hole), limits_mm(shaft)
+        assert least - largest >= (stated_hole - stated_shaft) / 2 - 1e-9 > 0.0, (hole, shaft)

@@ -13,7 +13,7 @@ from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
 from fingertip.filling import mold_filling
-from fingertip.filling.mold_filling import list_ducts, place_vents, predict_mold_filling
+from fingertip.filling.mold_filling import gate_opening, injected_cm3, list_ducts, place_vents, predict_mold_filling
 from fingertip.filling.predict import Opening
 from tests.conftest import design_file
 
@@ -40,6 +40,7 @@ def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method:
     assert failed(f"mold.method={method}", name=name) == set()
 
 
+@pytest.mark.full
 def test_vents_stay_off_the_pad() -> None:
     for name in DESIGNS:
         for vent in place_vents(load(name)):
@@ -55,6 +56,13 @@ def test_ducts_follow_the_inlet() -> None:
     assert nozzle.resistance > 2 * (cone.resistance + sprue.resistance + runner.resistance)
     legs = (inlet.z - inlet.gate_z) + (inlet.x - design.dimensions.outer.half_width_at(1.25, inlet.gate_z))
     assert runner.volume_mm3 == pytest.approx(3.0 * 2.5 * legs, rel=0.01)
+    # From the end of the nozzle the cone narrows by 6 % from 4.0 to 3.85 mm; the sprue runs to a face 11.014 mm up.
+    assert cone.volume_mm3 == pytest.approx(math.pi / 12 * (4.0**2 + 4.0 * 3.85 + 3.85**2) * 2.5)
+    assert sprue.volume_mm3 == pytest.approx(math.pi / 4 * 3.85**2 * (11.014 - 7.5), rel=1e-3)
+    assert gate_opening(design).diameter_mm == pytest.approx(3.09, abs=0.005), "a disc as large as 3.0 x 2.5 mm"
+    # What is injected fills the cavity, and these ducts too.
+    prediction, ducts_mm3 = predict_mold_filling(design), sum(d.volume_mm3 for d in (nozzle, cone, sprue, runner))
+    assert 1000 * injected_cm3(prediction) - prediction.volume_mm3 == pytest.approx(ducts_mm3)
 
 
 def test_a_tenth_of_a_millimetre_of_nozzle_changes_the_time_by_a_sixth() -> None:
@@ -78,6 +86,7 @@ def test_silicone_that_is_far_too_thick_is_too_slow() -> None:
     assert {"mold.fill_time", "mold.syringe_force"} <= failed(*own)
 
 
+@pytest.mark.full
 def test_narrow_nozzle_and_small_syringe_fail() -> None:
     assert failed("mold.nozzle_bore_mm=0.6") == {"mold.fill_time", "mold.syringe_force"}
     assert failed("mold.syringe=3ml", name="fsr402") == {"mold.syringe_volume"}
@@ -97,6 +106,7 @@ def test_air_without_a_vent_at_its_place_fails(monkeypatch: pytest.MonkeyPatch, 
         predict_mold_filling.cache_clear()
 
 
+@pytest.mark.full
 def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     design = load("adult_finger")
     placed = place_vents(design)
@@ -115,6 +125,7 @@ def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pyte
             cache_of.cache_clear()
 
 
+@pytest.mark.full
 def test_wider_bolts_hold_more_and_a_stronger_thumb_loads_more() -> None:
     checks = {c.name: c for c in check_filling(load("fsr400"))}
     strong = {c.name: c for c in check_filling(load("fsr400", "mold.thumb_force_n=60"))}

@@ -65,6 +65,7 @@ def test_a_damaged_database_of_a_sweep(tmp_path: Path, statement: str, message: 
         assert "restore it from a copy, or run the sweep again in another folder." in done.stderr
 
 
+@pytest.mark.full
 def test_axes_are_refused_before_their_values_are_made(tmp_path: Path) -> None:
     path = tmp_path / "s.toml"
     for axis, message in (

@@ -20,6 +20,7 @@ from tools.fuzz.run import run_cases
 COUNT = 500
 
 
+@pytest.mark.full
 def test_generated_and_damaged_inputs_show_no_fault() -> None:
     for module in ("nptdms", "scipy", "pyarrow"):
         require_module(module)
@@ -68,6 +69,7 @@ def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert outcome.code is None
 
 
+@pytest.mark.full
 def test_the_same_seed_gives_the_same_cases() -> None:
     drawn: list[list[Case]] = []
     for _ in range(2):

@@ -6,6 +6,7 @@ import io
 import math
 import random
 import tracemalloc
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,8 +25,14 @@ from fingertip.sim.randomness import open_stream
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.scene.scene_file import OUTPUTS
 from fingertip.sim.signal.converter import AdcRange
-from fingertip.sim.signal.interference import HandVibration, PinkNoise, compute_hum_v
-from fingertip.sim.signal.parameters import Noise
+from fingertip.sim.signal.interference import (
+    HandVibration,
+    InterferenceSource,
+    PinkNoise,
+    compute_cable_v,
+    compute_hum_v,
+)
+from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 
@@ -45,6 +52,7 @@ def record_all(path: Path, **changes) -> SceneFile:
     return SceneFile.load(path).model_copy(update={"outputs": [*OUTPUTS], **changes})
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_chunks_change_no_bit(path):
     scene = record_all(path)
@@ -56,6 +64,7 @@ def test_chunks_change_no_bit(path):
                 assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, size)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
 @pytest.mark.parametrize("refinement", [1, 3])
 def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement):
@@ -82,7 +91,7 @@ def test_plain_python_and_compiled_loops_give_the_same_bytes(path):
     assert len(plain.columns) == len(OUTPUTS)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and_in_a_hand():
     tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
     hand = ManipulationFile(
@@ -110,6 +119,7 @@ def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and
             assert np.array_equal(one[name], other[name]), name
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 @pytest.mark.parametrize("surface", ["wood", "gross"])
 def test_board_does_not_know_the_sampling_rate(variant, surface):
@@ -140,6 +150,7 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
         assert np.array_equal(other[:shared], points[0][:shared])
 
 
+@pytest.mark.full
 def test_stream_needs_no_more_memory_for_a_longer_scene():
     def peak_mb(seconds: float) -> float:
         scene = SceneFile(hold={"min_s": seconds}, outputs=["voltage_v", "force_n", "slip"])
@@ -167,6 +178,7 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
     assert out.getvalue() == encode_trace(result.time_s, result.columns, path)
 
 
+@pytest.mark.full
 def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
     entered = []
     monkeypatch.setattr(
@@ -178,6 +190,7 @@ def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
     assert entered
 
 
+@pytest.mark.full
 def test_hand_has_drift_cable_jitter_and_interference_too():
     quick = {"outputs": ["voltage_v"], "grasp": {"kind": "pinch", "after_s": 0.0}, "knock": {"speed_m_s": 0.0}}
     usual = run_manipulation(Design(), ManipulationFile(**quick), None, 1).output("voltage_v")
@@ -197,6 +210,7 @@ def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tup
     return np.fft.rfftfreq(length, 1 / rate_hz), power
 
 
+@pytest.mark.full
 def test_pink_noise_has_the_same_power_in_every_decade():
     with compiled():
         noise = PinkNoise(Grid(), 1e-3, open_stream(3, "test"))
@@ -226,6 +240,35 @@ def test_hum_has_its_harmonics():
     values = compute_hum_v(Noise(hum_v=1e-3, hum_third=0.2, hum_fifth=0.1), time_s)
     lines = 2 * np.abs(np.fft.rfft(values)) / len(values)
     assert lines[[50, 150, 250]] == pytest.approx([1e-3, 2e-4, 1e-4], rel=1e-9)
+
+
+def test_touched_cable_hums_as_long_as_it_is_touched():
+    """50 Hz from 0.7 to 1.0 s: thirty half waves, whose RMS is the amplitude over the root of two."""
+    cable, time_s = Cable(hum_v=1e-3, at_s=0.2, duration_s=0.3), (np.arange(20_000) + 0.5) * 1e-4
+    volts, jumps = compute_cable_v(cable, 0.5, time_s, 1e-4)
+    touched = slice(7000, 10_000)
+    assert (np.flatnonzero(volts)[[0, -1]] == [7000, 9999]).all()
+    assert np.count_nonzero(np.diff(np.sign(volts[touched]))) == 29
+    assert np.sqrt(np.mean(volts[touched] ** 2)) == pytest.approx(1e-3 / math.sqrt(2))
+    assert not jumps.any()
+
+
+def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
+    """Up at 0.7 s and down at 1.0 s by 10 mV, of which 1/e is left after 50 ms."""
+    cable, time_s = Cable(step_v=0.01, decay_s=0.05, at_s=0.2, duration_s=0.3), (np.arange(2000) + 0.5) * 1e-3
+    volts, jumps = compute_cable_v(cable, 0.5, time_s, 1e-3)
+    assert np.flatnonzero(jumps).tolist() == [700, 1000]
+    assert jumps[[700, 1000]] == pytest.approx([0.01, -0.01], rel=0.02)
+    assert volts[[750, 1050]] / volts[[700, 1000]] == pytest.approx(1 / math.e, rel=0.01)
+    assert not volts[:700].any()
+
+
+def test_amplifier_drifts_by_its_rate():
+    """2 mV/s: 5 mV after 2.5 s, also across two chunks, and nothing else."""
+    source = InterferenceSource(Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1))
+    volts = np.concatenate([source.process(np.ones(12_500)).volts for _ in range(2)])
+    assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
+    assert np.ptp(np.diff(volts)) < 1e-15
 
 
 def test_noise_is_the_same_on_a_finer_grid():

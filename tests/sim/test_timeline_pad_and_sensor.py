@@ -152,6 +152,20 @@ def test_hysteresis_stays_below_ten_percent_and_passes_vibration():
     assert np.ptp(shaken[500:]) == pytest.approx(0.8 * 0.002, rel=0.01)
 
 
+def test_creep_grows_per_decade_of_time_under_load_and_begins_anew():
+    """5 % per decade, as data sheets state it: 1.05, 1.10 and 1.15 after 10, 100 and 1000 s, counted from 1 s."""
+    loaded = np.ones(999)
+    shown = ForceSensor(1.0, 0.05).process(np.concatenate((loaded, [0.0], loaded)))
+    assert shown[[8, 98, 998]] == pytest.approx([1.05, 1.10, 1.15])
+    assert shown[1000:].tolist() == shown[:999].tolist(), "unloading ends it"
+
+
+def test_shear_of_six_millimetres_leaves_what_a_finite_element_trial_left():
+    """0.035 of the load on the active area instead of 0.32, and half of that loss at 3 mm; sheared less and less."""
+    shown = ForceSensor(1e-3).process(np.full(3, 0.32), np.array([6e-3, 3e-3, 0.0]))
+    assert shown == pytest.approx([0.035, (0.035 + 0.32) / 2, 0.32])
+
+
 def test_adc_quantises_and_clips():
     step = 20 / 65536
     adc = AdcRange(16, -10.0, 10.0)

@@ -31,6 +31,7 @@ def test_the_board_is_simulated_for_a_recording_without_envelope(tmp_path):
     assert "times the noise-derived threshold" not in closed.stderr
 
 
+@pytest.mark.full
 def test_a_recorded_envelope_is_used(tmp_path):
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
@@ -62,6 +63,7 @@ def test_a_recorded_envelope_is_used(tmp_path):
     assert json.loads(lines.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
+@pytest.mark.full
 def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     words = ("--detector", "analog", "--json")
@@ -74,7 +76,7 @@ def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tm
     assert "names a force, whose thresholds require --calibrate and the whole recording" in force.stderr + force.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @settings(max_examples=10)
 @given(sizes=st.lists(st.integers(0, 400), max_size=6))
 def test_a_simulated_board_gives_the_same_bits_in_any_chunks_even_if_pickled(sizes):

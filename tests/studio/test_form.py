@@ -67,6 +67,7 @@ def test_a_type_without_field_is_refused() -> None:
         make_form({"properties": {"flags": {"properties": {"open": {"type": "boolean"}}}}})
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", DESIGNS)
 def test_page_holds_the_values_of_the_design(name: str) -> None:
     design = Design.load(name)

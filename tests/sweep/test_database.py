@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,16 @@ def test_folder_that_cannot_be_created_is_refused(tmp_path: Path, below: str) ->
     with pytest.raises(OutputError, match=r"cannot be written.*--out"):
         SweepDatabase.create(tmp_path / below, make_plan())
     assert (tmp_path / "file").read_text() == "not a folder"
+
+
+def test_a_sweep_that_cannot_begin_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(database: SweepDatabase, plan: object) -> None:
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr(SweepDatabase, "_create_tables", fail)
+    with pytest.raises(OutputError, match="disk is full"):
+        SweepDatabase.create(tmp_path / "sweeps" / "board", make_plan())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_folder_without_write_permission_is_refused() -> None:

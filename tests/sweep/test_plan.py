@@ -189,7 +189,7 @@ def test_broken_rule_of_the_base_design_is_accepted_if_an_axis_changes_it() -> N
     assert make_plan(design=design, outputs=[], axes={"skin.width_mm": [17.0, 18.0]}).size == 2
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["board", "delay", "geometry", "map"])
 def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / f"{name}.toml")

@@ -237,28 +237,41 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files
 
-    if not force:
-        refuse_edited(board_folder(design) if out is None else Path(out))
+    folder = board_folder(design) if out is None else Path(out)
+    writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     placement, sources = find_configuration(values).placement, board_files(design)
     models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     files = fabrication_files(sources | models, board_circuit(values), placement, progress)
     files[PROVENANCE] = provenance_record(sources, files)
-    folder = (board_folder(design) if out is None else Path(out)) / FAB_FOLDER
-    _writer(design, folder, "fabrication", force, folder.parent).write(files)
-    return tuple(folder / name for name in files)
+    writer.write(files)
+    return tuple(writer.folder / name for name in files)
 
 
-def refuse_edited(folder: Path) -> None:
-    """Refuse to make fabrication files beside a schematic or layout that was edited in KiCad.
+def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> SetWriter:
+    """Refuse to make fabrication files beside a board, before work starts; return the writer that they need.
 
-    They follow from the design, so they would be those of another board.
+    They follow from the design: beside a schematic or layout that was edited in KiCad, they would be those of another
+    board.
 
     Raises
     ------
+    MissingLibraryError
+        If KiCad is not installed.
     OutputError
-        If one was edited.
+        If a schematic or layout was edited, or the folder of the files cannot be written.
     """
+    from fingertip.board.fabrication.fabrication_files import find_kicad
+
+    if not force:
+        _refuse_edited(folder)
+    writer = _writer(design, folder / FAB_FOLDER, "fabrication", force, folder)
+    writer.check((PROVENANCE,))
+    find_kicad()
+    return writer
+
+
+def _refuse_edited(folder: Path) -> None:
     finish_interrupted(folder)
     issues = [
         Issue(

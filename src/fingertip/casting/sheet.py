@@ -98,7 +98,7 @@ def casting_sheet_data(
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
             "bolts": bolts.count,
             "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design)), 1),
-            "bolt_hole_mm": design.mold.bolt_diameter_mm,
+            "bolt_hole_mm": round(design.mold.bolt_diameter_mm - design.printer.offset_mm, 2),
             "vent_mm": design.mold.vent_diameter_mm,
             "vents": len(place_vents(design)),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
@@ -203,18 +203,18 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
 
 def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
-    clearance = design.mold.fit_clearance_mm - design.printer.offset_mm
+    play = round(2 * (design.printed_fit_mm + 2 * design.printer.surface_error_mm), 2)
     room = design.dimensions.relief_half_length - _TAB_ROOM_MM
     losses = design.dimensions.losses
     return {
         "cover_tape": cover_tape_data(design),
         "seat_tape": seat_tape_data(design),
-        "slot_mm": round(2 * design.dimensions.tail_half_width, 2),
+        "slot_mm": round(2 * design.dimensions.tail_half_width - design.printer.offset_mm, 2),
         "paper_mm": _PAPER_MM,
         "sensor_clearance_mm": round(design.sensor.clearance_mm - design.printer.offset_mm / 2, 3),
         "wire_mm": design.sensor.wire_diameter_mm,
-        "max_play_mm": round(2 * (clearance + 2 * design.printer.surface_error_mm), 2),
-        "papers": max(1, math.floor(2 * (clearance + 2 * design.printer.surface_error_mm) / _PAPER_MM)),
+        "max_play_mm": play,
+        "papers": max(1, math.floor(play / _PAPER_MM + 1e-6)),
         "tab_room_mm": round(room, 1),
         "tabs_too_long": design.sensor.tab_length_mm > room,
         "crimp_mm": design.sensor.crimp_height_mm,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, VerboseOption, command
+from fingertip.cli.output_files import find_file_issues
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
@@ -48,9 +49,16 @@ def check(
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
     Nothing in it is changed.
     """
+    from fingertip.errors import Issue, OutputError
+
     console = Console(as_json, quiet)
     folders = [path for path in designs if path.is_dir()]
     files = [path for path in designs if not path.is_dir()]
+    issues = list(find_file_issues("--junit", junit, ".xml"))
+    if junit and not files:
+        issues.append(Issue("--junit", "reports on designs, but only folders are given; give a design too."))
+    if issues:
+        raise OutputError(issues)
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:

@@ -26,6 +26,8 @@ from fingertip.output_set.content import Content, write_content
 
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
+_TRIAL = ".fingertip-trial"
+"""Folder, within an output folder or one above it, of a file that is written to find out whether that is possible."""
 _PLAN, _COMPLETE = "plan.json", "complete.json"
 """Name of the list of renames before and after all files were written."""
 _STAGING_SUFFIX = ".fingertip"
@@ -53,7 +55,7 @@ def replace_files(
 
 def find_unfinished(folder: Path) -> Iterator[Path]:
     """Find the folders that a killed command has left in and beside an output folder."""
-    candidates = [staging_folder(folder), folder / _COMMIT]
+    candidates = [staging_folder(folder), folder / _COMMIT, folder / _TRIAL]
     if folder.is_dir():
         candidates += folder.glob(".fingertip-????????")  # temporary folders of version 0.1
     return (path for path in candidates if is_folder(path))
@@ -87,6 +89,26 @@ def recover(folder: Path) -> None:
         _finish_renames(folder)
     for path in find_unfinished(folder):
         _remove_folder(path)
+
+
+def try_to_write(folder: Path, path: Path) -> None:
+    """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
+
+    Raises
+    ------
+    OSError
+        If that is not possible.
+    """
+    made = folder / _TRIAL
+    if is_folder(made):  # a command was killed here
+        _remove_folder(made)
+    with contextlib.ExitStack() as undo:
+        for name in (*path.parent.parts, ""):
+            made.mkdir()
+            undo.callback(made.rmdir)
+            made /= name
+        undo.callback((made / path.name).unlink, missing_ok=True)
+        (made / path.name).write_bytes(b"?")
 
 
 def read_plan(commit: Path) -> tuple[list[str], list[str]]:

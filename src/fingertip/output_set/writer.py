@@ -16,6 +16,7 @@ from fingertip.output_set.content import Content, hash_content
 from fingertip.output_set.lock import lock, output_errors
 from fingertip.output_set.manifest import MANIFEST, Manifest, has_hash, read_manifest
 from fingertip.output_set.replacement import find_unfinished, is_folder, recover, replace_files
+from fingertip.output_set.trial import find_place_issues
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,7 @@ class SetWriter:
             If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
             folder or of a file that is somebody's own.
         """
+        names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
         link = self._find_link()
         if link is None:
             finish_interrupted(self.folder)
@@ -74,6 +76,8 @@ class SetWriter:
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):
                 self._refuse(names, revisions)
+        if issues := list(find_place_issues(self.folder, "choose another folder with --out")):
+            raise OutputError(issues)
 
     def _refuse(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
         with output_errors(self.folder):
@@ -94,8 +98,6 @@ class SetWriter:
         if not place.is_dir():
             yield Issue(str(place), "is a file; choose another folder with --out.")
             return
-        if not os.access(place, os.W_OK):
-            yield Issue(str(place), "may not be written; change its mode, or choose another folder with --out.")
         manifest = self._read_manifest()
         if manifest and manifest.kind != self.kind:
             message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"
@@ -181,17 +183,18 @@ class SetWriter:
         OutputError
             As `write` does, and if the folder holds a set of other parameters.
         """
-        self.check_parameters()
+        self.check_addition(contents)
         self.write(contents)
 
-    def check_parameters(self) -> None:
-        """Refuse to add to a folder that holds a set of other parameters, before work starts.
+    def check_addition(self, names: Collection[str]) -> None:
+        """Refuse to add these names to a folder, before work starts.
 
         Raises
         ------
         OutputError
-            If the folder holds one.
+            As `check` does, and if the folder holds a set of other parameters.
         """
+        self.check(names)
         manifest = self._read_manifest()
         if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
             message = (
@@ -240,6 +243,12 @@ class SetWriter:
             if not is_own:
                 foreign.add(name)
         return foreign
+
+
+def check_set(path: Path) -> None:
+    """Refuse to write one file if `add_to_set` would refuse it for the set in its folder, before work starts."""
+    if manifest := read_manifest(path.parent):
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).check([path.name])
 
 
 def finish_interrupted(folder: Path) -> None:

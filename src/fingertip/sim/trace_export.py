@@ -20,6 +20,8 @@ from fingertip.output_set.content import hash_content
 from fingertip.output_set.manifest import has_hash
 from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 
+SUFFIXES = (".csv", ".npz")
+"""Suffixes of the files that are written."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
 bytes."""
@@ -49,13 +51,6 @@ def write_trace(design: Design, path: Path, trace: Path, force: bool = False) ->
     """
     is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
     return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
-
-
-def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:
-    """Report a path whose suffix is not that of a trace file."""
-    if path.suffix.lower() in (".csv", ".npz"):
-        return []
-    return [Issue(option, f"{path.name!r} is not a known kind of trace file; end it in .csv or .npz.")]
 
 
 class TraceWriter(Protocol):
@@ -146,8 +141,8 @@ def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> TraceWriter:
     TraceError
         If the path has another suffix.
     """
-    if issues := find_path_issues(path):
-        raise TraceError(issues)
+    if path.suffix.lower() not in SUFFIXES:
+        raise TraceError(Issue(str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."))
     return NpzTraceWriter(file, names) if path.suffix.lower() == ".npz" else CsvTraceWriter(file, names)
 
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from fingertip.errors import InputFileError, Issue, OutputError, SweepError
 from fingertip.input_files import check_regular
+from fingertip.output_set.trial import find_place_issues
 from fingertip.sweep import sweep_file
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.rows import STATUSES, SweepRow, SweepTable
@@ -92,16 +93,19 @@ class SweepDatabase:
                     "folder with --out. Nothing was changed.",
                 )
             )
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise _make_write_error(folder, error.strerror or str(error)) from error
+        if issues := list(find_place_issues(folder, "choose another folder with --out")):
+            raise OutputError(issues)
+        created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rwc"), lock)
         try:
             _translate_errors(folder, lambda: database._create_tables(plan))
         except BaseException:
             database.close()
+            for path in created:
+                with contextlib.suppress(OSError):
+                    path.unlink() if path.name == FILE else path.rmdir()
             raise
         return database
 

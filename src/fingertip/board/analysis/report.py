@@ -150,8 +150,8 @@ def _alias_lines(aliasing: AliasAttenuation) -> list[str]:
         f"{aliasing.envelope_alias_db:8.1f} dB",
         f"A tone as large as the filtered signal can be ({aliasing.swing_v:.1f} V peak) needs "
         f"{aliasing.required_db:.0f} dB of attenuation to alias to 1 LSB of the ADC ({1e3 * aliasing.lsb_v:.3g} mV). A "
-        f"tone of {1e3 * aliasing.one_lsb_tone_v:.2g} mV (peak) in the tactile voltage at {aliasing.alias_hz:.4g} Hz "
-        "aliases to 1 LSB.",
+        f"tone of {format_figure(1e3 * aliasing.one_lsb_tone_v, 2)} mV (peak) in the tactile voltage at "
+        f"{aliasing.alias_hz:.4g} Hz aliases to 1 LSB.",
     ]
 
 

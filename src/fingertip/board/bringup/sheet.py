@@ -369,8 +369,8 @@ def _figures(limits: Limits, unit: str) -> tuple[str, str]:
 
 
 def _ohm(value: float) -> str:
-    scaled, prefix = (value / 1e3, "k") if value >= 1e3 else (value, "")
-    return f"{scaled:.3g} {prefix}ohm"
+    size, prefix = next(unit for unit in ((1e6, "M"), (1e3, "k"), (1.0, "")) if value >= unit[0] or not unit[1])
+    return f"{value / size:.3g} {prefix}ohm"
 
 
 def _join(words: list[str]) -> str:

@@ -122,9 +122,9 @@ def _controller_notes(values: BoardValues, design: Design) -> list[str]:
         NEEDED_PINS,
         f"S is the filtered signal ahead of the rectifier, centred at M ({values.voltage_limits.signal_ground_v:.2f} "
         f"V), with the pole of R27 and C25 and the clamp D5. From T to S the gain is {filtered_gain:.1f} at most: a "
-        f"step of the ADC ({1e3 * detector.adc_step_v:.2g} mV) is {1e6 * detector.adc_step_v / filtered_gain:.2g} uV "
-        f"of the tactile voltage there. What aliases to {aliasing.band_hz:.0f} Hz is "
-        f"{-(aliasing.filtered_alias_db or 0.0):.0f} dB below what is there itself.",
+        f"step of the ADC ({1e3 * detector.adc_step_v:.2g} mV) is "
+        f"{format_figure(1e6 * detector.adc_step_v / filtered_gain, 2)} uV of the tactile voltage there. What aliases "
+        f"to {aliasing.band_hz:.0f} Hz is {-(aliasing.filtered_alias_db or 0.0):.0f} dB below what is there itself.",
         f"All amplifiers are supplied from 0 and +{supply_v:g} V, so T, S, E and M cannot leave this range, whatever "
         "the sensor does: while the supply rises, with the sensor open or shorted, and in a hard press.",
         f"T and M are fixed ratios of the supply (VREF, which feeds the bridge, is {VREF_RATIO:g} of it, M is "

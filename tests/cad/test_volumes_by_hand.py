@@ -1,0 +1,66 @@
+"""Volumes that one parameter adds to a part or takes from it, against closed forms of the numbers in the design.
+
+A check of the build that rests on the shapes' own functions cannot see a size that both have wrong.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.runners import luer_cone
+from fingertip.cad.solids import union
+from fingertip.design import Design
+
+PLAIN = (
+    "mold.filling=gravity", "mold.engraving_depth_mm=0", "mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01",
+    "printer.surface_error_mm=0",
+)  # fmt: skip
+SOCKET = "bone.interface=socket bone.base_length_mm=32 bone.socket_depth_mm={}"
+FLANGE = "bone.interface=flange bone.base_length_mm=27 bone.flange_{}"
+POST = math.pi * 4.2**2 - 2 * (4.2**2 * math.acos(3.6 / 4.2) - 3.6 * math.sqrt(4.2**2 - 3.6**2))
+"""Area of a circle of 8.4 mm with two flats 7.2 mm apart [mm2]."""
+HEXAGON = math.sqrt(0.75) * 5.8**2
+"""Area of a hexagon of 5.8 mm across flats [mm2]."""
+
+
+def disc(diameter_mm: float) -> float:
+    return math.pi / 4 * diameter_mm**2
+
+
+@pytest.mark.parametrize(
+    ("part", "before", "after", "added_mm3"),
+    [
+        # Two pry slots, 8 mm wide, 2.5 mm deep, and 1.2 mm high in each half.
+        ("mold_palmar", "", "mold.pry_height_mm=0.6", 2 * 8 * 2.5 * 0.6),
+        ("mold_dorsal", "", "mold.pry_height_mm=0.6", 2 * 8 * 2.5 * 0.6),
+        ("mold_dorsal", "", "mold.pry_depth_mm=1.5", 2 * 8 * 1.0 * 1.2),
+        ("mold_palmar", "", "mold.pry_width_mm=6", 2 * 2 * 2.5 * 1.2),
+        # Four nut traps around bolt holes of 3.4 mm, and the holes through a dorsal half of 7 / 0.998 + 4 mm.
+        ("mold_palmar", "", "mold.nut_depth_mm=3.6", -4 * (HEXAGON - disc(3.4))),
+        ("mold_dorsal", "", "mold.bolt_diameter_mm=3.2", 4 * (disc(3.4) - disc(3.2)) * 11.014),
+        ("bone", "", "bone.post_length_mm=7", -POST),
+        ("bone", SOCKET.format(8), SOCKET.format(7), disc(5.0)),
+        ("bone", FLANGE.format("hole_diameter_mm=3.2"), FLANGE.format("hole_diameter_mm=2.2"),
+         2 * (disc(3.2) - disc(2.2)) * 4.0),
+    ],
+)  # fmt: skip
+def test_one_parameter_adds_its_volume(part: str, before: str, after: str, added_mm3: float) -> None:
+    volumes = [
+        MeshEvaluator(0.02).manifold(PARTS[part].solid(Design.load(changes=[*PLAIN, *changes.split()]))).volume()
+        for changes in (before, after)
+    ]
+    assert volumes[1] - volumes[0] == pytest.approx(added_mm3, rel=0.015)
+
+
+def test_cone_of_the_syringe_is_a_luer_cone() -> None:
+    """A mouth of 4.3 mm and a taper of 6 %, as ISO 80369-7 has it: 3.85 mm at the end, 7.5 mm deep."""
+    design = Design()
+    cone = MeshEvaluator(0.002).manifold(union(*luer_cone(design))).rotate((90.0, 0.0, 0.0))  # y becomes the height
+    face = design.mold_layout.dorsal_height
+    diameters = [2 * math.sqrt(cone.slice(face - depth).area() / math.pi) for depth in (0.0, 5.0, 7.499)]
+    assert diameters == pytest.approx([4.3, 4.0, 3.85], abs=0.005)
+    assert cone.slice(face - 7.501).is_empty()

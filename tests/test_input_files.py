@@ -16,6 +16,7 @@ from fingertip.input_files import (
     MAX_MEMBERS,
     MAX_RATIO,
     OUTPUT_LIMIT,
+    PARSED_LIMIT,
     RECORDING_LIMIT,
     SAMPLES_LIMIT,
     TOML_LIMIT,
@@ -105,7 +106,7 @@ def test_a_file_of_the_system_that_states_no_size_is_bounded() -> None:
 
 def test_the_documentation_states_every_limit() -> None:
     page = (ROOT / "docs/files.md").read_text(encoding="utf-8")
-    for limit in (TOML_LIMIT, RECORDING_LIMIT, SAMPLES_LIMIT, OUTPUT_LIMIT):
+    for limit in (TOML_LIMIT, RECORDING_LIMIT, SAMPLES_LIMIT, OUTPUT_LIMIT, PARSED_LIMIT):
         shown = f"{limit.default:,}".replace(",", " ") if limit.unit == 1 else f"{limit.default} MB"
         assert f"| `{limit.variable}` | {shown} |" in page
 
@@ -156,7 +157,7 @@ def test_a_link_to_a_device_in_the_folder_of_a_board_is_a_difference(tmp_path: P
     layout.symlink_to("/dev/zero")
     done = run_fingertip("board", "--check", "--out", tmp_path / "b")
     assert done.returncode == 1
-    assert "slip_filter.kicad_pcb: is a device, not a regular file" in done.stdout
+    assert "slip_filter.kicad_pcb: is a link, not a regular file; put a file in its place." in done.stdout
 
 
 def test_values_in_messages_are_short_and_on_one_line() -> None:

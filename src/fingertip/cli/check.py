@@ -47,6 +47,7 @@ def check(
     If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
+    Nothing in it is changed.
     """
     from fingertip.errors import Issue, OutputError
 

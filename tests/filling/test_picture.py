@@ -1,6 +1,7 @@
 """Picture of a filling."""
 
 import io
+from types import SimpleNamespace
 
 import pytest
 from PIL import Image
@@ -8,7 +9,7 @@ from PIL import Image
 from fingertip.design import Design
 from fingertip.filling.predict import Opening, follow_front, predict_filling
 from fingertip.filling.skin_grid import build_skin_grid
-from fingertip.view.filling_picture import draw_filling
+from fingertip.view.filling_picture import _summarise, draw_filling
 from tests.conftest import design_file
 
 
@@ -25,3 +26,8 @@ def test_picture_is_a_png_and_repeats_itself(has_nail: bool) -> None:
     image = Image.open(io.BytesIO(first))
     assert image.size == (2100, 1110)
     assert len(image.convert("RGB").getcolors(1 << 24)) > 500
+
+
+def test_summary_tells_volume_pressure_and_time_in_the_units_it_names() -> None:
+    filling = SimpleNamespace(volume_mm3=2250.0, fill_s=31.0, pressure_pa=48000.0, viscosity_pa_s=3.0, air_pockets=())
+    assert _summarise(filling) == "2.25 cm³ in 31.0 s at 48 kPa and 3 Pa s; no air pocket"  # type: ignore[arg-type]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +21,13 @@ from fingertip.page import markdown
 from fingertip.page.back_svg import render_back
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.kicad_text import first, lists, numbers, parse, points, turn, word, words
-from fingertip.page.layout_svg import name_part, render_copper, render_placement
+from fingertip.page.layout_svg import name_part, pad_boxes, render_copper, render_placement
 from fingertip.page.model_section import scene_json
 from fingertip.page.moves import shapes_of_parameters
 from fingertip.page.response_plot import draw_response
 from fingertip.page.scene import Item, label_item
 from fingertip.page.schematic_svg import find_place, list_bodies, render_schematic
-from fingertip.page.svg_plot import Axis, Frame, number
+from fingertip.page.svg_plot import Axis, Frame, format_tick, number
 from fingertip.page.trial_plot import _reduce
 from tests.page.conftest import Page, strip_elements
 
@@ -85,6 +87,7 @@ def test_ticks_are_round_and_within() -> None:
     assert Axis(1.79, 1.96, "").ticks(8) == [1.8, 1.85, 1.9, 1.95]
     assert Axis(10, 1e5, "", True).ticks(8) == [10, 100, 1000, 10_000, 100_000]
     assert Axis(-20, 40, "").ticks(5) == [-20, 0, 20, 40]
+    assert [format_tick(value) for value in (500, 2000, -20)] == ["500", "2 k", "-20"]
 
 
 def test_points_are_placed_by_their_axes() -> None:
@@ -118,6 +121,14 @@ def test_response_agrees_with_the_bode_table(design: Design) -> None:
     (y0, low), (y1, high) = ((y, float(word)) for y, word in (labels[0], labels[-1]))
     for (_, y), row in zip(spots, rows, strict=True):
         assert low + (y - y0) / (y1 - y0) * (high - low) == pytest.approx(float(row[5]), abs=0.03)
+    # In the pass band the band is as wide as the range of gains in the caption, which has another source.
+    (data,) = (a["d"] or "" for tag, a in svg.elements if tag == "path" and a.get("fill") == "var(--band)")
+    ends = [float(pair.split()[1]) for pair in data[1:].rstrip("Z").split("L")]
+    peak = min(range(len(spots)), key=lambda i: spots[i][1])
+    width_db = (ends[-1 - peak] - ends[peak]) / (y0 - y1) * (high - low)
+    stated = re.search(r"a gain of ([\d.]+) to ([\d.]+)\.", svg.text)
+    assert stated
+    assert width_db == pytest.approx(20 * math.log10(float(stated[2]) / float(stated[1])), rel=0.2)
 
 
 def _texts(page: Page) -> list[tuple[tuple[str, dict[str, str | None]], str]]:
@@ -210,6 +221,12 @@ def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
             dx, dy = turn(px, py, angle[0] if angle else 0.0)
             assert left < -(x + dx) < left + width
             assert top < y + dy < top + height
+    drills = [numbers(drill)[0] for f in footprints for p in lists(f, "pad") for drill in lists(p, "drill")]
+    assert [2 * float(a["r"] or 0) for tag, a in back.elements if tag == "circle"] == pytest.approx(drills, abs=1e-3)
+    for footprint in footprints:  # pads that are turned wrongly reach into each other
+        boxes = [*pad_boxes(footprint)]
+        for one, other in itertools.combinations(boxes, 2):
+            assert max(one[0], other[0]) >= min(one[2], other[2]) or max(one[1], other[1]) >= min(one[3], other[3])
     view = next(a for tag, a in back.elements if tag == "svg")["viewbox"]
     middle = float((view or "").split()[0]) + float((view or "").split()[2]) / 2
     assert float(frames[[name_part(f) for f in footprints].index("J1")]["x"] or 0) > middle

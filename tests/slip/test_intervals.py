@@ -10,6 +10,7 @@ from fingertip.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
 from fingertip.slip.format import format_delay
 from fingertip.slip.intervals import SlipCollector, intervals, measure_false_on_s, merge, score
+from fingertip.slip.threshold import UsedThreshold
 
 TIME = np.arange(10) / 10
 
@@ -144,3 +145,9 @@ def test_a_trace_in_memory_is_validated():
     assert [issue.field for issue in caught.value.issues] == ["trace, voltage_v", "trace, time_s"]
     assert "at sample 7 is not a finite number" in str(caught.value)
     assert "--rate-hz 1000" in str(caught.value)
+
+
+def test_thresholds_are_told_in_millivolts() -> None:
+    constant, adapting = (UsedThreshold("statistic", 0.0123, last, 0.004, last) for last in (0.004, 0.015))
+    assert constant.describe() == "threshold 4 mV"
+    assert adapting.describe() == "threshold 4 to 15 mV, 12.3 at the first ON"

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fingertip.board import board_values
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
+from fingertip.campaign.evaluate import TrialResult
+from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.design.parameters import DesignTables
 from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
@@ -247,6 +251,50 @@ def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None
         refused += isinstance(results[0], str)
         assert results[0] == results[1]
     assert 40 < refused < 150
+
+
+def test_outputs_have_the_units_of_their_names() -> None:
+    """Lengths are those of the meshes; the rest follows by hand from values that stand in other units beside them."""
+    design, evaluator = Design(), CachedEvaluator(COARSE_MM)
+    context = PointContext(design, None, make_plan().file, lambda: evaluator)
+    values: dict[str, Any] = {}
+    for group in ("lengths", "board", "bone", "mold", "casting", "filling", "play"):
+        values |= compute.GROUP_FUNCTIONS[group](context)
+    halves = [evaluator.mesh(PARTS[f"mold_{half}"].solid(design)).vertices for half in ("palmar", "dorsal")]
+    (width, height, length) = np.ptp(np.vstack([halves[0], halves[1][halves[1][:, 1] > 0]]), axis=0)
+    assert [values[f"mold_{name}_mm"] for name in ("width", "height", "length")] == pytest.approx(
+        [width, height, length], abs=1e-4
+    )
+    assert values["finger_length_mm"] == 34.0 + 22.0, "skin, and base of the bone"
+    assert 67.0 * (1 + values["cutoff_error_percent"] / 100) == pytest.approx(values["cutoff_3db_hz"])
+    assert 10 ** (values["gain_db"] / 20) == pytest.approx(values["gain"])
+    decay_s = values["board.r_lp_ohm"] * values["board.c_lp_uf"] * 1e-6
+    assert values["envelope_decay_ms"] == pytest.approx(1e3 * decay_s)
+    assert values["envelope_pole_hz"] == pytest.approx(1 / (2 * math.pi * decay_s))
+    assert values["board.c_uf"] == design.board.capacitor_uf
+    assert values["bone_mass_g"] == pytest.approx(4.5 * 1.2, rel=0.01), "4.5 cm3 of 1.2 g/cm3"
+    assert values["mold_mass_g"] == pytest.approx((16.1 + 17.8) * 1.2, rel=0.01)
+    assert values["silicone_in_mold_g"] == pytest.approx(1.05 * values["injected_cm3"], rel=0.1), "waste is apart"
+    assert values["silicone_g"] > 2 * values["silicone_in_mold_g"], "a cup, a syringe and a nozzle keep some"
+    # 30 N of a thumb on a bore of 12.06 mm, closed vents: the cavity's shadow, nearly 17 mm x 34 mm, opens the mold.
+    thumb_mpa = 30.0 / (math.pi / 4 * 12.06**2)
+    assert 0.85 < values["opening_force_n"] / (thumb_mpa * 17.0 * 34.0) < 1.0
+    assert 1.0 < values["gate_pressure_kpa"] < 1e3 * thumb_mpa
+    assert 50.0 < values["retained_elsewhere_percent"] < values["retained_over_sensor_percent"] < 100.0
+
+
+def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two trials of 15 s with an alarm each, and delays of 10 and 20 ms."""
+    delays = iter((0.01, 0.02))
+
+    def evaluate_trial(case: Case, *_: object) -> list[TrialResult]:
+        return [TrialResult(case, 15.0, 1.0, 1, (next(delays),), 1.0, ("slip",))]
+
+    monkeypatch.setattr("fingertip.campaign.evaluate.evaluate", evaluate_trial)
+    plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=2, axes={"detector.window_samples": [20, 40]})
+    context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: (Any, 1.0))
+    values = compute.compute_detection(context)
+    assert (values["false_alarms_per_min"], values["delay_ms"], values["found_share"]) == (4.0, 20.0, 1.0)
 
 
 @pytest.mark.full

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from functools import cache
 from typing import Any
@@ -122,6 +123,15 @@ def test_label_points_lie_on_what_is_drawn_or_close_to_it() -> None:
             for label in scene.labels:
                 assert np.all(low <= label.point_mm), (picture, label)
                 assert np.all(label.point_mm <= high), (picture, label)
+
+
+def test_syringe_is_drawn_with_as_much_silicone_as_it_holds() -> None:
+    """5 ml in all, less the end wall and a hundredth of the radius. And 11 g of 1.07 g/cm3 in a cup 44 mm wide."""
+    bench = Bench(load("fsr400")[0])
+    most, half = (bench.syringe(fill_share=share)[-1].mesh.volume() for share in (0.9, 0.45))
+    assert most - half == pytest.approx(0.45 * 5000.0 * 0.99**2, rel=0.01)
+    (level,) = re.findall(r"(\d+) mm high in this cup", " ".join(one.text for one in scenes("fsr400")["degas"].labels))
+    assert float(level) == pytest.approx(11e3 / 1.07 / (math.pi * 22.0**2), abs=0.5)
 
 
 def test_crowded_labels_keep_their_order_and_their_distance() -> None:

@@ -27,7 +27,10 @@ MOST_CASES = 8
 """Number of cases of a test of the first set."""
 LIMIT_S = 2.0
 """Largest CPU time of a test of the first set [s]."""
-EXPENSIVE: dict[str, str] = {}
+EXPENSIVE = {
+    "tests/cad/test_brep_volume_balance.py::test_dented_skin_breaks_the_cavity_balance": "exact solids of all parts",
+    "tests/cad/test_step_process.py::test_files_of_both_processes_are_returned": "imports cadquery in two processes",
+}
 """Tests that may take more, with the reason; at most ten."""
 
 _apart_s = {"imports": 0.0, "compilations": 0.0, "shared fixtures": 0.0}

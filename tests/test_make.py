@@ -69,6 +69,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert json.loads(signal["signal/detection.json"])["intervals"] == detected["intervals"]
 
 
+@pytest.mark.full
 def test_all_sets_are_as_written(made: Path) -> None:
     count, differences = verify_sets(made)
     manifests = list(made.rglob("manifest.json"))

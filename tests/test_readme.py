@@ -108,6 +108,7 @@ def test_command_runs(command: str, clone: Path) -> None:
         assert re.search(r"^(ON|detected) ", done.stdout, flags=re.MULTILINE)
 
 
+@pytest.mark.full
 def test_files_the_readme_promises(clone: Path) -> None:
     """After the commands above, in the order of this module."""
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}

@@ -51,7 +51,8 @@ pytestmark = pytest.mark.usefixtures("predict_once")
 
 CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
 ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes
-TWO = pytest.mark.parametrize("changes", [ARTICLE, CONTROLLER], ids=["article", "precision, 3.3 V"])
+CASES = [ARTICLE, pytest.param(CONTROLLER, marks=pytest.mark.full)]
+TWO = pytest.mark.parametrize("changes", CASES, ids=["article", "precision, 3.3 V"])
 
 
 @functools.cache

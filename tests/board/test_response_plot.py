@@ -124,8 +124,8 @@ def test_plot_of_another_format_is_refused_before_anything_is_written(tmp_path: 
         "board", "--out", tmp_path / "pcb", "--plot", tmp_path / "plot.pdf", "--bode", tmp_path / "b.txt"
     )
     assert run.returncode == 2
-    assert "--plot: 'plot.pdf' is not the name of a PNG or SVG file" in run.stderr
-    assert "--bode: 'b.txt' is not the name of a CSV file" in run.stderr
+    assert "--plot: 'plot.pdf' is of no format that is written; end it in .png or .svg." in run.stderr
+    assert "--bode: 'b.txt' is of no format that is written; end it in .csv." in run.stderr
     assert list(tmp_path.iterdir()) == []
 
 

@@ -49,6 +49,7 @@ def test_invalid_solid_is_reported_by_either_process(position: int) -> None:
         make_step_files(*solids)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("position", [0, 1])
 def test_crash_is_reported_in_either_process(position: int) -> None:
     solids: list[Solid] = [BOX, BOX]

@@ -198,6 +198,7 @@ def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     assert set(compute_bounds_s(noiseless, CampaignPlan(4, 0.5))) == {0.0}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
 def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     """The other board variant may break a rule, and the band may be narrower than a bin of the spectrum."""

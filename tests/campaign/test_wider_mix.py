@@ -121,6 +121,7 @@ def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     assert wider_mix_table.as_data(found)["long slide"]["smallest_on_share"] > 0.98
 
 
+@pytest.mark.full
 def test_the_mix_is_the_same_for_the_same_seed_and_counts_what_it_was_asked_for():
     size = MixSize(1, 0.01, 3, 2)
     first, second = (list(generate_mix(DESIGN, size, 9_000_000)) for _ in range(2))

@@ -149,6 +149,7 @@ def unprivileged(tmp_path: Path) -> tuple[str, ...]:
     return tuple(words)
 
 
+@pytest.mark.full
 def test_a_user_without_rights_and_home(unprivileged: tuple[str, ...], tmp_path: Path) -> None:
     """A home that is missing or read-only, no cache of compiled loops that may be written, and a plot."""
     own = tmp_path / "own"

@@ -124,7 +124,7 @@ def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     done = run_fingertip("params", "--html", tmp_path / "a.png")
     assert done.returncode == 2
-    assert done.stderr.startswith("error: --html: 'a.png' is not the name of a HTML file")
+    assert done.stderr.startswith("error: --html: 'a.png' is of no format that is written; end it in .html.")
     done = run_fingertip("params", "--html", tmp_path)
     assert done.returncode == 2
     assert "is a folder" in done.stderr

@@ -213,6 +213,7 @@ def test_missing_compiler_and_missing_library_are_named(tmp_path, monkeypatch):
         pass
 
 
+@pytest.mark.full
 def test_missing_peers_are_listed_loudly(monkeypatch):
     monkeypatch.setattr(spice, "find_program", lambda: None)
     with compiled():

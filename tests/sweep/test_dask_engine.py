@@ -139,6 +139,7 @@ def run_sweep_command(*arguments: object) -> Result:
     return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
 
 
+@pytest.mark.full
 def test_rows_equal_those_of_an_engine_without_processes(
     running_cluster: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

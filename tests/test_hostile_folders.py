@@ -96,8 +96,8 @@ REFUSED = {
     "picture": (("picture", "fsr400"), (".",)),
     "acceptance": (("acceptance", "fsr400"), (".",)),
     "simulate": (("simulate",), ("signal",)),
-    "validate": (("validate", "fsr400", "--out", BOARD), ("board",)),
-    "coupon": (("coupon", "fsr400", "--out", BOARD), ("board",)),
+    "validate": (("validate", "fsr400", "--out", f"{TOP}/new"), ("new",)),
+    "coupon": (("coupon", "fsr400", "--out", f"{TOP}/new"), ("new",)),
     "sheet": (("sheet", "fsr400"), (".",)),
 }
 """Commands that work for long, and folders in which they find a damaged plan before they begin."""
@@ -222,7 +222,7 @@ class World:
         before = self.look(top, without=command.writes)
         GUARD.allowed = (str(top), str(top.with_name(f".{top.name}.fingertip")))
         GUARD.found, GUARD.world = [], self.path
-        case = Case("hostile", command.words, may_fail=True)
+        case = Case("hostile", command.words, may_fail=True, limit_s=5.0)
         try:
             outcome = in_process.run(case, self.path)
         finally:
@@ -264,7 +264,6 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Short limits of time, and contents that follow from the same design computed once."""
-    monkeypatch.setattr(in_process, "TIME_LIMIT_S", 5.0)
     monkeypatch.setattr(in_process, "WAIT_LIMIT_S", 10.0)
     monkeypatch.setattr("fingertip.board.output.board_files", lambda design: dict(cached_board_files(design)))
     monkeypatch.setattr("fingertip.cli.app", COMMAND_LINE)
@@ -350,7 +349,7 @@ def name_in(world: World, name: Any) -> Any:
 
 
 def make_plan(commit: Path, data: Any) -> None:
-    commit.mkdir()
+    commit.mkdir(parents=True)
     (commit / "complete.json").write_bytes(data if isinstance(data, bytes) else json.dumps(data).encode())
 
 
@@ -483,6 +482,7 @@ def test_folders_that_are_links(world: World, name: str, places: tuple[str, ...]
     assert faults == []
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", REFUSED)
 def test_commands_that_work_for_long_refuse_a_damaged_plan_before_they_begin(world: World, name: str) -> None:
     words, places = REFUSED[name]
@@ -523,6 +523,8 @@ def leave_hostile(world: World) -> Iterator[tuple[str, Callable[[Path], object]]
     yield "commit link", lambda f: (f / COMMIT).symlink_to(victim)
     yield "commit file", lambda f: (f / COMMIT).write_bytes(b"")
     yield "version 0.1 link", lambda f: (f / ".fingertip-abcdefgh").symlink_to(victim)
+    yield "trial link", lambda f: (f / ".fingertip-trial").symlink_to(victim)
+    yield "trial folder", lambda f: link_in(f / ".fingertip-trial", victim)
     yield "version 0.1 folder", lambda f: link_in(f / ".fingertip-abcdefgh", victim)
     yield "plan link", lambda f: link_in(f / COMMIT, victim / REPORT, "complete.json")
     yield "plan pipe", lambda f: ((f / COMMIT).mkdir(), os.mkfifo(f / COMMIT / "complete.json"))

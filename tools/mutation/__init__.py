@@ -1,6 +1,6 @@
 """Mutation testing: changes in the source, one at a time, that the tests must notice.
 
-`changes.py` draws them over all lines of src with cosmic-ray, by the Python it is installed in. `reach.py` records which
-tests enter which blocks of the source, and `run.py` runs these tests on each changed module. `equivalent.toml` lists the
-changes that no test can notice, each with its reason.
+`changes.py` draws them over all lines of src with cosmic-ray, by the Python it is installed in. `reach.py` records
+which tests enter which blocks of the source, and `run.py` runs these tests on each changed module. `equivalent.toml`
+lists the changes that no test can notice, each with its reason.
 """

@@ -414,6 +414,7 @@ def test_a_single_odd_reading_is_to_be_measured_again() -> None:
             assert not each.is_near
 
 
+@pytest.mark.full
 def test_bridged_c14_shows_by_the_offset_that_it_lets_through() -> None:
     plan = plan_of(CONTROLLER)[1]
     nominal = {name: limits.expected_v for name, limits in plan.levels.items()}

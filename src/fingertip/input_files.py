@@ -18,6 +18,7 @@ import unicodedata
 import zipfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
 from typing import BinaryIO, TypeGuard
 
@@ -151,7 +152,7 @@ def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file"
 
 
 @contextlib.contextmanager
-def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | None = None) -> Iterator[BinaryIO]:
+def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | None = None) -> Iterator[BufferedReader]:
     """Open a regular file to read; parameters and exceptions are those of `check_regular`."""
     remedy = _remedy(wanted, below)
     try:

@@ -21,10 +21,10 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import CodeType, FunctionType
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
@@ -48,6 +48,9 @@ class Job:
     is_fresh: bool
     """Whether the module must be imported anew."""
 
+    accused: tuple[Job, Outcome] | None = None
+    """Job whose failed test runs here on the unchanged source, and its outcome."""
+
     @property
     def limit_s(self) -> int:
         """Limit of the CPU time [s]. A process that waits is ended after five times as long."""
@@ -68,47 +71,65 @@ Make = Callable[[Counter[str]], Iterator[Job]]
 
 
 class Server:
-    """Plugin of pytest that runs jobs in place of the collected tests."""
+    """Plugin of pytest that runs jobs in place of the collected tests.
+
+    A test that notices a mutant is run on the unchanged source too. If it fails there, it counts for nothing.
+    """
 
     def __init__(self, make: Make, report: Callable[[Job, Outcome], None], at_once: int) -> None:
         self._make, self._report, self._at_once = make, report, at_once
+        self._kills, self._reliable = Counter[str](), dict[str, bool]()
+        self._running: dict[int, tuple[Job, IO[bytes], float]] = {}
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: Any) -> bool:
         """Run the jobs, several at once."""
         items = {item.nodeid: item for item in session.items}
-        kills, running = Counter[str](), dict[int, tuple[Job, Any, float]]()
         gc.collect()
         gc.freeze()  # what the forks share stays shared
-        for job in self._make(kills):
-            while len(running) >= self._at_once:
-                self._collect(running, kills)
-            answer = tempfile.TemporaryFile()  # noqa: SIM115 (closed when the job has ended)
-            process = os.fork()
-            if process == 0:
-                _become_run(session, [items[test] for test in job.tests if test in items], job, answer.fileno())
-            running[process] = (job, answer, time.monotonic() + 5 * job.limit_s)
-        while running:
-            self._collect(running, kills)
-        return True
-
-    def _collect(self, running: dict[int, tuple[Job, Any, float]], kills: Counter[str]) -> None:
-        """Report one of the running jobs that has ended, and end those that take too long."""
+        jobs, first = self._make(self._kills), list[Job]()
         while True:
-            for process, (job, answer, end_s) in list(running.items()):
+            while len(self._running) < self._at_once and (job := first.pop() if first else next(jobs, None)):
+                self._start(session, [items[test] for test in job.tests if test in items], job)
+            if not self._running:
+                return True
+            first += self._judge(*self._wait())
+
+    def _start(self, session: Any, items: Sequence[Any], job: Job) -> None:
+        answer = tempfile.TemporaryFile()  # noqa: SIM115 (closed when the job has ended)
+        process = os.fork()
+        if process == 0:
+            _become_run(session, items, job, answer.fileno())
+        self._running[process] = (job, answer, time.monotonic() + 5 * job.limit_s)
+
+    def _wait(self) -> tuple[Job, Outcome]:
+        """Wait until one of the running jobs has ended, and end those that take too long."""
+        while True:
+            for process, (job, answer, end_s) in list(self._running.items()):
                 done, status = os.waitpid(process, os.WNOHANG)
                 if done or time.monotonic() > end_s:
                     if not done:
                         os.killpg(process, signal.SIGKILL)
                         os.waitpid(process, 0)
+                    del self._running[process]
                     answer.seek(0)
-                    test = answer.read().decode()
-                    answer.close()
-                    del running[process]
-                    kills[test] += bool(test)
-                    self._report(job, Outcome(not done or status != 0, test))
-                    return
+                    with answer:
+                        return job, Outcome(not done or status != 0, answer.read().decode())
             time.sleep(0.02)
+
+    def _judge(self, job: Job, outcome: Outcome) -> list[Job]:
+        """Report a job, or return the one that has to run before that is possible."""
+        if job.accused is not None:
+            self._reliable[job.tests[0]] = not outcome.noticed
+            job, outcome = job.accused
+        elif outcome.test and outcome.test not in self._reliable:
+            unchanged = replace(job.mutant, code=(ROOT / job.mutant.path).read_text(encoding="utf-8"))
+            return [replace(job, mutant=unchanged, tests=[outcome.test], accused=(job, outcome))]
+        if not self._reliable.get(outcome.test, True):
+            return [replace(job, tests=[test for test in job.tests if self._reliable.get(test, True)])]
+        self._kills[outcome.test] += bool(outcome.test)
+        self._report(job, outcome)
+        return []
 
 
 def _become_run(session: Any, items: Sequence[Any], job: Job, answer: int) -> None:

@@ -111,7 +111,7 @@ class SetWriter:
         known = manifest.files if manifest else {}
         yield from (
             Issue(str(self.folder / str(name)), "has a name that not every system can store there; choose another one.")
-            for name in find_unsafe_names({**known, **dict.fromkeys(names)})
+            for name in find_unsafe_names(dict.fromkeys([*known, *names]))
         )
         foreign = [] if self.force else sorted(self._foreign(names) - set(revisions))
         for name, revision in revisions.items():

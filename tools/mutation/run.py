@@ -14,6 +14,7 @@ import argparse
 import hashlib
 import json
 import os
+import random
 import sys
 import time
 from collections import Counter
@@ -45,6 +46,7 @@ def main() -> None:
     file = RESULTS / f"{'full' if full else 'first'}-{options.seed}.json"
     known: dict[str, str] = json.loads(file.read_text("utf-8")) if file.exists() else {}
     todo = [mutant for mutant in mutants if not known.get(key_of(mutant))]
+    random.Random(options.seed).shuffle(todo)  # what a stopped command has done is a sample too
     begun_s, done = time.monotonic(), 0
     reach = Reach.read()
 

@@ -21,9 +21,9 @@ from fingertip.design.rules import ELECTRONIC_RULES, RULES
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
-from tools.fuzz.remedies import as_changes, read_remedy
 from tests.design.test_rules import CASES
 from tests.designs import ARTICLE_CHANGES
+from tools.fuzz.remedies import as_changes, read_remedy
 
 ROUNDING = 1e-5
 """Twice the slack of the rules, and rounding errors beside."""

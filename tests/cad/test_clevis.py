@@ -276,6 +276,15 @@ def test_step_file_holds_pin_eye_and_nose_where_they_belong(tmp_path: Path) -> N
     assert apex - pin[2] == pytest.approx(35.0, abs=1e-6)
 
 
+def test_a_mesh_so_coarse_that_nothing_is_left_of_a_wall_can_be_checked() -> None:
+    """The hole of the tendon's anchor was once turned inside out, and other commands sought a distance for ever."""
+    found = list(joint_checks.check_joint(load("child_thumb"), MeshEvaluator(1.0)))
+    (anchor,) = (check for check in found if check.name == "bone.wall.anchor_to_outside")
+    assert anchor.passed
+    assert anchor.value > 0.5
+    assert anchor.limit < 0.0
+
+
 def read_points(step: str) -> dict[str, tuple[float, ...]]:
     """All points and directions of a STEP file, by their numbers."""
     found = re.findall(r"(#\d+) = (?:CARTESIAN_POINT|DIRECTION)\('[^']*',\(([^)]*)\)\)", re.sub(r"\s+", " ", step))

@@ -65,7 +65,8 @@ class Pieces:
         try:
             while (waiting or running) and crashes <= MAX_CRASHES:
                 while waiting and len(running) < self._jobs:
-                    running[waiting[0]] = _Running(_CONTEXT.Process(target=self._work, args=(waiting.pop(0),)))
+                    piece = waiting.pop(0)
+                    running[piece] = _Running(_CONTEXT.Process(target=self._work, args=(piece,)))
                 time.sleep(0.05)
                 for piece, one in list(running.items()):
                     if one.is_alive(self._path(piece)):

@@ -176,13 +176,14 @@ def main() -> int:
     out = options.out.resolve()
     if options.only is not None:
         return int(_run_only(options.only, options.seed, out))
-    if not options.resume:
-        shutil.rmtree(out, ignore_errors=True)
     load_modules()
     lines: list[Line] = []
     for kind, count in (("computing", options.computing), ("case", options.cases), ("process", options.processes)):
+        folder = out / f"{kind}-{options.seed}"
+        if not options.resume:
+            shutil.rmtree(folder, ignore_errors=True)
         run_piece: RunPiece = partial(_run_piece, kind, options.seed, out / "found")
-        lines += Pieces(out / f"{kind}-{options.seed}", run_piece, options.jobs).run(count, PIECE)
+        lines += Pieces(folder, run_piece, options.jobs).run(count, PIECE)
     return int(_print_summary(lines))
 
 

@@ -120,8 +120,8 @@ def search_distance(measure: Callable[[float], float], first_reach_mm: float) ->
     measure
         Function that searches up to a reach [mm] and returns the distance, or the reach if the distance is larger.
     first_reach_mm
-        Reach of the first search [mm], if that is enough to begin with. It grows until the distance is found, or
-        exceeds every design, as happens if a solid is empty.
+        Reach of the first search [mm], or less than nothing. It grows until the distance is found, or exceeds every
+        design, as happens if a solid is empty.
     """
     reach_mm = max(first_reach_mm, _MIN_REACH_MM)
     while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:

@@ -144,9 +144,9 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-@pytest.mark.parametrize(("page", "target"), LINKS)
-def test_links_lead_to_files(page: str, target: str) -> None:
-    assert (ROOT / page).parent.joinpath(target).exists()
+def test_links_lead_to_files() -> None:
+    assert len(LINKS) > 50
+    assert [link for link in LINKS if not (ROOT / link[0]).parent.joinpath(link[1]).exists()] == []
 
 
 def test_readme_is_short() -> None:

@@ -165,6 +165,7 @@ def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert outcome.code is None
 
 
+@pytest.mark.full
 def test_the_same_seed_gives_the_same_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "cases", design_cases)  # recordings need heavy packages
     drawn: list[list[Case]] = []

@@ -85,6 +85,19 @@ def test_boxes_lie_within_the_courtyard_and_leads_on_their_pads(footprint: str) 
         assert len([b for b in blocks if b.low[2] < -1.6]) == len(pads)  # through the board
 
 
+@pytest.mark.parametrize(
+    ("package", "top_mm"),
+    [
+        ("SOIC-8", 1.75), ("MSOP-8", 1.1), ("SOT-23-5", 1.45), ("SOT-23", 1.12),  # JEDEC MS-012, MO-187, MO-178, TO-236
+        ("PinHeader", 8.54),  # 2.54 mm of plastic, and 6 mm of pins
+        ("JST_SH", 2.95), ("JST_PH", 4.8), ("R_0603", 0.45), ("C_0805", 1.25),  # of the makers
+    ],
+)  # fmt: skip
+def test_packages_are_as_high_as_their_outlines(package: str, top_mm: float) -> None:
+    name = next(footprint for footprint in MODELLED if package in footprint)
+    assert max(block.high[2] for block in model_blocks(name)) == pytest.approx(top_mm, abs=0.03)
+
+
 @pytest.mark.full
 def test_a_kernel_reads_every_model_as_solids_of_these_volumes(tmp_path: Path) -> None:
     for footprint in MODELLED:

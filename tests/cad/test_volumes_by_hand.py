@@ -12,7 +12,7 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.shapes.runners import luer_cone
-from fingertip.cad.solids import union
+from fingertip.cad.solids import Box, union
 from fingertip.design import Design
 
 PLAIN = (
@@ -64,3 +64,23 @@ def test_cone_of_the_syringe_is_a_luer_cone() -> None:
     diameters = [2 * math.sqrt(cone.slice(face - depth).area() / math.pi) for depth in (0.0, 5.0, 7.499)]
     assert diameters == pytest.approx([4.3, 4.0, 3.85], abs=0.005)
     assert cone.slice(face - 7.501).is_empty()
+
+
+def test_pocket_pilot_hole_and_nut_traps_are_as_deep_as_what_they_hold() -> None:
+    """Bone and mold are probed beside the edge of each hollow and inside it."""
+    design, evaluator = Design(), MeshEvaluator(0.02)
+    bone, palmar = (evaluator.manifold(PARTS[name].solid(design)) for name in ("bone", "mold_palmar"))
+
+    def probe(x: float, z: float) -> tuple[float, float]:
+        box = (bone ^ evaluator.manifold(Box((x - 0.01, -50, z - 0.01), (x + 0.01, 50, z + 0.01)))).bounding_box()
+        return box[1], box[4]
+
+    # Head of an FSR 400, 7.62 mm wide with 0.15 mm of play all around, and 0.3 mm thick on a film of 0.13 mm.
+    (floor, _), (flat, _) = (probe(radius, design.dimensions.sensor_z) for radius in (3.94, 3.98))
+    assert floor - flat == pytest.approx(0.43, abs=1e-3)
+    # A screw of M2 in a pilot hole of 1.6 mm, 4.7 mm below the facet.
+    (_, end), (_, facet) = (probe(offset, 24.0) for offset in (0.78, 0.82))
+    assert facet - end == pytest.approx(4.7, abs=1e-3)
+    lying = palmar.rotate((90.0, 0.0, 0.0))  # its outer face becomes the lowest
+    trap, ceiling = (lying.slice(lying.bounding_box()[2] + depth).area() for depth in (2.58, 2.62))
+    assert ceiling - trap > 0.4 * 4 * (HEXAGON - disc(3.4)), "nuts lie 2.6 mm deep, below a stepped ceiling"

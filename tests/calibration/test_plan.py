@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
@@ -15,7 +18,9 @@ from fingertip.calibration.instructions import render_instructions
 from fingertip.calibration.lengths import Length, list_lengths
 from fingertip.calibration.readings import PLAN, write_template
 from fingertip.design import Design
+from fingertip.view import coupon_plan
 from fingertip.view.coupon_plan import draw_plan
+from fingertip.view.raster import Canvas
 from tests.conftest import ROOT, design_file, some_of
 from tests.drawing.test_printed_sizes import calibrated
 
@@ -92,6 +97,9 @@ def test_page_and_template_number_the_lengths_as_the_plan_does() -> None:
     page, template = render_instructions(design, "coupon_readings.toml"), write_template(design)
     assert f"]({PLAN})" in page
     assert "none is in Z" in page
+    stroke = re.search(r"their strokes, ([\d.]+) mm wide", page)
+    assert stroke
+    assert 0.4 <= float(stroke[1]) <= 5.0 * 0.8 / 6, "letters of at most 5 mm, on a grid of 6 with strokes of 0.8"
     for number, length in enumerate(list_lengths(design), 1):
         assert f"| {number} | `{length.name}` | {length.axis} | {length.nominal_mm:.2f} |" in page
         assert f"{length.name} = []  # {number}: nominal" in template
@@ -113,6 +121,29 @@ def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
     assert blue.sum() > 500
     fewer = draw_plan(design.with_values({"mold.filling": "gravity"}), meshes)  # no tower to measure
     assert (np.asarray(Image.open(io.BytesIO(fewer)).convert("RGB")) == (150, 30, 20)).all(axis=2).sum() < red.sum()
+
+
+def test_plan_of_a_calibrated_printer_states_the_heights_of_its_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+    original = ImageDraw.text
+
+    def record(self: ImageDraw, xy: Any, text: str, **kwargs: Any) -> None:
+        said.append(text)
+        original(self, xy, text, **kwargs)
+
+    monkeypatch.setattr(ImageDraw, "text", record)
+    monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
+    monkeypatch.setattr(coupon_plan, "_WIDTH_PX", 200)
+    design = calibrated("fsr400")
+    meshes = {
+        name: Mesh(1.004 * mesh.vertices, mesh.triangles)
+        for name, part in COUPON_PARTS.items()
+        for mesh in [MeshEvaluator(0.2).mesh(part.solid(design))]
+    }
+    draw_plan(design, meshes)
+    heights = [float(found[1]) for found in (re.fullmatch(r"Z\d+: ([\d.]+)", text) for text in said) if found]
+    tallest = max(mesh.vertices[:, 2].max() for mesh in meshes.values())
+    assert max(heights) == pytest.approx(tallest, abs=0.006)
 
 
 def test_page_of_a_calibrated_printer_states_the_same_gap_and_the_lengths_of_its_files() -> None:

@@ -208,9 +208,11 @@ def test_find_root_of_a_line_needs_one_chord() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
-@pytest.mark.parametrize(
-    ("function", "low", "high"),
-    [
+def test_find_maximum_takes_the_steps_of_brents_method(tolerance: float) -> None:
+    """SciPy's steps differ by its least one, which grows by 1.5e-8 of the location."""
+    from scipy.optimize import fminbound
+
+    searches: list[tuple[Callable[[float], float], float, float]] = [
         *MAXIMA,
         (lambda x: x, 0.0, 1.0),
         (lambda x: -x, 0.0, 1.0),
@@ -226,20 +228,14 @@ def test_find_root_of_a_line_needs_one_chord() -> None:
         (lambda x: -(abs(x + 0.1) ** 1.3) * (1.0 if x > -0.1 else 8.5), -1.6, 1.8),
         (lambda x: math.floor(-5.0 * (math.exp(7.3 * x) + math.exp(-6.5 * x))), -0.8, 1.6),
         (lambda x: math.floor(-2.0 * (math.exp(x) + math.exp(-8.3 * x))), -1.0, 2.0),
-    ],
-)
-def test_find_maximum_takes_the_steps_of_brents_method(
-    function: Callable[[float], float], low: float, high: float, tolerance: float
-) -> None:
-    """SciPy's steps differ by its least one, which grows by 1.5e-8 of the location."""
-    from scipy.optimize import fminbound
-
-    ours, scipys = Counted(function), Counted(lambda x: -function(x))
-    location, value = find_maximum(ours, low, high, tolerance)
-    expected = fminbound(scipys, low, high, xtol=tolerance)
-    assert ours.points == pytest.approx(scipys.points, abs=3e-6)
-    assert location == pytest.approx(expected, abs=3e-6)
-    assert value == function(location)
+    ]
+    for number, (function, low, high) in enumerate(searches):
+        ours, scipys = Counted(function), Counted(lambda x, f=function: -f(x))  # type: ignore[misc]
+        location, value = find_maximum(ours, low, high, tolerance)
+        expected = fminbound(scipys, low, high, xtol=tolerance)
+        assert ours.points == pytest.approx(scipys.points, abs=3e-6), number
+        assert location == pytest.approx(expected, abs=3e-6), number
+        assert value == function(location), number
 
 
 @pytest.mark.parametrize("steps", [0, 1, 7, 20])

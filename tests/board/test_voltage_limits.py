@@ -86,16 +86,7 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
 @pytest.mark.parametrize(
     ("supply", "supply_v"),
-    [
-        ("split", 5.0),
-        ("split", 5.5),
-        ("single", 5.0),
-        ("single", 5.5),
-        ("single", 6.0),
-        ("single_3v3", 3.1),
-        ("single_3v3", 3.3),
-        ("single_3v3", 3.6),
-    ],
+    [("split", 5.0), ("split", 5.5), ("single", 5.0), ("single", 6.0), ("single_3v3", 3.1), ("single_3v3", 3.6)],
 )
 def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, series: str) -> None:
     changes = [f"board.supply={supply}", f"board.supply_v={supply_v}", f"board.series={series}"]

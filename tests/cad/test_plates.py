@@ -198,7 +198,7 @@ def test_broken_part_for_the_printer_fails() -> None:
         assert f"bone.print.stl.{check}" in failed(design, meshes, encoded, changed)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(12))
 def test_random_parts_are_placed_apart_on_as_few_plates_as_their_area_needs_twice_over(seed: int) -> None:
     rng = random.Random(seed)
     bed, gap = (rng.uniform(60.0, 250.0), rng.uniform(60.0, 250.0)), rng.choice((FDM, SLA)).gap_mm

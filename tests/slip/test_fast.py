@@ -111,8 +111,7 @@ def test_the_board_filter_and_its_restoration_are_one_high_pass(rate, cutoff_hz)
     assert np.abs(response((*board, *restore)) - expected[RESTORED_HZ]).max() < 1e-4
 
 
-@pytest.mark.parametrize("rate", [1000.0, 2000.0, 5000.0, 20000.0])
-@pytest.mark.parametrize("volts", [0.0, 4.3, -10.0])
+@pytest.mark.parametrize(("rate", "volts"), [(1000.0, 4.3), (2000.0, 0.0), (2000.0, -10.0), (20000.0, 4.3)])
 def test_a_constant_voltage_leaves_nothing_in_the_bands(rate, volts):
     output, rows = FastDetector(FastSettings(rate, NOISE_V)).compute_features(np.full(round(rate), volts))
     assert np.abs(output.filtered_v).max() < 1e-9

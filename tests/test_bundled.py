@@ -7,6 +7,7 @@ import sys
 import tomllib
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -43,17 +44,17 @@ def test_examples_in_messages_are_names_of_bundled_files() -> None:
     assert [kind.name for kind in KINDS if kind.example not in list_bundled_files(kind)] == []
 
 
-def test_a_name_gives_what_the_path_gives(folder: Path) -> None:
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
     wrong = []
-    for path in FILES:
-        name = path.stem
-        if name in list_bundled_files(DESIGN):
+    for name, path in list_bundled_files(kind).items():
+        if kind is DESIGN:
             same = Design.load(name) == Design.load(path) and load_simulation(name) == load_simulation(path)
-        elif name in list_bundled_files(SWEEP):
+        elif kind is SWEEP:
             same = read_sweep_file(name) == read_sweep_file(path)
             same = same and str(ROOT) not in to_canonical_text(read_sweep_file(name))
         else:
-            model = SceneFile if name in list_bundled_files(SCENE) else ManipulationFile
+            model = SceneFile if kind is SCENE else ManipulationFile
             by_name, by_path = load_simulation(name, "fsr402"), load_simulation(path, PARAMS / "fsr402.toml")
             same = model.load(name) == model.load(path) and by_name == by_path
         if not same:

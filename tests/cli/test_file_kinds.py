@@ -15,19 +15,19 @@ from tests.conftest import ROOT, design_file, run_python
 PARAMS = ROOT / "params"
 SWEEP, SCENE = PARAMS / "sweeps" / "board.toml", PARAMS / "scenes" / "hard_tap.toml"
 HAND = PARAMS / "scenes" / "real_manipulation.toml"
+OF_HAND = "is a manipulation file, not a design file; give one such as fsr400 (`fingertip simulate`"
 
 
 def run(*words: object) -> Any:
     return CliRunner().invoke(app, [str(word) for word in words])
 
 
-@pytest.mark.parametrize("command", ["build", "check", "sheet", "params", "picture", "drawing", "board", "validate"])
 @pytest.mark.parametrize(
-    ("file", "answer"),
+    ("command", "file", "answer"),
     [
-        (SWEEP, "is a sweep file, not a design file; give one such as fsr400 (`fingertip sweep` takes"),
-        (SCENE, "is a scene file, not a design file; give one such as fsr400 (`fingertip simulate` takes"),
-        (HAND, "is a manipulation file, not a design file; give one such as fsr400 (`fingertip simulate`"),
+        ("build", SWEEP, "is a sweep file, not a design file; give one such as fsr400 (`fingertip sweep` takes"),
+        ("check", SCENE, "is a scene file, not a design file; give one such as fsr400 (`fingertip simulate` takes"),
+        *((command, HAND, OF_HAND) for command in ("sheet", "params", "picture", "drawing", "board", "validate")),
     ],
 )
 def test_a_file_of_another_kind_is_named_with_its_command(command: str, file: Path, answer: str) -> None:

@@ -26,9 +26,8 @@ _CONTEXT = multiprocessing.get_context("fork")
 
 Line = dict[str, Any]
 """Result of a case."""
-RunPiece = Callable[[int, int, Path, Callable[[Line], None]], None]
-"""Function of the number of a piece, the number of its cases that have a result, a folder to work in, and where results
-go. It runs the other cases."""
+RunPiece = Callable[[range, Path, Callable[[Line], None]], None]
+"""Function of the numbers of a piece that have no result yet, a folder to work in, and where results go."""
 _CRASH: Line = {"family": "crash", "code": None, "seconds": 0.0, "peak": 0, "words": [], "files": {}}
 
 
@@ -58,15 +57,15 @@ class Pieces:
 
     def run(self, count: int, size: int) -> list[Line]:
         """Run what is left of a number of cases, in pieces of a size, and return the results of all."""
-        pieces = range(-(-count // size))
+        pieces = {number: range(start, min(start + size, count)) for number, start in enumerate(range(0, count, size))}
         earlier, begun, said, crashes = self._count(pieces), time.monotonic(), 0.0, 0
-        waiting = [piece for piece in pieces if not self._has_ended(piece, size)]
+        waiting = [piece for piece, cases in pieces.items() if not self._has_ended(piece, cases)]
         running: dict[int, _Running] = {}
         try:
             while (waiting or running) and crashes <= MAX_CRASHES:
                 while waiting and len(running) < self._jobs:
                     piece = waiting.pop(0)
-                    running[piece] = _Running(_CONTEXT.Process(target=self._work, args=(piece,)))
+                    running[piece] = _Running(_CONTEXT.Process(target=self._work, args=(piece, pieces[piece])))
                 time.sleep(0.05)
                 for piece, one in list(running.items()):
                     if one.is_alive(self._path(piece)):
@@ -76,9 +75,9 @@ class Pieces:
                         crashes += 1
                         print(f"crash in piece {piece}: exit code {one.process.exitcode}")
                         self._add(piece, _CRASH | {"faults": [f"crash: exit code {one.process.exitcode}"]})
-                        waiting = waiting if self._has_ended(piece, size) else [piece, *waiting]
+                        waiting = waiting if self._has_ended(piece, pieces[piece]) else [piece, *waiting]
                     else:  # Hypothesis may find no more cases before there are as many as were asked for
-                        self._path(piece).with_suffix(".ended").touch()
+                        self._end(piece, pieces[piece]).touch()
                 if time.monotonic() - said > SAID_S or not (waiting or running):
                     said, done = time.monotonic(), self._count(pieces)
                     rate = (done - earlier) / (said - begun)
@@ -95,14 +94,17 @@ class Pieces:
     def _count(self, pieces: Iterable[int]) -> int:
         return sum(len(read_lines(self._path(piece))) for piece in pieces)
 
-    def _has_ended(self, piece: int, size: int) -> bool:
-        return self._path(piece).with_suffix(".ended").exists() or len(read_lines(self._path(piece))) >= size
+    def _has_ended(self, piece: int, cases: range) -> bool:
+        return self._end(piece, cases).exists() or self._count([piece]) >= len(cases)
+
+    def _end(self, piece: int, cases: range) -> Path:
+        return self._path(piece).with_suffix(f".{len(cases)}-ended")
 
     def _add(self, piece: int, line: Line) -> None:
         with self._path(piece).open("a", encoding="utf-8") as file:
             file.write("\n" + json.dumps(line))  # after what a process that was killed has left
 
-    def _work(self, piece: int) -> None:
+    def _work(self, piece: int, cases: range) -> None:
         """Run a piece, in a process of its own."""
         end_with_parent()
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that started this one kills it
@@ -110,7 +112,7 @@ class Pieces:
         shutil.rmtree(work, ignore_errors=True)
         work.mkdir()
         try:
-            self._run_piece(piece, self._count([piece]), work, lambda line: self._add(piece, line))
+            self._run_piece(cases[self._count([piece]) :], work, lambda line: self._add(piece, line))
         finally:
             shutil.rmtree(work, ignore_errors=True)
 

@@ -77,11 +77,10 @@ def compute_cases(first_seed: int, numbers: range, report: Report, top: Path) ->
         report(case, *judge(case, top, in_process.run))
 
 
-def _run_piece(
-    kind: str, first_seed: int, out: Path, piece: int, done: int, top: Path, add: Callable[[Line], None]
-) -> None:
-    """Run a piece."""
-    source, number = hash_source(), PIECE * piece + done
+def _run_piece(kind: str, first_seed: int, out: Path, numbers: range, top: Path, add: Callable[[Line], None]) -> None:
+    """Run the cases of a piece that have no result yet."""
+    source, number = hash_source(), numbers.start
+    piece, done = divmod(number, PIECE)
 
     def report(case: Case, outcome: Outcome, faults: list[str]) -> None:
         nonlocal number
@@ -96,10 +95,11 @@ def _run_piece(
         number += 1
 
     if kind == "computing":
-        compute_cases(first_seed, range(number, PIECE * (piece + 1)), report, top)
+        compute_cases(first_seed, numbers, report, top)
     else:
         run = in_process.run if kind == "case" else as_process.run
-        run_cases(PIECE, 10_000 * first_seed + 5000 * (kind == "process") + piece, report, top, run, done)
+        piece_seed = 10_000 * first_seed + 5000 * (kind == "process") + piece
+        run_cases(done + len(numbers), piece_seed, report, top, run, done)
 
 
 def keep(folder: Path, case: Case, line: Line) -> None:

@@ -82,7 +82,8 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
         results.append(
             {"folder": folder.as_posix(), "passed": not differences, "files": count, "differences": differences}
         )
-        verdict = f"{len(differences)} differences" if differences else "all are as written"
+        number = len(differences)
+        verdict = f"{number} difference{'s' if number > 1 else ''}" if differences else "all are as written"
         summary = f"{folder}: {count} files compared, {verdict}"
         texts.append("\n".join([*differences, summary]))
     return results, texts

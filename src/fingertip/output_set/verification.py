@@ -25,8 +25,6 @@ _COMMANDS = {
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench", 0),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
-_FOLDERS = frozenset({*_OF_ONE_DESIGN, "fab", "3d"})
-"""Names of folders in which commands write below the one that is named. As links, they would lead elsewhere."""
 
 
 def verify_sets(folder: Path) -> tuple[int, list[str]]:
@@ -79,8 +77,9 @@ def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]
                 raise OutputError(Issue(str(top), message))
             for entry in found:
                 path = place / entry.name
-                if entry.is_symlink() and entry.name in _FOLDERS:
-                    issues.append(Issue(str(path), "is a link, not a folder; put the folder in its place."))
+                if entry.is_symlink() and (entry.name in _OF_ONE_DESIGN or path.is_dir()):
+                    message = "is a link, not a folder, and is not followed; put the folder in its place, or remove it."
+                    issues.append(Issue(str(path), message))
                 elif entry.is_dir(follow_symlinks=False) and (output_folder := find_output_folder(path)):
                     unfinished[path] = output_folder
                 elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):

@@ -100,9 +100,9 @@ class ConverterInput(ParameterTable):
 def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:
     """Yield each broken rule of a converter, with the names of the parameters it reads."""
     fields = {"converter.bits", "converter.low_v", "converter.high_v"}
-    least_v = round(converter.low_v + MIN_RANGE_V, 6)
-    if converter.bits and converter.high_v < least_v:
-        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {least_v!r} V."
+    min_v = round(converter.low_v + MIN_RANGE_V, 6)
+    if converter.bits and converter.high_v < min_v:
+        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {min_v!r} V."
         yield Issue("converter.high_v", message), fields
     if 0 < converter.bits < MIN_BITS:
         yield Issue("converter.bits", f"{converter.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields

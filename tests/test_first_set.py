@@ -46,6 +46,7 @@ def test_slow(): work(0.1)
         ("1", "not slow and not shared", (41, 0)),
         ("", "slow or shared", (1, 1)),
     ],
+    ids=["first", "all", "limit"],
 )
 def test_cases_and_costs(tmp_path: Path, full: str, word: str, expected: tuple[int, int]) -> None:
     (tmp_path / "test_some.py").write_text(TESTS, encoding="utf-8")

@@ -29,7 +29,6 @@ import typer
 
 from fingertip.board import write_board
 from fingertip.board.fabrication.provenance import provenance_record
-from fingertip.board.kicad.models import MODEL_FOLDER
 from fingertip.board.output import FAB_FOLDER, PROVENANCE, board_files
 from fingertip.build_files import parts_writer, prints_writer, steps_writer
 from fingertip.build_result import REPORT, SHEET
@@ -530,11 +529,16 @@ def leave_hostile(world: World) -> Iterator[tuple[str, Callable[[Path], object]]
     yield "plan pipe", lambda f: ((f / COMMIT).mkdir(), os.mkfifo(f / COMMIT / "complete.json"))
 
 
-def test_links_of_hidden_names_are_no_sets(world: World) -> None:
-    """What is named like a set is told of. Other links, and what is hidden, are not looked into."""
+@pytest.mark.parametrize("name", ["src", "photos", ".git", ".hidden.fingertip", ".fingertip-commit"])
+def test_a_link_to_a_folder_is_a_difference(world: World, name: str) -> None:
+    """What stands behind it is not compared: a changed file there must not pass as written."""
     world.renew()
-    for name in ("photos", ".git", ".hidden.fingertip"):
-        (world.path / TOP / name).symlink_to(world.victim)
+    (world.path / TOP / name).symlink_to(world.victim)
+    assert world.run(dataclasses.replace(COMMANDS["check"], codes=(1,))) == []
+
+
+def test_hidden_folders_are_not_looked_into(world: World) -> None:
+    world.renew()
     (world.path / TOP / ".cache").mkdir()
     (world.path / TOP / ".cache" / MANIFEST).write_text("{}")
     assert world.run(dataclasses.replace(COMMANDS["check"], codes=(0,))) == []
@@ -544,7 +548,6 @@ def test_large_and_deep_folders_are_looked_at_up_to_a_limit(tmp_path: Path, monk
     for depth in range(1, 7):
         SetWriter(tmp_path.joinpath(*"abcdef"[:depth]), "set", "", "").write({"a.csv": b"1"})
     assert verify_sets(tmp_path) == (4, [])
-    assert {"fab", MODEL_FOLDER} <= verification._FOLDERS
     monkeypatch.setattr(verification, "_MAX_ENTRIES", 5)
     with pytest.raises(OutputError, match="holds more than 5 files and folders; name a folder that a command wrote"):
         verify_sets(tmp_path)

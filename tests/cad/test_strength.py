@@ -151,6 +151,7 @@ def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     assert shock.passed
     assert shock.state == "warning"
     assert shock.to_dict()["warning"] == shock.warning
+    assert "It holds 35 N" in shock.warning, "35.x N, which it must not exceed"
     assert checks["bone.safety_factor.grip"].state == "passed"
     assert checks_of(strength={"min_shock_factor": 0.8})["bone.safety_factor.shock"].state == "failed"
     held = checks_of(strength={"shock_force_n": 35.0})["bone.safety_factor.shock"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -128,6 +130,19 @@ def test_summary_merges_slips_as_detection_does():
         "gross slip from 0.5000 s to 0.6000 s",
     ]
     assert len(summary.as_data(result)["slips"]) == 3
+
+
+def test_summary_tells_grams_and_millimetres() -> None:
+    """An object of 0.12 kg that moves by 3.1 mm."""
+    target = SimpleNamespace(surface="paper", mass_kg=0.12)
+    result: Any = SimpleNamespace(
+        scene=SimpleNamespace(object=target, grasp=SimpleNamespace(kind="pinch")), seed=0, samples=1000, slips=(),
+        duration_s=0.5, force_n=2.0, lost_s=None, plan=SimpleNamespace(pin=None),
+        signals=SimpleNamespace(object_m=[0.0, 0.0031]),
+    )  # fmt: skip
+    first, second = summary.as_text(result)
+    assert ", 120 g, pinch grasp, thumb 2.00 N, seed 0: 1000 samples, 0.50 s" in first
+    assert second == "the object moved by 3.1 mm and was held"
 
 
 def test_load_change_that_ends_the_contact_names_a_remedy_that_works():

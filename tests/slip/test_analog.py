@@ -14,6 +14,7 @@ from fingertip.design import Design
 from fingertip.errors import TraceError
 from fingertip.sim.signal.board_output import SimulatedBoardDetector, simulate_envelope_v
 from fingertip.slip import Trace, detect, make_detector
+from fingertip.slip.detectors.analog import AnalogDetector
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
 ARTICLE_DESIGN = ("--design", "article")
@@ -29,6 +30,14 @@ def test_the_board_is_simulated_for_a_recording_without_envelope(tmp_path):
     assert json.loads(closed.stdout)["noise_threshold_v"] == pytest.approx(20 / 65536, abs=1e-6)
     # No lower threshold is recommended: offsets and leakage raise a real board's quiescent output.
     assert "times the noise-derived threshold" not in closed.stderr
+
+
+def test_on_outlasts_the_envelope_by_the_memory() -> None:
+    """A window of 40 samples at 2 kHz: 20 ms."""
+    detector = AnalogDetector(2000.0, 40, 1e-6)
+    on = detector.process([1.0] * 100 + [0.0] * 100).on
+    assert detector.memory_s == 0.02
+    assert on[100:].sum() == pytest.approx(detector.memory_s * 2000, abs=1)
 
 
 @pytest.mark.full

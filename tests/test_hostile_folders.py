@@ -281,6 +281,7 @@ def put(path: Path, kind: str, victim: Path) -> None:
 
 def remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
+        path.chmod(0o700)
         shutil.rmtree(path)
     path.unlink(missing_ok=True)
 
@@ -576,13 +577,13 @@ def test_hostile_leftovers(world: World, name: str) -> None:
     faults, command = [], COMMANDS[name]
     for label, leave in leave_hostile(world):
         world.renew()
-        folder = world.path / TOP / "firmware"
+        folder = world.path / command.folder
         (folder / "mine.txt").touch()
         leave(folder)
         faults += [f"{label}: {fault}" for fault in world.run(dataclasses.replace(command, codes=(0, 1, 2)))]
         if not (folder / "mine.txt").is_file():
             faults.append(f"{label}: removed a file")
-        remove(folder.with_name(".firmware.fingertip"))
+        remove(folder.with_name(f".{folder.name}.fingertip"))
     assert faults == []
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import itertools
 import json
 import os
 import shutil
@@ -27,6 +28,7 @@ from typing import Any
 import pytest
 import typer
 
+from fingertip import files as output_files
 from fingertip.board import write_board
 from fingertip.board.fabrication.provenance import provenance_record
 from fingertip.board.output import FAB_FOLDER, PROVENANCE, board_files
@@ -86,7 +88,7 @@ COMMANDS = {
     "board --force": Command(
         ("board", "fsr400", "--set", "board.cutoff_hz=60", "--force", "--out", BOARD), BOARD, writes=True
     ),
-    "firmware": Command(("firmware", "fsr400", "--out", f"{TOP}/firmware"), f"{TOP}/firmware", ("", "src"), True),
+    "firmware": Command(("firmware", "fsr400", "--out", f"{TOP}/firmware"), f"{TOP}/firmware", ("", "src"), True, (2,)),
 }
 REFUSED = {
     "make": (("make", "fsr400", "--formats", "stl"), (".", "board", "signal")),
@@ -278,6 +280,7 @@ def put(path: Path, kind: str, victim: Path) -> None:
 
 def remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
+        path.chmod(0o700)
         shutil.rmtree(path)
     path.unlink(missing_ok=True)
 
@@ -317,12 +320,13 @@ def find_faults_with(world: World, command: Command, cases: Iterable[tuple[str, 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_hostile_files(world: World, name: str) -> None:
-    """Some files of each set as a link, and one with its manifest as everything."""
-    files: dict[str, list[str]] = {}
+    """The files of the set and some of those below it as a link, and one with its manifest as everything."""
+    sets: dict[str, list[str]] = {}
     for file in list_files(world, COMMANDS[name]):
-        files.setdefault(file.rpartition("/")[0], []).append(file)
-    some = [file for folder, found in files.items() for file in (found[0], f"{folder}/{MANIFEST}")]
-    cases = {(file, kind): None for kind in KINDS for file in some[:2]} | {(file, "link"): None for file in some}
+        sets.setdefault(file.rpartition("/")[0], []).append(file)
+    some = [file for folder, found in sets.items() for file in (found[0], f"{folder}/{MANIFEST}")]
+    links = (file for file in (*next(iter(sets.values())), *some))
+    cases = {(file, kind): None for kind in KINDS for file in some[:2]} | {(file, "link"): None for file in links}
     assert find_faults_with(world, COMMANDS[name], cases) == []
 
 
@@ -358,7 +362,7 @@ def plans(world: World) -> Iterator[tuple[str, Any]]:
         yield f"removed {name!r}"[:40], {"files": [], "removed": [name_in(world, name)]}
     yield "one file in two cases", {"files": ["bom.csv"], "removed": ["BOM.csv"]}
     yield "composed and decomposed", {"files": ["\xe9"], "removed": ["e\u0301"]}
-    yield "a folder", {"files": [], "removed": ["board", "src"]}
+    yield "a folder", {"files": ["README.md", "board", "src"], "removed": []}
     for data in (b"", b"x", b"\xff", b"[]", b"{}", b"[" * 100_000, b'{"files": 1, "removed": []}', b"9" * 5000):
         yield f"plan {data[:20]!r}", data
 
@@ -417,7 +421,7 @@ def test_hostile_manifests(world: World) -> None:
 def test_names_that_a_set_may_not_have_are_refused_before_they_are_written(tmp_path: Path) -> None:
     writer = SetWriter(tmp_path, "board", "finger", "a")
     writer.write({"bom.csv": b"1"})
-    for name in ("BOM.csv", "a:b.csv", "con", ".fingertip-x", "\ud800"):
+    for name in ("BOM.csv", "a:b.csv", "con", ".fingertip-x", "\ud800", "x" * 241):
         with pytest.raises(OutputError, match="has a name that not every system can store there; choose another one"):
             writer.write({name: b"2"})
     assert verify_sets(tmp_path) == (1, [])
@@ -443,7 +447,7 @@ def test_provenance_names_files_of_its_folder_only(world: World) -> None:
     record = world.path / BOARD / FAB_FOLDER / PROVENANCE
     text = record.read_text()
     faults = []
-    for name in (str(world.victim / "sweep/sweep.sqlite"), "x/../../../../../victim/sweep/sweep.sqlite"):
+    for name in (str(world.victim / "sweep/sweep.sqlite"), "./../../../../victim/sweep/sweep.sqlite"):
         record.unlink()
         record.write_text(f"{text}{'0' * 64}  {name}\n")
         faults += world.run(dataclasses.replace(COMMANDS["board --check"], codes=(1,)))
@@ -517,7 +521,7 @@ def leave_hostile(world: World) -> Iterator[tuple[str, Callable[[Path], object]]
     yield "staging of a link", lambda f: (link_out(f / "src", victim / "firmware/src"), stage(f / "src"))
     yield "staging pipe", lambda f: os.mkfifo(f.with_name(f".{f.name}.fingertip"))
     yield "link in staging", lambda f: (stage(f) / "print").symlink_to(victim / "print")
-    yield "plan in staging", lambda f: make_plan(stage(f) / COMMIT, {"files": [], "removed": ["README.md"]})
+    yield "plan in staging", lambda f: make_plan(stage(f) / COMMIT, {"files": [], "removed": ["mine.txt"]})
     yield "closed staging", lambda f: stage(f).chmod(0)
     yield "commit link", lambda f: (f / COMMIT).symlink_to(victim)
     yield "commit file", lambda f: (f / COMMIT).write_bytes(b"")
@@ -576,12 +580,13 @@ def test_hostile_leftovers(world: World, name: str) -> None:
     faults, command = [], COMMANDS[name]
     for label, leave in leave_hostile(world):
         world.renew()
-        folder = world.path / TOP / "firmware"
+        folder = world.path / command.folder
+        (folder / "mine.txt").touch()
         leave(folder)
         faults += [f"{label}: {fault}" for fault in world.run(dataclasses.replace(command, codes=(0, 1, 2)))]
-        if not (folder / "README.md").is_file():
-            faults.append(f"{label}: removed a file of the set")
-        remove(folder.with_name(".firmware.fingertip"))
+        if not (folder / "mine.txt").is_file():
+            faults.append(f"{label}: removed a file")
+        remove(folder.with_name(f".{folder.name}.fingertip"))
     assert faults == []
 
 
@@ -595,15 +600,14 @@ def test_folders_that_are_too_deep_to_remove_are_a_sentence(tmp_path: Path, monk
         SetWriter(tmp_path, "board", "finger", "a").write({"bom.csv": b"1"})
 
 
-def test_unfinished_files_in_a_folder(tmp_path: Path) -> None:
+def test_unfinished_files_in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A file is written beside its place under a name that a stranger may have taken, and leftovers are removed."""
     victim, path = tmp_path / "victim", tmp_path / "dl" / "a.csv"
     victim.write_bytes(b"precious")
     path.parent.mkdir()
-    for process in (os.getpid(), 2**22 + 1):
-        (path.parent / f".fingertip-{process}-a.csv").symlink_to(victim)
-    for odd in ("\xb2", "9" * 200, "", "-1", "x"):
-        (path.parent / f".fingertip-{odd}-a.csv").symlink_to(victim)
+    monkeypatch.setattr(output_files, "_numbers", itertools.count())
+    for process in (os.getpid(), 2**22 + 1, "\xb2", "9" * 200, "", "-1", "x"):
+        (path.parent / f".fingertip-{process}-0").symlink_to(victim)
     write_file(path, b"new")
     assert victim.read_bytes() == b"precious"
     assert path.read_bytes() == b"new"

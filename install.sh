@@ -67,9 +67,31 @@ and run this again."
 fi
 
 # --- fingertip -----------------------------------------------------------------------------------------------------
-# Editable: after a git pull the new code is there even if nobody runs this again, and the tests test the files one
-# edits. Then only a change of these files needs pip; what pip did last is noted in .venv.
-done_with=$(cat pyproject.toml constraints.txt src/fingertip/_version.py | cksum)
+# First the packages that it needs, those that build it among them: the list up to the end of this level. pip compares
+# each with the list's hashes, and takes no source archive, whose build would fetch packages that have none.
+requirements() { sed "/^# end of ${1:-all}\$/q" constraints-hashes.txt; }
+choose_requirements() {
+    target=$(.venv/bin/python -c 'import platform, sysconfig as s; print(s.get_config_var("SOABI"), platform.machine())')
+    if grep -qxF "# covers $target" constraints-hashes.txt; then
+        options='--require-hashes --only-binary=:all:'
+        requirements "$@" >.venv/requirements.txt
+    else
+        say "constraints-hashes.txt does not cover this Python ($target): packages are installed without comparing hashes"
+        options=
+        requirements "$@" | sed '/--hash/d; s/ \\$//' >.venv/requirements.txt
+    fi
+}
+
+# Then fingertip, editable: after a git pull the new code is there even if nobody runs this again, and the tests test
+# the files one edits. Without an index, pip refuses if pyproject.toml asks for something that the list lacks.
+install_all() {
+    # shellcheck disable=SC2086 # several options
+    quietly .venv/bin/python -m pip install -q $options -r .venv/requirements.txt &&
+        quietly .venv/bin/python -m pip install -q --no-index --no-build-isolation -e ".$extras"
+}
+
+# Only a change of these files needs pip; what pip did last is noted in .venv.
+done_with=$(cat pyproject.toml constraints-hashes.txt src/fingertip/_version.py | cksum)
 noted=$(cat .venv/installed 2>/dev/null || true)
 noted_level=0
 case "$noted" in "$done_with "[1-3]) noted_level=${noted##* } ;; esac
@@ -77,8 +99,8 @@ if [ "$noted_level" -ge "$level" ]; then
     say "fingertip is installed in .venv"
 else
     say "installing $what$([ -n "$noted" ] || echo ": some $size")"
-    quietly .venv/bin/python -m pip install -q -c constraints.txt -e ".$extras" ||
-        fail "pip failed, see above; run this again when its cause is gone."
+    choose_requirements "$@"
+    install_all || fail "pip failed, see above; run this again when its cause is gone."
     echo "$done_with $level" >.venv/installed
 fi
 if [ "$level" -eq 1 ]; then

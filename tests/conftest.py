@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import subprocess
 import sys
@@ -12,16 +13,22 @@ from typing import TypeVar
 
 import hypothesis
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from fingertip.build_files import build
 from fingertip.build_result import Build
 from fingertip.cli import app
 from fingertip.design import Design
+from tests import first_set
+from tests.first_set import FULL
 
 # How long an example takes depends on the machine; no test asserts it. `benchmarks/` measures.
 hypothesis.settings.register_profile("fingertip", deadline=None)
 hypothesis.settings.load_profile("fingertip")
+
+# Making the commands takes longer than most of them do in a test, so they are made once.
+typer.testing.__dict__["_get_command"] = functools.cache(typer.main.get_command)
 
 ROOT = Path(__file__).resolve().parent.parent
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
@@ -29,19 +36,14 @@ DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
 
 Case = TypeVar("Case")
 
-FULL = bool(os.environ.get("FINGERTIP_FULL"))
-"""True in `.ci/full`, where long tests take every bundled design."""
 
-
-def pytest_collection_modifyitems(items: Iterable[pytest.Item]) -> None:
-    """Leave out the tests that are marked `thorough` outside `.ci/full`."""
-    for item in () if FULL else items:
-        if item.get_closest_marker("thorough"):
-            item.add_marker(pytest.mark.skip(reason="thorough: FINGERTIP_FULL=1 runs it, as .ci/full does"))
+def pytest_configure(config: pytest.Config) -> None:
+    """Select the tests that run, and measure them."""
+    config.pluginmanager.register(first_set)
 
 
 def some_of(cases: Iterable[Case], *kept: Case) -> list[Case]:
-    """Select the cases of a long test: those kept, or every one in `.ci/full`."""
+    """Select the cases of a shared fixture: those kept, or every one in `.ci/full`."""
     return [case for case in cases if FULL or case in kept]
 
 

@@ -40,24 +40,26 @@ def test_every_file_has_a_name_of_its_own() -> None:
     assert sum(map(len, by_kind)) == len(FILES)
 
 
+def test_examples_in_messages_are_names_of_bundled_files() -> None:
+    assert [kind.name for kind in KINDS if kind.example not in list_bundled_files(kind)] == []
+
+
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
-def test_examples_in_messages_are_names_of_bundled_files(kind: Any) -> None:
-    assert kind.example in list_bundled_files(kind)
-
-
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_a_name_gives_what_the_path_gives(path: Path, folder: Path) -> None:
-    name = path.stem
-    if name in list_bundled_files(DESIGN):
-        assert Design.load(name) == Design.load(path)
-        assert load_simulation(name) == load_simulation(path)
-    elif name in list_bundled_files(SWEEP):
-        assert read_sweep_file(name) == read_sweep_file(path)
-        assert str(ROOT) not in to_canonical_text(read_sweep_file(name))
-    else:
-        model = SceneFile if name in list_bundled_files(SCENE) else ManipulationFile
-        assert model.load(name) == model.load(path)
-        assert load_simulation(name, "fsr402") == load_simulation(path, PARAMS / "fsr402.toml")
+def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
+    wrong = []
+    for name, path in list_bundled_files(kind).items():
+        if kind is DESIGN:
+            same = Design.load(name) == Design.load(path) and load_simulation(name) == load_simulation(path)
+        elif kind is SWEEP:
+            same = read_sweep_file(name) == read_sweep_file(path)
+            same = same and str(ROOT) not in to_canonical_text(read_sweep_file(name))
+        else:
+            model = SceneFile if kind is SCENE else ManipulationFile
+            by_name, by_path = load_simulation(name, "fsr402"), load_simulation(path, PARAMS / "fsr402.toml")
+            same = model.load(name) == model.load(path) and by_name == by_path
+        if not same:
+            wrong.append(name)
+    assert wrong == []
 
 
 def test_a_path_comes_before_a_name(folder: Path) -> None:
@@ -156,6 +158,7 @@ def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
     assert plan.scene == SceneFile.load("sliding_finger")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "words",
     [
@@ -165,10 +168,10 @@ def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
         ("simulate", "sliding_surface", "--design", "fsr402"),
         ("simulate", "real_manipulation", "--parameters"),
         ("sweep", "map", *SMALL_MAP),
-        pytest.param(("check", "fsr400", "fsr402"), marks=pytest.mark.slow),
-        pytest.param(("sheet", "fsr402"), marks=pytest.mark.slow),
-        pytest.param(("picture", "fsr400"), marks=pytest.mark.slow),
-        pytest.param(("build", "fsr400", "--parts", "skin", "--formats", "stl"), marks=pytest.mark.slow),
+        pytest.param(("check", "fsr400", "fsr402"), marks=pytest.mark.full),
+        pytest.param(("sheet", "fsr402"), marks=pytest.mark.full),
+        pytest.param(("picture", "fsr400"), marks=pytest.mark.full),
+        pytest.param(("build", "fsr400", "--parts", "skin", "--formats", "stl"), marks=pytest.mark.full),
     ],
     ids=lambda words: words[0],
 )
@@ -182,6 +185,7 @@ def test_commands_take_names_and_write_no_path_of_this_machine(words: tuple[str,
         assert str(folder).encode() not in text
 
 
+@pytest.mark.full
 def test_detect_takes_a_name(folder: Path) -> None:
     assert run_fingertip("simulate", "fsr400", "--out", "trace.csv").returncode == 0
     by_name, by_path = (
@@ -211,7 +215,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         held = {name: archive.read(name) for name in archive.namelist() if name.startswith("fingertip/params/")}
@@ -219,7 +223,7 @@ def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
     assert held == {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in files}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_installed_wheel_finds_its_files(wheel: Path, folder: Path) -> None:
     target = folder / "installed"
     command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(target), str(wheel)]

@@ -72,7 +72,7 @@ def run_action(repository: Path, **inputs: str) -> list[int]:
     return codes
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_action_checks_designs_and_boards(repository: Path) -> None:
     assert run_action(repository, designs="*.toml", boards="a.toml:pcb\n", tolerance_mm="0.05") == [0, 0, 0]
     suites = {suite.get("name") for suite in ElementTree.parse(repository / "fingertip.xml").iter("testsuite")}
@@ -82,7 +82,7 @@ def test_action_checks_designs_and_boards(repository: Path) -> None:
     assert (source / "pyproject.toml").samefile(ROOT / "pyproject.toml")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_action_fails_where_a_board_is_of_another_design(repository: Path) -> None:
     (repository / "a.toml").write_text('name = "a"\n[board]\ncutoff_hz = 80\n')
     codes = run_action(repository, designs="b.toml", boards="a.toml:pcb\nb.toml:none\n", tolerance_mm="0.05")
@@ -94,6 +94,7 @@ def test_action_fails_where_a_design_is_refused(repository: Path) -> None:
     assert run_action(repository, designs="a.toml") == [0, 2]
 
 
+@pytest.mark.full
 def test_hooks_run(repository: Path) -> None:
     hooks = {hook["id"]: hook for hook in read_yaml(HOOKS)}
     assert set(hooks) == {"fingertip-check", "fingertip-board"}

@@ -6,75 +6,119 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
 import pytest
+from packaging.specifiers import SpecifierSet
 
-from tools.dependencies import hashes, licences
-from tools.dependencies.hashes import IndexFile, choose_files, read_html_page, read_json_page
-from tools.dependencies.pins import CONSTRAINTS, canonical, read_pins, read_project, supported_pythons, users_packages
+from tools.dependencies import hashes, licences, needs
+from tools.dependencies.hashes import IndexFile, choose_wheels, read_html_page, read_json_page
+from tools.dependencies.pins import (
+    CONSTRAINTS,
+    canonical,
+    read_back_end,
+    read_pins,
+    read_project,
+    supported_pythons,
+    users_packages,
+)
 
 PYTHONS = [(3, 11), (3, 12), (3, 13)]
+TARGETS = needs.list_targets(read_project())
 PINS = read_pins(CONSTRAINTS.read_text(encoding="utf-8"))
 HASHED = hashes.HASHES.read_text(encoding="utf-8")
 PAGE = licences.PAGE.read_text(encoding="utf-8")
 
 
-def chosen(*names: str, package: str = "numpy", version: str = "2.4.6") -> set[str]:
-    """Names of the files that are selected for a version."""
-    return {file.name for file in choose_files([IndexFile(name, name) for name in names], package, version, PYTHONS)}
+HASH = "    --hash=sha256:[0-9a-f]{64}"
+PIN = re.compile(rf"^([\w.-]+)==([\w.]+)(?: ; (.+))? \\\n(?:{HASH} \\\n)*{HASH}\n", re.MULTILINE)
+
+
+def chosen(*names: str, targets: list[needs.Target] = TARGETS) -> set[str]:
+    """Names of the wheels of numpy 2.4.6 that are selected."""
+    return {file.name for file in choose_wheels([IndexFile(name, name) for name in names], "numpy", "2.4.6", targets)}
 
 
 def test_hashes_and_constraints_list_the_same_versions() -> None:
-    pins = re.findall(r"^(\S+)==(\S+) \\$", HASHED, re.MULTILINE)
+    pins = [(name, version) for name, version, _ in PIN.findall(HASHED)]
     assert dict(pins) == PINS, "run python -m tools.dependencies.hashes"
     assert len(pins) == len(PINS)
 
 
 def test_hashes_are_nothing_but_pins_and_sha256() -> None:
-    lines = [line for line in HASHED.splitlines() if not line.startswith("#")]
+    rest = [line for line in PIN.sub("", HASHED).splitlines() if not line.startswith("# ")]
+    assert rest == []
+    assert "://" not in HASHED
+
+
+def test_each_level_of_the_list_has_what_it_needs() -> None:
+    as_pinned(name for name, _, marker in PIN.findall(HASHED) if "sys_platform" not in marker)
+    project = read_project()
+    levels = needs.list_levels(project, read_back_end())
+    found = {
+        canonical(name): (level, marker)
+        for level, part in zip(levels, re.split("# end of .*\n", HASHED), strict=False)
+        for name, _, marker in PIN.findall(part)
+    }
+    assert re.findall("# end of (.*)\n", HASHED) == list(levels)
+    assert found == {
+        name: (need.level, needs.format_marker(need, TARGETS))
+        for name, need in needs.list_needs(levels, TARGETS).items()
+    }, "run python -m tools.dependencies.hashes"
+
+
+def test_pinned_packages_take_the_first_release_of_each_python() -> None:
+    """Debian 12 has 3.11.2."""
+    as_pinned(name for name, _, marker in PIN.findall(HASHED) if not marker)
     wrong = [
-        line
-        for line in lines
-        if not re.fullmatch(r"[A-Za-z0-9][\w.-]*==[\w.]+ \\|    --hash=sha256:[0-9a-f]{64}( \\)?", line)
+        (name, needed)
+        for name, _, marker in PIN.findall(HASHED)
+        if not marker and (needed := metadata.metadata(name).get("Requires-Python"))
+        for python in PYTHONS
+        if not SpecifierSet(needed).contains(f"{python[0]}.{python[1]}.0")
     ]
     assert wrong == []
-    assert "://" not in HASHED
-    # Each pin goes on to a hash, and the last hash of each pin ends it.
-    blocks = re.findall(r"^\S+==\S+ \\\n(?:    --hash=\S+ \\\n)*    --hash=\S+\n", HASHED, re.MULTILINE)
-    assert len(blocks) == len(PINS)
 
 
 def test_supported_pythons_are_those_of_the_classifiers() -> None:
     assert supported_pythons(read_project()) == PYTHONS
 
 
-def test_wheels_of_supported_pythons_are_selected_on_every_platform() -> None:
+def test_wheels_of_supported_pythons_and_platforms_are_selected() -> None:
     wanted = {
         "numpy-2.4.6-cp311-cp311-manylinux_2_28_x86_64.whl",
-        "numpy-2.4.6-cp313-cp313-win_amd64.whl",
-        "numpy-2.4.6-1-cp312-cp312-macosx_14_0_arm64.whl",
-        "numpy-2.4.6-cp39-abi3-musllinux_1_2_aarch64.whl",
+        "numpy-2.4.6-cp313-cp313-macosx_12_0_arm64.whl",
+        "numpy-2.4.6-1-cp312-cp312-manylinux2014_aarch64.manylinux_2_17_aarch64.whl",
+        "numpy-2.4.6-cp39-abi3-macosx_10_9_universal2.whl",
         "numpy-2.4.6-py2.py3-none-any.whl",
         "numpy-2.4.6-py3-none-manylinux1_x86_64.whl",
     }
     unwanted = {
-        "numpy-2.4.6-cp310-cp310-win_amd64.whl",
-        "numpy-2.4.6-cp313-cp313t-win_amd64.whl",
-        "numpy-2.4.6-cp314-abi3-win_amd64.whl",
-        "numpy-2.4.6-pp311-pypy311_pp73-win_amd64.whl",
+        "numpy-2.4.6-cp310-cp310-manylinux_2_28_x86_64.whl",
+        "numpy-2.4.6-cp313-cp313t-manylinux_2_28_x86_64.whl",
+        "numpy-2.4.6-cp314-abi3-manylinux_2_28_x86_64.whl",
+        "numpy-2.4.6-pp311-pypy311_pp73-manylinux_2_28_x86_64.whl",
+        "numpy-2.4.6-cp311-cp311-manylinux_2_32_x86_64.whl",
+        "numpy-2.4.6-cp311-cp311-musllinux_1_2_x86_64.whl",
+        "numpy-2.4.6-cp311-cp311-macosx_13_0_arm64.whl",
+        "numpy-2.4.6-cp311-cp311-macosx_12_0_x86_64.whl",
+        "numpy-2.4.6-cp311-cp311-win_amd64.whl",
         "numpy-2.4.6-py2-none-any.whl",
-        "numpy-2.4.5-cp311-cp311-win_amd64.whl",
-        "numpy_more-2.4.6-cp311-cp311-win_amd64.whl",
+        "numpy-2.4.5-cp311-cp311-manylinux_2_28_x86_64.whl",
+        "numpy_more-2.4.6-cp311-cp311-manylinux_2_28_x86_64.whl",
         "numpy-2.4.6.tar.gz",
     }
     assert chosen(*wanted, *unwanted) == wanted
 
 
-def test_source_archive_is_selected_where_there_is_no_wheel() -> None:
-    files = ["A_b.c-1.0.tar.gz", "a-b-c-1.0.1.tar.gz", "a-b-c-1.0-cp310-cp310-win_amd64.whl"]
-    assert chosen(*files, package="a-b-c", version="1.0") == {"A_b.c-1.0.tar.gz"}
+def test_platform_without_a_wheel_is_an_error() -> None:
+    name = "numpy-2.4.6-cp311-cp311-manylinux_2_28_x86_64.whl"
+    here, *_, elsewhere = TARGETS
+    assert chosen(name, targets=[here]) == {name}
+    with pytest.raises(SystemExit, match=r"no wheel of numpy 2\.4\.6 for cpython-313-darwin arm64"):
+        chosen(name, targets=[here, elsewhere])
 
 
 def test_both_forms_of_the_index_are_read() -> None:
@@ -86,16 +130,18 @@ def test_both_forms_of_the_index_are_read() -> None:
     assert list(read_html_page(page)) == list(read_json_page(data)) == [IndexFile("a-1+local.whl", sha)]
 
 
-def as_pinned() -> None:
-    """Skip a test of the page where other versions than the pinned ones are installed."""
+def as_pinned(names: Iterable[str]) -> None:
+    """Skip a test of a list where other versions than the pinned ones are installed."""
     pins = {canonical(name): version for name, version in PINS.items()}
-    for name in licences.collect(users_packages(read_project())):
-        if metadata.version(name) != pins.get(name):
-            pytest.skip(f"the page is about the pinned versions, and {name} {metadata.version(name)} is installed")
+    installed = {canonical(one.metadata["Name"]): one.version for one in metadata.distributions()}
+    wrong = [name for name in map(canonical, names) if installed.get(name) != pins.get(name)]
+    if wrong:
+        pytest.skip(f"the list is about the pinned versions, and {wrong[0]} {installed.get(wrong[0])} is installed")
 
 
+@pytest.mark.full
 def test_licence_of_every_dependency_is_listed() -> None:
-    as_pinned()
+    as_pinned(needs.collect(users_packages(read_project())))
     found = licences.list_licences()
     assert set(users_packages(read_project())) <= {canonical(one.name) for one in found}
     rows = {line.split(" | ")[0][2:]: line for line in PAGE.splitlines() if line.startswith("| ")}
@@ -106,8 +152,9 @@ def test_licence_of_every_dependency_is_listed() -> None:
         assert licences.format_page(found) == PAGE
 
 
+@pytest.mark.full
 def test_every_package_that_mentions_the_lgpl_is_named() -> None:
-    as_pinned()
+    as_pinned(needs.collect(users_packages(read_project())))
     found = {canonical(one.name) for one in licences.list_licences()}
     mentioned = {name for name in found if licences.mentions_lgpl(name)}
     assert mentioned <= set(licences.COPYLEFT) <= found

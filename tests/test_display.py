@@ -67,6 +67,7 @@ def test_short_forms_of_traces_and_detections(trace: Trace, detection: Detection
     assert repr(Trace(np.zeros(0), np.zeros(0))) == "Trace(0 samples)"
 
 
+@pytest.mark.full
 def test_short_form_of_a_build(built: Build) -> None:
     assert len(repr(built)) < 300
     assert "bone; " in repr(built)
@@ -78,6 +79,7 @@ def parse(text: str) -> list[ElementTree.Element]:
     return list(ElementTree.fromstring(f"<div>{text}</div>").iter("table"))
 
 
+@pytest.mark.full
 def test_tables_are_well_formed(trace: Trace, detection: Detection, built: Build) -> None:
     assert (
         len(list(parse(Design.load("fsr402")._repr_html_())[0].iter("tr"))) == len(Design.load("fsr402").changes()) + 1
@@ -105,7 +107,7 @@ def test_traces_and_detections_are_drawn(make: Callable[..., Picture], trace: Tr
     assert repr(picture).startswith(f"Picture({picture.size_px[0]} x ")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_designs_and_builds_are_drawn(built: Build, tmp_path: Path) -> None:
     picture = built.design.plot(500)
     assert picture.size_px[0] == 500
@@ -113,6 +115,7 @@ def test_designs_and_builds_are_drawn(built: Build, tmp_path: Path) -> None:
     assert picture.save(tmp_path / "a.png").read_bytes() == picture.png
 
 
+@pytest.mark.full
 def test_data_frames(trace: Trace, detection: Detection, built: Build) -> None:
     require_module("pandas")
     frame = trace.to_dataframe()
@@ -138,7 +141,7 @@ def test_a_missing_package_is_named(trace: Trace, monkeypatch: pytest.MonkeyPatc
         trace.to_dataframe()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_assembly_holds_parts_and_hardware_in_place() -> None:
     require_module("cadquery")
     design = Design()

@@ -69,7 +69,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_site_asks_nothing_of_another_server(site: Path) -> None:
     pages = list(site.glob("*.html"))
     assert len(pages) == len(PAGES) + 1  # and that of errors
@@ -84,7 +84,7 @@ def test_the_site_asks_nothing_of_another_server(site: Path) -> None:
         assert not re.search(r"@import|url\(['\"]?(?:https?:)?//", text)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_site_holds_what_is_generated(site: Path) -> None:
     assert "Usage: fingertip sweep" in (site / "commands.html").read_text()
     assert "distance_from_tip_mm" in (site / "parameters.html").read_text()

@@ -110,6 +110,7 @@ def test_missing_package_is_refused_before_any_work(folder: Path, command: str, 
     assert set(folder.rglob("*")) == before
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("core")
 def test_build_makes_stl_and_3mf_and_says_what_step_needs(folder: Path) -> None:
     done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", folder / "out")
@@ -121,6 +122,7 @@ def test_build_makes_stl_and_3mf_and_says_what_step_needs(folder: Path) -> None:
     ]
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("core")
 def test_build_in_python_has_the_same_formats(folder: Path) -> None:
     messages: list[str] = []
@@ -139,6 +141,7 @@ def test_build_makes_all_formats_where_cadquery_is_installed() -> None:
     assert messages == []
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("core")
 def test_report_of_a_sweep_leaves_its_plots_out(folder: Path) -> None:
     done = run_fingertip("sweep", "grid.toml", "--out", "out", "--jobs", 1, PWD=str(folder))
@@ -154,7 +157,6 @@ def test_report_of_a_sweep_leaves_its_plots_out(folder: Path) -> None:
     ]
 
 
-@pytest.mark.slow
 def test_report_of_a_sweep_with_matplotlib_holds_the_plots_that_the_sentence_names(folder: Path) -> None:
     assert run_fingertip("sweep", "grid.toml", "--out", "out", "--jobs", 1, PWD=str(folder)).returncode == 0
     assert run_fingertip("sweep", "--show", "--out", "out", PWD=str(folder)).returncode == 0
@@ -243,6 +245,7 @@ print(refused)
 """
 
 
+@pytest.mark.full
 def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
     done = run_python("-c", IMPORT_EVERYTHING)
     assert done.returncode == 0, done.stderr

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
+import hashlib
 import mmap
 import re
 import struct
 import subprocess
 import sys
-import tomllib
-from collections.abc import Iterable
+import zipfile
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from fingertip.extras import EXTRAS
 from tests.tools import require_tool
+from tools.dependencies.pins import CONSTRAINTS, ROOT, canonical, names_of, read_pins, read_project
 
-ROOT = Path(__file__).resolve().parents[1]
 INSTALL = ROOT / "install.sh"
-CONSTRAINTS = ROOT / "constraints.txt"
 SCRIPTS = [INSTALL, *sorted(path for path in (ROOT / ".ci").iterdir() if path.is_file() and not path.suffix)]
-
-
-def canonical(name: str) -> str:
-    return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def lines() -> list[str]:
@@ -34,33 +28,23 @@ def lines() -> list[str]:
 
 
 def pins() -> dict[str, str]:
-    return {canonical(name): version for name, version in (line.split("==") for line in lines())}
-
-
-def project() -> dict[str, Any]:
-    table: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return table
-
-
-def names_of(requirements: Iterable[str]) -> list[str]:
-    """Packages of requirements, in canonical form."""
-    return [canonical(re.split(r"[^\w.-]", requirement)[0]) for requirement in requirements]
+    return {canonical(name): version for name, version in read_pins(CONSTRAINTS.read_text(encoding="utf-8")).items()}
 
 
 def named_dependencies() -> list[str]:
     """Dependencies of the core and of all extras, without the package itself, of which some extras consist."""
-    extras = project()["optional-dependencies"].values()
-    names = names_of([*project()["dependencies"], *(entry for extra in extras for entry in extra)])
+    extras = read_project()["optional-dependencies"].values()
+    names = names_of([*read_project()["dependencies"], *(entry for extra in extras for entry in extra)])
     return [name for name in names if name != "fingertip"]
 
 
 def test_core_is_what_every_command_needs() -> None:
     core = ["manifold3d", "numpy", "pillow", "pydantic", "tomlkit", "typer"]
-    assert sorted(names_of(project()["dependencies"])) == core
+    assert sorted(names_of(read_project()["dependencies"])) == core
 
 
 def test_messages_name_the_extra_that_installs_each_package() -> None:
-    extras = project()["optional-dependencies"]
+    extras = read_project()["optional-dependencies"]
     for module, extra in EXTRAS.items():
         package = {"dask": "distributed"}.get(module, module)  # distributed brings dask
         assert names_of(extras[extra]) == [package]
@@ -124,26 +108,52 @@ def test_install_refuses_an_unknown_word() -> None:
     assert done.stderr == "install: the words it takes are 'core' and 'test'; not 'tests'\n"
 
 
+LIST = """\
+# covers cpython-311-x86_64-linux-gnu x86_64
+a==1 \\
+    --hash=sha256:00 \\
+    --hash=sha256:11
+# end of core
+b==1 ; (python_version == "3.11") \\
+    --hash=sha256:00
+# end of all
+c==1 \\
+    --hash=sha256:00
+# end of test
+"""
+
+
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A folder with install.sh and a .venv whose Python only notes what pip is asked for."""
     (tmp_path / ".venv/bin").mkdir(parents=True)
     (tmp_path / "src/fingertip").mkdir(parents=True)
     (tmp_path / "install.sh").write_bytes(INSTALL.read_bytes())
-    for name in ("pyproject.toml", "constraints.txt", "src/fingertip/_version.py"):
+    for name in ("pyproject.toml", "src/fingertip/_version.py"):
         (tmp_path / name).write_text(name, encoding="utf-8")
-    python = tmp_path / ".venv/bin/python"
-    python.write_text('#!/bin/sh\n[ "$3" != install ] || echo "$@" >>asked\n', encoding="utf-8")
-    python.chmod(0o755)
-    (tmp_path / ".venv/bin/pip").write_text(f"#!{python.resolve()}\n", encoding="utf-8")
+    (tmp_path / "constraints-hashes.txt").write_text(LIST, encoding="utf-8")
+    set_python(tmp_path, "cpython-311-x86_64-linux-gnu x86_64")
+    (tmp_path / ".venv/bin/pip").write_text(f"#!{(tmp_path / '.venv/bin/python').resolve()}\n", encoding="utf-8")
     return tmp_path
 
 
-def install(folder: Path, *words: str) -> str:
-    """Run install.sh and return what pip was asked to install; empty if pip was not needed."""
-    (folder / "asked").unlink(missing_ok=True)
+def set_python(folder: Path, target: str, pip: str = "true") -> None:
+    """Write a Python that says what it was built for, notes what pip is asked to install, and then runs a command."""
+    program = f'[ "$1" != -c ] || echo "{target}"\n[ "$3" != install ] || {{ echo "$@" >>asked; {pip}; }}\n'
+    python = folder / ".venv/bin/python"
+    python.write_text(f"#!/bin/sh\n{program}", encoding="utf-8")
+    python.chmod(0o755)
+
+
+def run_install(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     command = ["sh", str(folder / "install.sh"), *words]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def install(folder: Path, *words: str) -> str:
+    """Run install.sh and return what pip was asked to install at last; empty if pip was not needed."""
+    (folder / "asked").unlink(missing_ok=True)
+    done = run_install(folder, *words)
     assert (done.returncode, done.stderr) == (0, "")
     return (folder / "asked").read_text(encoding="utf-8").split()[-1] if (folder / "asked").exists() else ""
 
@@ -155,12 +165,64 @@ def test_install_adds_what_the_present_installation_lacks(checkout: Path) -> Non
 
 def test_install_asks_pip_again_when_the_dependencies_changed(checkout: Path) -> None:
     assert install(checkout) == ".[all]"
-    (checkout / "constraints.txt").write_text("numpy==1", encoding="utf-8")
+    (checkout / "constraints-hashes.txt").write_text(LIST.replace("a==1", "a==2"), encoding="utf-8")
     assert install(checkout) == ".[all]"
     (checkout / ".venv/installed").write_text(
         "4022803434 5704 test", encoding="utf-8"
     )  # as an earlier install.sh wrote
     assert install(checkout, "test") == ".[all,test]"
+
+
+@pytest.mark.parametrize(("words", "end"), [(["core"], "core"), ([], "all"), (["test"], "test")])
+def test_install_compares_every_package_of_its_level(checkout: Path, words: list[str], end: str) -> None:
+    install(checkout, *words)
+    first, second = (checkout / "asked").read_text(encoding="utf-8").splitlines()
+    assert first == "-m pip install -q --require-hashes --only-binary=:all: -r .venv/requirements.txt"
+    assert second.startswith("-m pip install -q --no-index --no-build-isolation -e .")
+    required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8")
+    assert required == LIST[: LIST.index(f"{end}\n")] + f"{end}\n"
+
+
+@pytest.mark.parametrize(
+    "target", ["cpython-314-x86_64-linux-gnu x86_64", "cpython-311-x86_64-linux-musl x86_64", "cpython-311-x86_64"]
+)
+def test_install_says_that_it_compares_nothing_where_there_are_no_hashes(checkout: Path, target: str) -> None:
+    set_python(checkout, target)
+    said = f"install: constraints-hashes.txt does not cover this Python ({target}): packages are installed without"
+    assert said in run_install(checkout).stdout
+    first, _ = (checkout / "asked").read_text(encoding="utf-8").splitlines()
+    assert first == "-m pip install -q -r .venv/requirements.txt"
+    required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8").splitlines()
+    assert [line for line in required if line[0] != "#"] == ["a==1", 'b==1 ; (python_version == "3.11")']
+
+
+def write_wheel(path: Path, name: str, text: str = "") -> str:
+    """Write a wheel with one module and return its SHA-256."""
+    with zipfile.ZipFile(path, "w") as wheel:
+        wheel.writestr(f"{name}.py", text)
+        wheel.writestr(f"{name}-1.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: 1\n")
+        wheel.writestr(f"{name}-1.dist-info/WHEEL", "Wheel-Version: 1.0\nTag: py3-none-any\n")
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def test_install_refuses_a_wheel_of_other_bytes(checkout: Path) -> None:
+    """pip itself, without a network: it takes the first of two wheels and refuses the second."""
+    pytest.importorskip("pip")
+    wheels = {name: checkout / f"{name}-1-py3-none-any.whl" for name in ("a", "b")}
+    hashes = {name: write_wheel(path, name) for name, path in wheels.items()}
+    write_wheel(wheels["b"], "b", "import a")
+    pinned = "".join(f"{name}==1 --hash=sha256:{sha256}\n" for name, sha256 in hashes.items())
+    covered = LIST.splitlines()[0]
+    (checkout / "constraints-hashes.txt").write_text(f"{covered}\n{pinned}", encoding="utf-8")
+    options = "--isolated --dry-run --ignore-installed --no-index --find-links ."
+    set_python(checkout, covered.removeprefix("# covers "), f'"{sys.executable}" -I "$@" {options}')
+    done = run_install(checkout)
+    assert done.returncode == 1
+    assert "DO NOT MATCH THE HASHES" in done.stderr
+    assert re.findall(r"^    (\S+) from ", done.stderr, re.MULTILINE) == ["b==1"]
+    assert done.stderr.endswith("install: pip failed, see above; run this again when its cause is gone.\n")
+    assert not (checkout / ".venv/installed").exists()
+    assert len((checkout / "asked").read_text(encoding="utf-8").splitlines()) == 1
 
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:

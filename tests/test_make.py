@@ -37,6 +37,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.full
 def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> None:
     """Parts and board have the bytes that `build` and `board` write; the trace is that of `simulate`.
 
@@ -68,6 +69,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     assert json.loads(signal["signal/detection.json"])["intervals"] == detected["intervals"]
 
 
+@pytest.mark.full
 def test_all_sets_are_as_written(made: Path) -> None:
     count, differences = verify_sets(made)
     manifests = list(made.rglob("manifest.json"))
@@ -81,6 +83,7 @@ def test_all_sets_are_as_written(made: Path) -> None:
     assert (count, differences) == (len(files_below(made)) - len(manifests), [])
 
 
+@pytest.mark.full
 def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
     for name in ("bone.stl", "print/bone.stl", "steps/01-cure_test.png", "board/bom.csv", "signal/trace.csv"):
         folder = tmp_path / name.replace("/", "_")
@@ -91,6 +94,7 @@ def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path)
         assert files_below(folder) == {name: b"mine"}
 
 
+@pytest.mark.full
 def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both need the B-rep kernel, whose minutes this test leaves to the README's first block."""
     design, messages = Design.load("fsr400"), list[str]()
@@ -106,6 +110,7 @@ def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.Monke
     assert "drawing.pdf is left out: it needs the package reportlab" in " ".join(messages)
 
 
+@pytest.mark.full
 def test_command_prints_where_everything_is(tmp_path: Path) -> None:
     run = run_fingertip("make", "fsr400", *QUICK, "--json", "--quiet", PWD=str(tmp_path))
     assert (run.returncode, run.stderr) == (0, "")

@@ -1,53 +1,82 @@
-"""Lists of mutation testing: modules and tests exist, equivalent mutants fit a line, and a fork runs changed code."""
+"""Mutation testing: equivalent mutants fit a line, jobs hold the tests that reach a change, and changed code runs."""
 
 from __future__ import annotations
 
+import ast
+import json
 import re
-import subprocess
-import sys
+from collections import Counter
 from pathlib import Path
 
-import pytest
+from tests.conftest import ROOT, run_python
+from tools.mutation.mutants import Mutant, Reach, is_equivalent, read_equivalent
+from tools.mutation.reach import start
+from tools.mutation.run import group_packages, plan_job
 
-from tests.conftest import ROOT
-from tools.mutation.forks import Target
-from tools.mutation.run import Mutant, is_equivalent, read_equivalent, read_targets
-
-
-@pytest.mark.parametrize("target", read_targets(), ids=lambda target: target.name)
-def test_named_modules_and_their_tests_exist(target: Target) -> None:
-    assert (ROOT / target.path).is_file()
-    tests = [word for word in target.arguments if word.endswith(".py")]
-    assert tests
-    assert all((ROOT / test).is_file() for test in tests)
+MUTANT = Mutant("sim", "src/fingertip/sim/grid.py", 2, "", "x = 0", "x = -1", "")
 
 
-@pytest.mark.parametrize("entry", read_equivalent(), ids=lambda entry: entry["module"])
-def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why(entry: dict[str, str]) -> None:
-    lines = [line.strip() for line in (ROOT / entry["module"]).read_text(encoding="utf-8").splitlines() if line.strip()]
-    assert any(re.fullmatch(entry["before"], line) for line in lines), "the line is gone: remove the entry"
-    assert not any(re.fullmatch(entry["after"], line) for line in lines)
-    assert len(entry["reason"]) > 20
+def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why() -> None:
+    wrong = []
+    for entry in read_equivalent():
+        path = ROOT / entry["module"]
+        lines = [line.strip() for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
+        fits = any(re.fullmatch(entry["before"], line) for line in lines)
+        if not fits or any(re.fullmatch(entry["after"], line) for line in lines if line) or len(entry["reason"]) < 20:
+            wrong.append(entry)
+    assert wrong == [], "the line is gone, or has no reason: remove the entry or mend it"
 
 
 def test_only_listed_changes_are_equivalent() -> None:
-    listed = [{"module": "a.py", "before": r"x = \d", "after": "x = -1", "reason": ""}]
-    path = Path("a.py")
-    assert is_equivalent(path, Mutant(1, 0, "", "x = 0", "x = -1", ""), listed)
-    assert not is_equivalent(path, Mutant(1, 0, "", "x = 0", "x = 1", ""), listed)
-    assert not is_equivalent(path, Mutant(1, 0, "", "y = 0", "x = -1", ""), listed)
-    assert not is_equivalent(Path("b.py"), Mutant(1, 0, "", "x = 0", "x = -1", ""), listed)
+    listed = [{"module": MUTANT.path, "before": r"x = \d", "after": "x = -1", "reason": ""}]
+    assert is_equivalent(MUTANT, listed)
+    for other in ({"after": "x = 1"}, {"before": "y = 0"}, {"path": "b.py"}):
+        assert not is_equivalent(Mutant(**(MUTANT.__dict__ | other)), listed)
 
 
-@pytest.mark.slow
-def test_fork_runs_the_tests_on_changed_code() -> None:
-    """In a process of its own, as other tests of this one have imported the module already."""
+def test_a_job_holds_the_tests_that_enter_the_innermost_block() -> None:
+    blocks = [("fingertip.sim.grid", 1, 9), ("fingertip.sim.grid", 2, 3)]
+    tests = {0: ("t.py::a", "t.py::b", "t.py::c"), 1: ("t.py::a", "t.py::b")}
+    cost_s = {"t.py::a": 2.0, "t.py::b": 1.0, "t.py::c": 1.0}
+    reach = Reach(blocks, cost_s, tests, dict.fromkeys(cost_s, ()), {})
+    assert plan_job(MUTANT, reach, Counter(), 9.0).tests == ["t.py::b", "t.py::a"]
+    assert plan_job(MUTANT, reach, Counter({"t.py::a": 1}), 9.0).tests == ["t.py::a", "t.py::b"]
+    assert plan_job(MUTANT, reach, Counter(), 1.5).tests == ["t.py::b"]
+    assert plan_job(MUTANT, reach, Counter(), 9.0).is_fresh is False
+    outside = Mutant(**(MUTANT.__dict__ | {"line": 20}))
+    assert plan_job(outside, reach, Counter(), 9.0).is_fresh is True
+    assert len(plan_job(outside, reach, Counter(), 9.0).tests) == 3
+
+
+def test_blocks_are_the_bodies_of_functions_loops_and_branches() -> None:
+    tree = ast.parse("x = 1\ndef f(a):\n    if a:\n        return 1\n    else:\n        a = 2\n    return a\n")
+    assert [body[0].lineno for body in start.number_blocks(tree)] == [3, 4, 6]
+
+
+def test_small_packages_are_pooled() -> None:
+    assert group_packages(Counter(a=50, b=30, c=9, d=2, e=41)) == [["a"], ["e"], ["b", "c", "d"]]
+
+
+def test_a_process_runs_changed_code(tmp_path: Path) -> None:
+    changed = tmp_path / "mutant.json"
+    changed.write_text(json.dumps({"name": "fingertip.errors", "code": "x = 'changed'"}), encoding="utf-8")
+    code = "import fingertip.errors; print(fingertip.errors.x)"
+    paths = f"{ROOT / 'tools' / 'mutation' / 'start'}:{ROOT / 'src'}"
+    done = run_python("-c", code, FINGERTIP_MUTANT=str(changed), PYTHONPATH=paths)
+    assert done.stdout == "changed\n"
+
+
+def test_a_fork_runs_the_new_code_of_a_function() -> None:
+    """In a process of its own: the function stays changed."""
     code = """
-from pathlib import Path
-from tools.mutation.forks import Target, run_tests
-target = Target(Path("src/fingertip/sim/grid.py"), ("tests/sim/test_grid.py",))
-source = target.source
-assert run_tests(target, source, 300.0).passed
-assert not run_tests(target, source.replace("math.ceil(", "math.floor("), 300.0).passed
+import dataclasses
+from fingertip.sim import grid
+from tests.test_mutation import MUTANT
+from tools.mutation.server import change_functions
+source = open(grid.__file__, encoding="utf-8").read()
+assert grid.count_samples(0.9, 1.0) == 2
+change_functions(dataclasses.replace(MUTANT, code=source.replace("math.ceil(", "math.floor(")))
+assert grid.count_samples(0.9, 1.0) == 1
 """
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
+    done = run_python("-c", code, PYTHONPATH=f"{ROOT / 'src'}:{ROOT}")
+    assert done.returncode == 0, done.stderr

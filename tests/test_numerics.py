@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import brentq, fminbound, linprog, minimize_scalar
 
 from fingertip import numerics
 from fingertip.arrays import Array
@@ -32,6 +31,8 @@ MAXIMA: list[tuple[Callable[[float], float], float, float]] = [
 
 @pytest.mark.parametrize(("function", "low", "high"), ROOTS)
 def test_bisect_finds_the_root_that_brentq_finds(function: Callable[[float], float], low: float, high: float) -> None:
+    from scipy.optimize import brentq
+
     root = brentq(function, low, high, xtol=1e-15, rtol=8.9e-16)
     sign = -1.0 if function(low) < 0.0 else 1.0
     ends = bisect(lambda x: sign * function(x) > 0.0, low, high)
@@ -66,6 +67,8 @@ def test_bisect_returns_the_neighbouring_floats_around_any_boundary(boundary: fl
 def test_find_root_finds_the_root_that_brentq_finds(
     function: Callable[[float], float], low: float, high: float, known: bool
 ) -> None:
+    from scipy.optimize import brentq
+
     root = brentq(function, low, high, xtol=1e-15, rtol=8.9e-16)
     for ends in ((low, high), (high, low)):
         values = (function(ends[0]), function(ends[1])) if known else None
@@ -81,6 +84,8 @@ def test_find_root_returns_an_end_that_is_the_root_within_a_step() -> None:
 def test_find_maximum_finds_the_maximum_that_scipy_finds(
     function: Callable[[float], float], low: float, high: float
 ) -> None:
+    from scipy.optimize import minimize_scalar
+
     oracle = minimize_scalar(lambda x: -function(x), bounds=(low, high), method="bounded", options={"xatol": 1e-9})
     location, value = find_maximum(function, low, high, 1e-7)
     assert location == pytest.approx(oracle.x, abs=2e-7)
@@ -115,6 +120,8 @@ def test_find_maximum_finds_a_maximum_at_an_end() -> None:
 
 
 def test_bisect_arrays_finds_a_root_in_every_element() -> None:
+    from scipy.optimize import brentq
+
     targets = np.linspace(0.1, 8.0, 40)
     low, high = bisect_arrays(lambda x: x**3 < targets, np.zeros(40), np.full(40, 3.0), 50)
     roots = [brentq(lambda x, t=t: x**3 - t, 0.0, 3.0, xtol=1e-15) for t in targets]
@@ -130,6 +137,8 @@ def test_bisect_arrays_takes_the_steps_of_bisect() -> None:
 
 
 def test_find_maximum_arrays_finds_a_maximum_in_every_element() -> None:
+    from scipy.optimize import minimize_scalar
+
     peaks = np.linspace(0.1, 2.9, 30)
 
     def function(x: Array) -> Array:
@@ -199,9 +208,11 @@ def test_find_root_of_a_line_needs_one_chord() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
-@pytest.mark.parametrize(
-    ("function", "low", "high"),
-    [
+def test_find_maximum_takes_the_steps_of_brents_method(tolerance: float) -> None:
+    """SciPy's steps differ by its least one, which grows by 1.5e-8 of the location."""
+    from scipy.optimize import fminbound
+
+    searches: list[tuple[Callable[[float], float], float, float]] = [
         *MAXIMA,
         (lambda x: x, 0.0, 1.0),
         (lambda x: -x, 0.0, 1.0),
@@ -217,18 +228,14 @@ def test_find_root_of_a_line_needs_one_chord() -> None:
         (lambda x: -(abs(x + 0.1) ** 1.3) * (1.0 if x > -0.1 else 8.5), -1.6, 1.8),
         (lambda x: math.floor(-5.0 * (math.exp(7.3 * x) + math.exp(-6.5 * x))), -0.8, 1.6),
         (lambda x: math.floor(-2.0 * (math.exp(x) + math.exp(-8.3 * x))), -1.0, 2.0),
-    ],
-)
-def test_find_maximum_takes_the_steps_of_brents_method(
-    function: Callable[[float], float], low: float, high: float, tolerance: float
-) -> None:
-    """SciPy's steps differ by its least one, which grows by 1.5e-8 of the location."""
-    ours, scipys = Counted(function), Counted(lambda x: -function(x))
-    location, value = find_maximum(ours, low, high, tolerance)
-    expected = fminbound(scipys, low, high, xtol=tolerance)
-    assert ours.points == pytest.approx(scipys.points, abs=3e-6)
-    assert location == pytest.approx(expected, abs=3e-6)
-    assert value == function(location)
+    ]
+    for number, (function, low, high) in enumerate(searches):
+        ours, scipys = Counted(function), Counted(lambda x, f=function: -f(x))  # type: ignore[misc]
+        location, value = find_maximum(ours, low, high, tolerance)
+        expected = fminbound(scipys, low, high, xtol=tolerance)
+        assert ours.points == pytest.approx(scipys.points, abs=3e-6), number
+        assert location == pytest.approx(expected, abs=3e-6), number
+        assert value == function(location), number
 
 
 @pytest.mark.parametrize("steps", [0, 1, 7, 20])
@@ -307,6 +314,8 @@ def test_a_pyramid_has_its_maximum_at_the_tip() -> None:
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 6])
 def test_linear_programs_have_the_maxima_of_a_library(size: int) -> None:
+    from scipy.optimize import linprog
+
     rng = np.random.default_rng(size)
     for count in (3, 9, 24):
         rows, bounds = rng.normal(size=(count, size)), rng.uniform(0.01, 2.0, count)

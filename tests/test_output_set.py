@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -126,6 +127,20 @@ def kill_everywhere(folder: Path, action: Callable[[], object]) -> Iterator[int]
         operation += 1
 
 
+def tree_of(folder: Path) -> dict[str, bytes | None]:
+    return {str(path): path.read_bytes() if path.is_file() else None for path in sorted(folder.rglob("*"))}
+
+
+def assert_check_only_reports(folder: Path, unfinished: Path, command: str) -> None:
+    """`check` changes nothing. It names what is left unfinished, and the command that completes it."""
+    before = tree_of(folder.parent)
+    differences = "\n".join(verify_sets(folder)[1])
+    assert tree_of(folder.parent) == before
+    text = f"{unfinished}: was left by a command that was ended before it was done; {command} completes it."
+    assert (text in differences) == unfinished.exists()
+
+
+@pytest.mark.full
 def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     seen, steps = set(), 0
@@ -133,6 +148,8 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
         steps += 1
         assert_whole(folder)  # at once, before anything else has run
         seen.add("old" if files_in(folder) == OLD else "new")
+        staging = folder.with_name(".board.fingertip")
+        assert_check_only_reports(folder, staging, f"`fingertip board DESIGN --out {folder}`")
         writer(folder, "new").write(NEW)  # the next run
         assert files_in(folder) == NEW
         assert (folder / "fab" / "gerbers.zip").read_bytes() == b"gerbers"
@@ -141,20 +158,13 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
     assert steps > 12
 
 
-def test_check_recovers_what_a_killed_writer_left(tmp_path: Path) -> None:
+def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
-    for _ in kill_everywhere(folder, lambda: writer(folder, "new").write(NEW)):
-        verify_sets(folder)
-        assert_whole(folder)
-        assert_no_litter(folder)
-
-
-def test_check_recovers_sets_in_subfolders(tmp_path: Path) -> None:
-    folder = tmp_path / "area" / "board"
-    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "new")
+    fabrication = SetWriter(folder / "fab", "gerbers", "finger", "old", force=True)
     for _ in kill_everywhere(folder, lambda: fabrication.write({"gerbers.zip": b"new"})):
+        assert_check_only_reports(folder, folder / ".fab.fingertip", "the next command that writes there")
+        fabrication.write({"gerbers.zip": b"new"})
         assert verify_sets(folder) == (4, [])
-        assert [path.name for path in (folder / "fab").iterdir() if path.name.startswith(".")] == []
         assert_no_litter(folder)
 
 
@@ -177,12 +187,14 @@ def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> N
     assert os.waitpid(child, 0)[1] == 0
 
 
+@pytest.mark.full
 def test_killed_renames_in_place_are_completed_or_undone_by_the_next_command(tmp_path: Path) -> None:
     """Where folders cannot be swapped, the set is whole again after the next command."""
     folder = tmp_path / "area" / "board"
     seen = set()
     for _ in kill_everywhere(folder, lambda: writer(folder, "new", in_place=True).write(NEW)):
-        verify_sets(folder)
+        assert_check_only_reports(folder, folder / ".fingertip-commit", f"`fingertip board DESIGN --out {folder}`")
+        writer(folder, "new").check([])
         assert_whole(folder)
         seen.add("old" if files_in(folder) == OLD else "new")
         assert_no_litter(folder)
@@ -210,7 +222,7 @@ def test_current_folder_is_not_swapped_from_under_the_shell(tmp_path: Path, monk
     assert_no_litter(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_random_interruptions_leave_whole_sets(tmp_path: Path) -> None:
     """200 writers are killed after random times. No folder is ever mixed, and nothing is left in the end."""
     folder = tmp_path / "area" / "board"
@@ -233,7 +245,7 @@ def test_random_interruptions_leave_whole_sets(tmp_path: Path) -> None:
     assert_no_litter(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)
@@ -433,8 +445,14 @@ def test_folder_that_may_not_be_written_is_refused_and_nothing_is_left(
     folder = tmp_path / "area" / "board"
     prepare(folder)
     folder.chmod(mode)
-    may_write = os.access  # root may write everywhere
-    monkeypatch.setattr(os, "access", lambda path, how: os.stat(path).st_mode & 0o200 and may_write(path, how))
+    mkdir = os.mkdir
+
+    def refuse(path: Path, mode: int = 0o777) -> None:  # root may write everywhere
+        if not os.stat(path.parent).st_mode & 0o200:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        mkdir(path, mode)
+
+    monkeypatch.setattr(os, "mkdir", refuse)
     with pytest.raises(OutputError, match="board: may not be written; change its mode"):
         writer(folder, "new").write(NEW)
     assert [path.name for path in folder.parent.iterdir()] == ["board"]
@@ -443,9 +461,31 @@ def test_folder_that_may_not_be_written_is_refused_and_nothing_is_left(
     assert files_in(folder) == OLD
 
 
+@pytest.mark.parametrize("place", ["/proc/fingertip/board", "area/" + 300 * "b"])
+def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OutputError, match=r"cannot be written \((No such file|File name too long).*another folder"):
+        writer(Path(place), "new").check(NEW)
+    writer(Path("area/board"), "new").check(NEW)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_manifest_of_another_program_is_refused_before_work(tmp_path: Path) -> None:
+    (tmp_path / MANIFEST).write_text('{"icons": []}')
+    with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):
+        writer(tmp_path, "new").check(["bom.csv"])
+
+
+def test_the_root_of_the_file_system_can_hold_a_set() -> None:
+    recover(Path("/"))  # before each write below it; its own name is empty
+
+
 # Single files
 
 
+@pytest.mark.full
 def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_up(tmp_path: Path) -> None:
     path = tmp_path / "trace.csv"
     operation, killed = 0, True
@@ -462,7 +502,7 @@ def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_u
 def test_unfinished_file_of_a_running_process_is_left_alone(tmp_path: Path) -> None:
     with open_atomic(tmp_path / "long.csv") as file:
         file.write(b"half")
-        write_file(tmp_path / "short.csv", b"short")
+        write_file(tmp_path / (251 * "s" + ".csv"), b"as long a name as disks permit")
         file.write(b" and half")
     assert (tmp_path / "long.csv").read_bytes() == b"half and half"
 

@@ -95,7 +95,7 @@ def test_the_first_two_blocks_set_up_build_and_test() -> None:
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("command", DISTINCT)
 def test_command_runs(command: str, clone: Path) -> None:
     words, _, source = command.partition(" < ")
@@ -108,7 +108,7 @@ def test_command_runs(command: str, clone: Path) -> None:
         assert re.search(r"^(ON|detected) ", done.stdout, flags=re.MULTILINE)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_files_the_readme_promises(clone: Path) -> None:
     """After the commands above, in the order of this module."""
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
@@ -128,7 +128,7 @@ def test_files_the_readme_promises(clone: Path) -> None:
     assert {"out/wider/exploded.png", "out/wider/bone.stl", "myfinger.toml"} <= made
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("script", [block for language, block in BLOCKS if language == "python"])
 def test_python_block_runs(script: str, clone: Path) -> None:
     done = run_python("-c", script, PWD=str(clone))
@@ -144,9 +144,9 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-@pytest.mark.parametrize(("page", "target"), LINKS)
-def test_links_lead_to_files(page: str, target: str) -> None:
-    assert (ROOT / page).parent.joinpath(target).exists()
+def test_links_lead_to_files() -> None:
+    assert len(LINKS) > 50
+    assert [link for link in LINKS if not (ROOT / link[0]).parent.joinpath(link[1]).exists()] == []
 
 
 def test_readme_is_short() -> None:

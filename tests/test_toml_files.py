@@ -101,6 +101,8 @@ def test_changes_go_to_the_file_that_knows_their_name() -> None:
     others = ["cable.hum_v=1", *changes[1:]]
     assert split_changes([*others, "mold.draft_deg=2"], [MANIPULATION]) == (others, ["mold.draft_deg=2"])
     assert split_changes(changes, [SCENE, MANIPULATION]) == (changes, [])
+    # A manipulation has a table `hand` too: without one, the name is the design's.
+    assert split_changes([*changes, "hand.width_mm=6"], []) == (changes, ["hand.width_mm=6"])
     assert split_changes(["tap.force_n=1", "skin.width_mm=18"], [SCENE]) == (["tap.force_n=1"], ["skin.width_mm=18"])
     unknown = ["tp.force_n=1", "skn.width_mm=18", "x=1"]
     assert split_changes(unknown, [SCENE]) == (unknown[:1], unknown[1:])

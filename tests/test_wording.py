@@ -63,6 +63,7 @@ def misplaced(path: Path) -> list[str]:
     ]
 
 
+@pytest.mark.full
 def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
     wrong = [line for path in SOURCES for line in misplaced(path)]
     assert not wrong, "\n".join(wrong)
@@ -101,6 +102,7 @@ API = re.compile(r"optimize\.|minimize_scalar|unit=\"millimeter\"")
 """American spellings that file formats and libraries prescribe."""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "folder", ["src", "tools", "params", "docs", "examples", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
 )

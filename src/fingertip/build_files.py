@@ -44,9 +44,9 @@ from fingertip.design.export import to_toml
 from fingertip.design.issues import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.errors import DesignError, InputFileError, Issue
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import PARSED_LIMIT, is_safe_name, read_input
 from fingertip.output_set import SetWriter, hash_parameters, read_manifest
-from fingertip.output_set.manifest import hash_file
+from fingertip.output_set.manifest import has_hash
 from fingertip.progress import Work
 
 
@@ -124,6 +124,8 @@ def build(
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
     print_writer = prints_writer(design, folder, force)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
+    picture_writer = steps_writer(design, folder, force)
+    picture_writer.check(())
 
     with contextlib.ExitStack() as stack:
         # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
@@ -173,7 +175,6 @@ def build(
     result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
     contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[DESIGN] = to_toml(design, DESIGN_HEADING).encode()
-    picture_writer = steps_writer(design, folder, force)
     print_writer.check(prints.contents)
     picture_writer.check(steps_drawn)
     removed = writer.write(contents)
@@ -205,7 +206,7 @@ def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWrite
 def _subset_writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
     """Writer of a set in a folder of its own below the parts, with the same parameters."""
     parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder / kind, kind, design.name, parameters, force=force)
+    return SetWriter(folder / kind, kind, design.name, parameters, force=force, top=folder)
 
 
 def _replace_subset(
@@ -215,7 +216,7 @@ def _replace_subset(
 
     Files of the same parameters that end with `obsolete` and are not written again are removed too.
     """
-    old = read_manifest(writer.folder)
+    old = read_manifest(writer.folder, writer.top)
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()
     unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
@@ -249,7 +250,7 @@ def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -
 def _files_of_version_one(folder: Path) -> list[str]:
     """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
     try:
-        report = json.loads(read_input(folder / REPORT, OUTPUT_LIMIT))
+        report = json.loads(read_input(folder / REPORT, PARSED_LIMIT, below=folder))
         hashes = {
             entry["files"][file_format]: digest
             for entry in report["parts"].values()
@@ -257,12 +258,9 @@ def _files_of_version_one(folder: Path) -> list[str]:
         }
     except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return []
-    own = [name for name, digest in hashes.items() if _matches(folder / name, digest)]
-    return [*own, *(name for name in (ASSEMBLY, SHEET, REPORT, DESIGN) if (folder / name).is_file())]
-
-
-def _matches(path: Path, digest: str) -> bool:
-    return path.is_file() and hash_file(path) == digest
+    own = [name for name, digest in hashes.items() if is_safe_name(name) and has_hash(folder / name, digest)]
+    beside = (folder / name for name in (ASSEMBLY, SHEET, REPORT, DESIGN))
+    return [*own, *(path.name for path in beside if path.is_file() and not path.is_symlink())]
 
 
 def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ command writes as several files is a set (`fingertip.output_set`).
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +16,8 @@ from typing import BinaryIO
 from fingertip.errors import Issue, OutputError
 
 _PREFIX = ".fingertip-"
-"""Beginning of the name of an unfinished file; the number of its process follows."""
+"""Beginning of the name of an unfinished file; the number of its process and its own follow."""
+_numbers = itertools.count()
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
@@ -60,12 +62,13 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
     if path.is_dir():
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
     created = [folder for folder in (path.parent, *path.parent.parents) if not folder.exists()]
-    temporary = path.with_name(f"{_PREFIX}{os.getpid()}-{path.name}")
+    temporary = path.with_name(f"{_PREFIX}{os.getpid()}-{next(_numbers)}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _remove_leftovers(path.parent)
         try:
-            with temporary.open("wb") as file:
+            temporary.unlink(missing_ok=True)
+            with temporary.open("xb") as file:  # never through a link of that name
                 yield file
             os.replace(temporary, path)
         finally:
@@ -85,7 +88,7 @@ def _remove_leftovers(folder: Path) -> None:
     """Remove unfinished files of processes that were killed."""
     for path in folder.glob(f"{_PREFIX}*"):
         process = path.name.removeprefix(_PREFIX).partition("-")[0]
-        if process.isdigit() and not _is_running(int(process)):
+        if process.isascii() and process.isdecimal() and not _is_running(int(process)):
             with contextlib.suppress(OSError):
                 path.unlink()
 
@@ -93,7 +96,7 @@ def _remove_leftovers(folder: Path) -> None:
 def _is_running(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
+    except (ProcessLookupError, OverflowError):  # or no number of a process
         return False
     except OSError:  # it belongs to somebody else
         return True

@@ -1,21 +1,28 @@
-"""Gate for files that are read: regular files of a bounded size, and archives of bounded content.
+"""Gate for files that are read: regular files of a bounded size, safe names, and archives of bounded content.
 
 Every file that a user names, or that stands in a folder that a user names, is opened here or checked here before a
 library opens it. A device, a pipe or a socket is refused without being opened for reading: it may never end. The limits
 may be raised by environment variables, for files that are large on purpose.
+
+A folder may come from a stranger. Whoever reads a file in it says so with `below`: no link is followed then, and every
+name on the way from that folder to the file is that of a file or folder within it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import stat
 import struct
+import unicodedata
 import zipfile
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, TypeGuard
 
-from fingertip.errors import InputFileError, Issue, quote_value
+from fingertip.errors import InputFileError, Issue, escape_control, quote_value
 
 _MEGABYTE = 2**20
 
@@ -58,6 +65,8 @@ SAMPLES_LIMIT = Limit("FINGERTIP_MAX_SAMPLES", 2**23, 1, "samples")
 """Largest number of samples of a recording. Each takes some 75 bytes of memory."""
 OUTPUT_LIMIT = Limit("FINGERTIP_MAX_OUTPUT_MB", 256, _MEGABYTE, "MB")
 """Largest file of an output folder that is read back [bytes]."""
+PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
+"""Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
 MAX_MEMBERS = 10_000
 """Maximum number of files in an archive."""
 MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
@@ -67,7 +76,16 @@ MAX_RATIO = 200
 times."""
 _LARGE_BYTES = 32 * _MEGABYTE
 """Size from which the ratio of a member matters [bytes]."""
+_SEPARATORS = frozenset('/\\:*?"<>|')
+"""Characters that separate the names of a path, on one system or another, or that Windows reserves."""
+_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}) | {
+    f"{port}{number}" for port in ("COM", "LPT") for number in "123456789\xb9\xb2\xb3"
+}
+"""Names that are devices on Windows, whatever their ending."""
+_MAX_NAME_BYTES = 240
+"""Maximum length of a name; file systems take 255 bytes, and a name may get a prefix for a moment."""
 _KINDS = (
+    (stat.S_ISLNK, "is a link"),
     (stat.S_ISDIR, "is a folder"),
     (stat.S_ISFIFO, "is a pipe"),
     (stat.S_ISSOCK, "is a socket"),
@@ -76,7 +94,39 @@ _KINDS = (
 )
 
 
-def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file") -> int:
+def is_safe_name(name: object) -> TypeGuard[str]:
+    """Return whether a value is the name of one file in a folder on every system: no path, no device of Windows.
+
+    The names of what stands for a moment beside a set that is replaced are none.
+    """
+    return (
+        isinstance(name, str)
+        and escape_control(name) == name
+        and not _SEPARATORS.intersection(name)
+        and 0 < len(name.encode()) <= _MAX_NAME_BYTES
+        and name[-1] not in ". "  # Windows leaves them out
+        and name.partition(".")[0].rstrip().upper() not in _DEVICES
+        and not name.casefold().startswith(".fingertip")
+    )
+
+
+def find_unsafe_names(names: Iterable[object]) -> list[object]:
+    """Find the names that are not safe, and those that are one file with an earlier one where case does not count."""
+    seen, found = {""}, []
+    for name in names:
+        folded = unicodedata.normalize("NFD", name).casefold() if is_safe_name(name) else ""
+        found += [name] if folded in seen else []
+        seen.add(folded)
+    return found
+
+
+def find_link(folder: Path, path: Path) -> Path | None:
+    """Find the first link on the way from a folder, which may be one itself, to a path below it; None without any."""
+    ways = [path, *path.parents][: len(path.relative_to(folder).parts)]
+    return next((way for way in reversed(ways) if way.is_symlink()), None)
+
+
+def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file", below: Path | None = None) -> int:
     """Check that a path names a regular file within a limit, and return its size [bytes].
 
     Parameters
@@ -86,36 +136,49 @@ def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file"
     limit
         Largest size; None if there is none.
     wanted
-        What the remedy asks for, such as "a design file".
+        What the remedy asks for, such as "a design file", where the user has named the file itself.
+    below
+        Folder that the user has named, and that the file stands below: no link in it is followed. None if links are.
 
     Raises
     ------
     InputFileError
-        If it is none, or is too large.
+        If it is none, is too large, or is not below the folder.
     """
     try:
-        return _check_status(path, os.stat(path), limit, wanted)
+        return _check_status(path, _read_status(path, below), limit, _remedy(wanted, below))
     except (OSError, ValueError) as error:
-        raise _unreadable(path, error, wanted) from None
+        raise _unreadable(path, error, _remedy(wanted, below)) from None
 
 
-def read_input(path: Path, limit: Limit, wanted: str = "a file", length: int | None = None) -> bytes:
+@contextlib.contextmanager
+def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | None = None) -> Iterator[BufferedReader]:
+    """Open a regular file to read; parameters and exceptions are those of `check_regular`."""
+    remedy = _remedy(wanted, below)
+    try:
+        _check_status(path, _read_status(path, below), limit, remedy)
+        # Opening a pipe that took the file's place meanwhile would wait for its writer, but for the first flag.
+        names = ("O_NONBLOCK", "O_BINARY", *(() if below is None else ("O_NOFOLLOW",)))
+        handle = os.open(path, os.O_RDONLY | sum(getattr(os, name, 0) for name in names))
+        with os.fdopen(handle, "rb") as file:
+            _check_status(path, os.fstat(handle), limit, remedy)
+            yield file
+    except (OSError, ValueError) as error:
+        raise _unreadable(path, error, remedy) from None
+
+
+def read_input(
+    path: Path, limit: Limit, wanted: str = "a file", length: int | None = None, below: Path | None = None
+) -> bytes:
     """Read a regular file, whole or at most its first `length` bytes; the others are as for `check_regular`.
 
     Raises
     ------
     InputFileError
-        If it cannot be read, is no regular file, or is too large.
+        If it cannot be read, is no regular file, is too large, or is not below the folder.
     """
-    try:
-        _check_status(path, os.stat(path), limit, wanted)
-        # Opening a pipe that took the file's place meanwhile would wait for its writer, but for this flag.
-        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-        with os.fdopen(handle, "rb") as file:
-            _check_status(path, os.fstat(handle), limit, wanted)
-            data = file.read(limit.value + 1 if length is None else length)
-    except (OSError, ValueError) as error:
-        raise _unreadable(path, error, wanted) from None
+    with open_input(path, limit, wanted, below) as file:
+        data = file.read(limit.value + 1 if length is None else length)
     if len(data) > limit.value:  # it grows, or is one of the system's files that state no size
         raise _too_large(path, len(data), limit)
     return data
@@ -167,18 +230,32 @@ def check_member(member: zipfile.ZipInfo) -> None:
         )
 
 
-def _check_status(path: Path, status: os.stat_result, limit: Limit | None, wanted: str) -> int:
+def _read_status(path: Path, below: Path | None) -> os.stat_result:
+    """Read what a path names; below a folder that may be a stranger's, without leaving it."""
+    if below is None:
+        return os.stat(path)
+    names = path.relative_to(below).parts if path.is_relative_to(below) else ()
+    if not (names and all(is_safe_name(name) for name in names)):
+        raise InputFileError(Issue(str(path), f"is no name of a file in {below}; rename it."))
+    return os.lstat(find_link(below, path) or path)
+
+
+def _remedy(wanted: str, below: Path | None) -> str:
+    return f"give the path of {wanted}." if below is None else "put a file in its place."
+
+
+def _check_status(path: Path, status: os.stat_result, limit: Limit | None, remedy: str) -> int:
     if not stat.S_ISREG(status.st_mode):
         kind = next((text for is_kind, text in _KINDS if is_kind(status.st_mode)), "is no regular file")
-        raise InputFileError(Issue(str(path), f"{kind}, not a regular file; give the path of {wanted}."))
+        raise InputFileError(Issue(str(path), f"{kind}, not a regular file; {remedy}"))
     if limit is not None and status.st_size > limit.value:
         raise _too_large(path, status.st_size, limit)
     return status.st_size
 
 
-def _unreadable(path: Path, error: OSError | ValueError, wanted: str) -> InputFileError:
+def _unreadable(path: Path, error: OSError | ValueError, remedy: str) -> InputFileError:
     reason = "its path holds a NUL character" if isinstance(error, ValueError) else error.strerror or str(error)
-    return InputFileError(Issue(str(path), f"cannot be read ({reason}); give the path of {wanted}."))
+    return InputFileError(Issue(str(path), f"cannot be read ({reason}); {remedy}"))
 
 
 def _too_large(path: Path, size: int, limit: Limit) -> InputFileError:

@@ -83,12 +83,12 @@ def make(
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
     folder = Path("out") / design.name if out is None else Path(out)
-    board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force)
+    board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
     formats = None if formats is None else tuple(formats)
     draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
-    board_writer(design, board_folder, force).check(BRING_UP_FILES)
+    board_writer(design, board_folder, force, folder).check(BRING_UP_FILES)
     plan_board(design, board_folder, force=force)
     signal.check((TRACE, PLOT, DETECTION))
     boards: list[BoardPlan] = []

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from fingertip.build_files import parts_writer
 from fingertip.design import Design
+from fingertip.errors import FingertipError, Issue, OutputError
 from fingertip.files import open_atomic
 from fingertip.page import PAGE
 from fingertip.page.atlas import draw_atlas
@@ -37,8 +38,14 @@ def write_page(
     folder = Path("out") / design.name if out is None else Path(out)
     writer = parts_writer(design, folder, force)
     writer.check((PAGE,))
-    sources = read_sources(design, folder)
-    data = render_page(sources)
+    try:
+        sources = read_sources(design, folder)
+        data = render_page(sources)
+    except (FingertipError, OSError, MemoryError):
+        raise
+    except Exception as error:  # what the manifest lists may be any file all the same
+        message = f"holds files that cannot be shown ({type(error).__name__}: {error}); `fingertip make` makes others."
+        raise OutputError(Issue(str(folder), message)) from error
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())
 

@@ -19,6 +19,7 @@ from fingertip.input_files import TOML_LIMIT, read_input
 
 MAX_DEPTH = 12
 """Maximum depth of tables and lists in a file. A sweep of scenes needs five."""
+_TOO_DEEP = f"nests tables and lists more than {MAX_DEPTH} deep; write them side by side"
 _NUMBER_REMEDY = "write whole numbers of at most 18 digits, and larger ones with an exponent, such as 1e30"
 
 
@@ -110,15 +111,26 @@ def parse_toml(text: str) -> dict[str, Any]:
     UnusableTomlError
         If it is nested deeper, or holds a larger number.
     """
-    too_deep = f"nests tables and lists more than {MAX_DEPTH} deep; write them side by side"
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
         raise
     except RecursionError:
-        raise UnusableTomlError(too_deep) from None
+        raise UnusableTomlError(_TOO_DEEP) from None
     except ValueError:  # Python converts no whole number of thousands of digits
         raise UnusableTomlError(f"holds a number that is too long; {_NUMBER_REMEDY}") from None
+    check_values(tables)
+    return tables
+
+
+def check_values(tables: Mapping[str, Any]) -> None:
+    """Check that tables are nested little, and that their whole numbers have 64 bits.
+
+    Raises
+    ------
+    UnusableTomlError
+        If they are nested deeper, or hold a larger number.
+    """
     level: list[Any] = [tables]
     for _ in range(MAX_DEPTH):
         for value in level:
@@ -129,8 +141,8 @@ def parse_toml(text: str) -> dict[str, Any]:
         level = [inner for values in nested if isinstance(values, Collection) and not isinstance(values, str)
                  for inner in values]  # fmt: skip
         if not level:
-            return tables
-    raise UnusableTomlError(too_deep)
+            return
+    raise UnusableTomlError(_TOO_DEEP)
 
 
 def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
@@ -188,20 +200,19 @@ def identify_kind(path: Path) -> FileKind | None:
 def split_changes(changes: Iterable[str], kinds: Collection[FileKind]) -> tuple[list[str], list[str]]:
     """Split changes, such as "tap.force_n=5", into those of a file of some kinds and those of the design beside it.
 
-    The name before the first dot decides. A name of a kind that was not given counts as the file's, whose error then
-    lists the file's names. Any other unknown name counts as the most similar known one, so that the error can suggest
-    it.
+    The name before the first dot decides. A name that only files of other kinds have counts as the file's, whose error
+    then lists the file's names. Any other unknown name counts as the most similar known one, so that the error can
+    suggest it.
     """
     own: list[str] = []
     others: list[str] = []
-    own_names = frozenset().union(*(kind.names for kind in kinds))
-    known = sorted(own_names | DESIGN.names)
     foreign = frozenset().union(*(kind.names for kind in KINDS)) - DESIGN.names
+    own_names = foreign.union(*(kind.names for kind in kinds))
+    known = sorted(own_names | DESIGN.names)
     for change in changes:
         name = change.partition("=")[0].partition(".")[0].strip()
         similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
-        is_own = bool(own_names.intersection(similar)) if similar else name in foreign
-        (own if is_own else others).append(change)
+        (own if own_names.intersection(similar) else others).append(change)
     return own, others
 
 

@@ -6,7 +6,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from tests.oracles.sexpressions import children, parse
+from tests.oracles.sexpressions import children, parse, word
 from tests.tools import require_tool
 
 HOW_TO_INSTALL_KICAD = (
@@ -32,13 +32,11 @@ def read_netlist(netlist: Path) -> tuple[Nets, dict[str, tuple[str, str]]]:
     """Read a netlist file: pins by net, and value and footprint by reference."""
     tree = parse(netlist.read_text("utf-8"))
     nets = {
-        next(children(net, "name"))[1]: {
-            (next(children(node, "ref"))[1], next(children(node, "pin"))[1]) for node in children(net, "node")
-        }
+        word(net, "name"): {(word(node, "ref"), word(node, "pin")) for node in children(net, "node")}
         for net in children(next(children(tree, "nets")), "net")
     }
     components = {
-        next(children(c, "ref"))[1]: (next(children(c, "value"))[1], next(children(c, "footprint"))[1])
+        word(c, "ref"): (word(c, "value"), word(c, "footprint"))
         for c in children(next(children(tree, "components")), "comp")
     }
     return nets, components

@@ -64,10 +64,15 @@ def test_bode_table_agrees_with_the_formulas() -> None:
             assert float(row["whole_db"]) < float(row["gbw_over_f_db"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
-    "changes", [(), ("board.cutoff_hz=75", "board.band_limit_hz=270"), ("board.passband_gain=130",)]
+    ("name", "changes"),
+    [
+        *((name, ()) for name in BOARD_CONFIGURATIONS),
+        ("article_split", ("board.cutoff_hz=75", "board.band_limit_hz=270")),
+        ("precision_single_3v3", ("board.passband_gain=130",)),
+    ],
 )
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_nominal_quantities_are_the_achieved_response(name: str, changes: tuple[str, ...]) -> None:
     """The achieved response therefore lies within its spread."""
     design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
@@ -102,7 +107,7 @@ def test_quantities_with_a_fast_amplifier_agree_with_the_formulas() -> None:
         assert float(quantities[name]) == pytest.approx(value, rel=5e-4), name
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_quantities_of_random_boards_agree_with_the_circuits_equations(name: str) -> None:
     """Random values within 5 % are put into the circuit, whose equations give the gain."""
@@ -182,7 +187,6 @@ def test_sensitivities_satisfy_dimensional_analysis() -> None:
     assert list(sensitivities["passband_gain"]) == list(COMPONENTS[:8])
 
 
-@pytest.mark.slow
 def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path) -> None:
     table = tmp_path / "bode.csv"
     run = run_fingertip(
@@ -204,7 +208,7 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
         assert phrase in text
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     """ngspice sweeps each of forty random boards. The cutoffs agree one by one, and so does their spread."""
     rng = np.random.default_rng(3)
@@ -240,6 +244,7 @@ def table_rows(text: str, heading: str) -> dict[str, list[float]]:
     return rows
 
 
+@pytest.mark.full
 def test_both_columns_of_noise_and_offset_are_the_computed_voltages() -> None:
     """Numbers and units as printed: a wrong power of ten would look like a table all the same."""
     analysis = analyse(Design(), boards=50)
@@ -278,6 +283,7 @@ def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
     assert "the article's" not in analysis_text(stated)
 
 
+@pytest.mark.full
 def test_each_capacitor_has_its_own_tolerance() -> None:
     design = load_article(["board.variant=precision", "board.capacitor_uf=0.1", "board.r5_ohm=20000"])
     percent = component_tolerances(board_circuit(board_values(design)))

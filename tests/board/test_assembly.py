@@ -179,6 +179,7 @@ def test_comments_state_ratings_and_values() -> None:
         assert len({board.component(r).rating for r in row.designators}) == 1
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_lists_the_lines_without_a_number_of_the_house(name: str) -> None:
     design = load_article(BOARD_CONFIGURATIONS[name].changes)

@@ -107,7 +107,7 @@ PREFERRED_UF = decades(-6.0, 3.0).map(lambda value: find_preferred_neighbours(va
 AMPLIFIERS = st.sampled_from(get_args(AmplifierName))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @given(
     decades(-2.0, 4.0), PREFERRED_UF, decades(-2.0, 3.0).map(lambda g: 1.0 + g), decades(3.0, 7.0),
     decades(-2.0, 4.0), PREFERRED_UF, AMPLIFIERS, st.sampled_from(["E12", "E24", "E96"]),
@@ -204,6 +204,7 @@ def test_r4_below_its_range_is_refused() -> None:
         load_article(["board.r5_ohm=1000", "board.passband_gain=1e4"])
 
 
+@pytest.mark.full
 def test_issues_of_the_parts_and_of_the_board_are_reported_together() -> None:
     with pytest.raises(DesignError) as caught:
         load_article(["board.capacitor_uf=1000", "skin.tip_length_mm=33", "board.series=E6"])
@@ -295,6 +296,7 @@ def test_split_supply_leaves_a_margin_below_the_bridge_amplifiers_maximum(varian
         assert load_article([*changes, "board.supply=single", "board.envelope_capacitor_uf=1.8"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("threshold", ["0.011", "1.25"])
 @pytest.mark.parametrize("series", ["E12", "E96"])
 @pytest.mark.parametrize("supply", ["split", "single"])
@@ -314,6 +316,7 @@ def test_comparator_thresholds_and_resistances_stay_within_range(threshold: str,
     assert levels.max_on_v > 1.7 * float(threshold)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("window", [1, 10, 60, 136])
 def test_averaging_low_pass_has_half_the_window_as_time_constant_and_limits_the_bias_error(window: int) -> None:
     changes = ["board.variant=comparator", f"detector.window_samples={window}"]

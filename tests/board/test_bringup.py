@@ -51,7 +51,8 @@ pytestmark = pytest.mark.usefixtures("predict_once")
 
 CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
 ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes
-TWO = pytest.mark.parametrize("changes", [ARTICLE, CONTROLLER], ids=["article", "precision, 3.3 V"])
+CASES = [ARTICLE, pytest.param(CONTROLLER, marks=pytest.mark.full)]
+TWO = pytest.mark.parametrize("changes", CASES, ids=["article", "precision, 3.3 V"])
 
 
 @functools.cache
@@ -61,6 +62,7 @@ def plan_of(changes: tuple[str, ...]) -> tuple[Design, BringUp]:
     return design, plan_bring_up(Board.of_design(design, board_circuit(values)), values)
 
 
+@pytest.mark.full
 def test_the_articles_board_has_the_articles_voltages() -> None:
     board = plan_of(ARTICLE)[1].board
     bench = replace(board.bench, dummy_ohm=(6980.0, 5100.0))  # the resistances of the article's forces
@@ -69,6 +71,7 @@ def test_the_articles_board_has_the_articles_voltages() -> None:
     assert readings["tp1_5100ohm_v"] == pytest.approx(3.86, abs=0.005)
 
 
+@pytest.mark.full
 @TWO
 def test_resistors_of_the_bench_are_in_any_kit(changes: tuple[str, ...]) -> None:
     bench = plan_of(changes)[1].board.bench
@@ -80,6 +83,7 @@ def references(circuit: Circuit) -> set[str]:
     return {part.reference for part in circuit.components}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "name", some_of(BOARD_CONFIGURATIONS, "precision_single_3v3", "comparator_split", "article_single")
 )
@@ -101,6 +105,7 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     assert all(f"`{reading}`" in text for reading in plan.all)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(BOARD_CONFIGURATIONS, "precision_single_3v3", "article_single"))
 def test_ends_of_parts_are_named_by_their_side(name: str) -> None:
     """The side that the sheet names has the pad of the net in the layout as it is written."""
@@ -195,7 +200,7 @@ def measure_in_ngspice(folder: Path, design: Design, board: Board, circuit: Circ
     return {n: v for n, v in readings.items() if n in {last} or not n.startswith("tp4_") or not is_tone(n)}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @TWO
 def test_expected_readings_are_those_of_ngspice(tmp_path: Path, changes: tuple[str, ...]) -> None:
     design, plan = plan_of(changes)
@@ -208,7 +213,7 @@ def test_expected_readings_are_those_of_ngspice(tmp_path: Path, changes: tuple[s
         assert measured[name] == pytest.approx(limits.expected_v, rel=0.01, abs=absolute), name
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("sentence", ["R4 is open", "C2 has half its value", "D1 is reversed"])
 @TWO
 def test_fault_computed_by_ngspice_is_diagnosed(tmp_path: Path, changes: tuple[str, ...], sentence: str) -> None:
@@ -226,7 +231,7 @@ def test_fault_computed_by_ngspice_is_diagnosed(tmp_path: Path, changes: tuple[s
     assert len(names) == 1 or changes == CONTROLLER or fault.reference == "R4"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @TWO
 def test_every_fault_that_shows_is_among_the_likely_ones(changes: tuple[str, ...]) -> None:
     plan = plan_of(changes)[1]
@@ -245,6 +250,7 @@ def test_every_fault_that_shows_is_among_the_likely_ones(changes: tuple[str, ...
     assert shown > 90
 
 
+@pytest.mark.full
 @TWO
 def test_twice_the_time_steps_move_the_envelope_by_little(
     monkeypatch: pytest.MonkeyPatch, changes: tuple[str, ...]
@@ -265,6 +271,7 @@ def test_envelope_of_the_article_keeps_its_limits_with_the_tolerance_of_its_capa
         assert not diagnose(plan.board, plan.levels, readings, TONE_V).failed
 
 
+@pytest.mark.full
 @TWO
 def test_good_boards_pass(changes: tuple[str, ...]) -> None:
     """Boards of components within their tolerances read within the limits."""
@@ -296,6 +303,7 @@ def above_ground(readings: Mapping[str, float]) -> dict[str, float]:
     return {name: v + ground_v * (name in direct and name != GROUND_READING) for name, v in readings.items()}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("is_powered_only", [False, True], ids=["all readings", "no tone"])
 def test_readings_above_the_wrong_ground_are_named_first(is_powered_only: bool) -> None:
     """A good board whose readings were taken against GND has no fault, nor has one with TP5 taken the wrong way."""
@@ -319,6 +327,7 @@ def test_readings_above_the_wrong_ground_are_named_first(is_powered_only: bool) 
     assert assess_readings(plan, Readings(TONE_V, good))["mistake"] is None
 
 
+@pytest.mark.full
 def test_a_fault_behind_the_wrong_ground_is_named_with_the_mistake() -> None:
     plan = plan_of(CONTROLLER)[1]
     fault = next(f for f in list_faults(plan.board.circuit, plan.board.ends_v) if f.sentence.startswith("C2 has half"))
@@ -328,6 +337,7 @@ def test_a_fault_behind_the_wrong_ground_is_named_with_the_mistake() -> None:
     assert "Together with it: Likely fault: C2 has half its value." in data["verdict"]
 
 
+@pytest.mark.full
 def test_open_parts_ahead_of_the_controller_are_diagnosed() -> None:
     plan = plan_of(CONTROLLER)[1]
     near = {
@@ -351,6 +361,7 @@ def test_open_parts_ahead_of_the_controller_are_diagnosed() -> None:
             assert {each.fault.reference for each in likely} <= {fault.reference} | near[fault.reference]
 
 
+@pytest.mark.full
 def test_pins_equal_their_test_points_within_what_the_sheet_states() -> None:
     design, plan = plan_of(CONTROLLER)
     text = bring_up_files(design)["bringup.md"].decode()
@@ -362,6 +373,7 @@ def test_pins_equal_their_test_points_within_what_the_sheet_states() -> None:
         assert 0.0 <= volts + ground_v - readings[f"j3_{letter}_open_v"] <= stated_v - 2 * 0.003 + 1e-3
 
 
+@pytest.mark.full
 @TWO
 def test_sheet_names_the_faults_that_no_reading_reveals(changes: tuple[str, ...]) -> None:
     design, plan = plan_of(changes)
@@ -374,6 +386,7 @@ def test_sheet_names_the_faults_that_no_reading_reveals(changes: tuple[str, ...]
     assert all(f" {r}" in text for references in hidden.values() for r in references)
 
 
+@pytest.mark.full
 def test_envelope_converges_with_the_time_step(monkeypatch: pytest.MonkeyPatch) -> None:
     plan = plan_of(CONTROLLER)[1]
     name = name_tone(ENVELOPE, plan.board.bench.tones_hz[-1])
@@ -387,6 +400,7 @@ def test_envelope_converges_with_the_time_step(monkeypatch: pytest.MonkeyPatch) 
     assert fine == pytest.approx(math.sqrt(2.0) * filtered / math.pi, rel=0.01)
 
 
+@pytest.mark.full
 def test_a_single_odd_reading_is_to_be_measured_again() -> None:
     """A reading that no fault moves alone is no reason to name parts that cannot move it."""
     plan = plan_of(CONTROLLER)[1]
@@ -400,6 +414,7 @@ def test_a_single_odd_reading_is_to_be_measured_again() -> None:
             assert not each.is_near
 
 
+@pytest.mark.full
 def test_bridged_c14_shows_by_the_offset_that_it_lets_through() -> None:
     plan = plan_of(CONTROLLER)[1]
     nominal = {name: limits.expected_v for name, limits in plan.levels.items()}
@@ -432,7 +447,7 @@ def test_template_reads_back_and_faults_of_a_file_are_reported_at_once(tmp_path:
     assert "did you mean tp1_open_v" in str(caught.value)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_command_writes_the_sheet_and_names_the_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     changes = [word for change in CONTROLLER for word in ("--set", change)]

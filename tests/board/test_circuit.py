@@ -54,6 +54,7 @@ def test_configurations_are_those_that_the_design_file_accepts() -> None:
     assert len(BOARD_CONFIGURATIONS) == len(BOARD_VARIANTS) * len(SUPPLIES)
 
 
+@pytest.mark.full
 def test_ratings_are_purchasable_and_have_the_designs_tolerances() -> None:
     changes = ["board.variant=precision", "board.capacitor_tolerance_percent=10", "board.capacitor_uf=0.1",
                "board.resistor_tolerance_percent=0.5", "board.r5_ohm=20000"]  # fmt: skip
@@ -70,6 +71,7 @@ def test_ratings_are_purchasable_and_have_the_designs_tolerances() -> None:
     assert circuit.component("C14").value == "100u"
 
 
+@pytest.mark.full
 def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
     """The TL082 without a grade may have 15 mV, nearly the threshold."""
     for name, order_name, offset in (
@@ -84,6 +86,7 @@ def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
         assert f"{order_name},SOIC-8" in bill_of_materials(circuit).decode()
 
 
+@pytest.mark.full
 def test_boards_on_a_single_supply_have_rail_to_rail_amplifiers() -> None:
     for variant in BOARD_VARIANTS:
         changes = BOARD_CONFIGURATIONS[f"{variant}_single"].changes

@@ -93,7 +93,7 @@ def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     assert len(run.stderr.splitlines()) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
 def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:
     script = (
@@ -113,6 +113,7 @@ NOISY = ("board.variant=precision", "board.passband_gain=300", "board.amplifier=
 SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
@@ -137,6 +138,7 @@ def test_noisy_boards_and_short_windows_are_warned_of(
     assert rest == [f"  warning: {text}" for text in data["warnings"]]
 
 
+@pytest.mark.full
 def test_a_warning_stands_beside_the_verdict(tmp_path: Path) -> None:
     """The filter of the comparator's board on 3.3 V drives a load that the data sheet does not rate."""
     words = ("--set", "board.variant=comparator", "--set", "board.supply=single_3v3")
@@ -147,6 +149,7 @@ def test_a_warning_stands_beside_the_verdict(tmp_path: Path) -> None:
     assert "warning:" not in run.stderr
 
 
+@pytest.mark.full
 def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Other values replace those of the same circuit; another variant is written beside, or with --force."""
     monkeypatch.chdir(tmp_path)

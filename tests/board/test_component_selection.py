@@ -45,6 +45,7 @@ def test_no_combination_of_components_is_better_than_the_selected_one(
     assert filter_error(select_filter_capacitor(board), cutoff, resistors) == pytest.approx(best, abs=1e-12)
 
 
+@pytest.mark.full
 @settings(max_examples=100)
 @given(st.floats(0.01, 2000.0), st.floats(0.01, 2000.0), capacitor_series, resistor_series)
 def test_selected_capacitors_belong_to_the_series_and_give_resistors_in_range(

@@ -107,7 +107,7 @@ CONDITIONS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("condition", CONDITIONS)
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str, condition: str) -> None:
@@ -173,7 +173,7 @@ def test_ripple_agrees_with_ngspice(tmp_path: Path, name: str, force_n: float) -
     assert spice.max() <= values.supply_ripple.gain * 1.01
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_ripple_hardly_moves_the_envelope_in_ngspice(tmp_path: Path) -> None:
     """1 mV at 100 Hz on the supply of the whole netlist, with its diodes."""
     design, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS["precision_single_3v3"].changes])

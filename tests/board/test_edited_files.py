@@ -119,6 +119,7 @@ def test_values_are_entered_and_every_other_byte_stays(
         assert text.sub(r"\1", old) == text.sub(r"\1", new)
 
 
+@pytest.mark.full
 def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
     edited = move_r1(folder)
     write_board(load_article(OTHER_VALUES), folder)
@@ -130,6 +131,7 @@ def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None
     assert found == wanted  # the manifest too: the layout stays the user's own
 
 
+@pytest.mark.full
 def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> None:
     edited = move_r1(folder)
     for changes in (OTHER_VALUES, ("board.series=E96",), ()):
@@ -143,6 +145,7 @@ def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> N
     assert (folder / LAYOUT).stat().st_mtime_ns == date
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", [OTHER_PARTS, ("board.supply=single",), ("board.amplifier=OPA2197",)])
 def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str, ...]) -> None:
     if "amplifier" in changes[0]:
@@ -193,6 +196,7 @@ def test_every_change_of_structure_is_described() -> None:
     assert describe(nets=swapped) == "it changes the nets A, B and C"
 
 
+@pytest.mark.full
 def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder: Path) -> None:
     edit(folder / LAYOUT, r'"Value" "82"', '"Value" "81.6"')
     write_board(load_article(OTHER_VALUES), folder)
@@ -201,6 +205,7 @@ def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder:
     assert found["R1"]["Value"] == "2k"
 
 
+@pytest.mark.full
 def test_value_changed_by_hand_and_by_the_design_is_refused(folder: Path) -> None:
     edit(folder / LAYOUT, r'"Value" "2\.4k"', '"Value" "2.37k"')
     before = files_in(folder)
@@ -209,6 +214,7 @@ def test_value_changed_by_hand_and_by_the_design_is_refused(folder: Path) -> Non
     assert files_in(folder) == before
 
 
+@pytest.mark.full
 def test_renumbered_part_keeps_its_value(folder: Path) -> None:
     """R1 is called R6 and R6 R1: the identifiers tell which is which."""
     for name in (LAYOUT, SCHEMATIC):
@@ -222,6 +228,7 @@ def test_renumbered_part_keeps_its_value(folder: Path) -> None:
         assert found["R6"]["Role"].startswith("first stage")
 
 
+@pytest.mark.full
 def test_removed_part_whose_value_changes_is_refused(folder: Path) -> None:
     edit(folder / LAYOUT, r'\n  \(footprint "Resistor_SMD.*?(?=\n  \(footprint)', "")
     assert "R1" not in fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
@@ -232,6 +239,7 @@ def test_removed_part_whose_value_changes_is_refused(folder: Path) -> None:
     assert files_in(folder) == before
 
 
+@pytest.mark.full
 def test_without_the_netlist_it_cannot_be_told_what_changes(folder: Path) -> None:
     move_r1(folder)
     edit(folder / NETLIST, '"2k"', '"2.1k"')
@@ -247,6 +255,7 @@ def test_damaged_layout_is_refused(folder: Path) -> None:
         write_board(load_article(OTHER_VALUES), folder)
 
 
+@pytest.mark.full
 def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
     changed = edit(folder / PROJECT, r'"bus_width": 12', '"bus_width": 13')
     notes: list[str] = []
@@ -255,6 +264,7 @@ def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
     assert (folder / PROJECT).read_bytes() == changed
 
 
+@pytest.mark.full
 def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     move_r1(folder)
     before = files_in(folder)
@@ -267,6 +277,7 @@ def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
         write_fabrication(load_article(OTHER_VALUES), folder)
 
 
+@pytest.mark.full
 def test_command_states_what_happened_to_the_edits(folder: Path) -> None:
     move_r1(folder)
     run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--set", OTHER_VALUES[0], "--json")
@@ -294,7 +305,7 @@ board.Save(sys.argv[1])
 """
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_layout_saved_by_kicad_keeps_its_positions_and_passes_the_checks(folder: Path) -> None:
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
     require_tool("/usr/lib/python3/dist-packages/pcbnew.py", HOW_TO_INSTALL_KICAD)
@@ -334,6 +345,7 @@ def test_printed_values_follow_and_other_texts_stay() -> None:
     assert enter_texts(edited, old, layout_with_texts(a="R1 2k")) == (after, False)
 
 
+@pytest.mark.full
 def test_values_printed_on_the_board_follow_in_an_edited_layout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a board that prints the value of R1."""
     from fingertip.board import output

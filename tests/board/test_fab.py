@@ -27,6 +27,7 @@ CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_placement("article_split")
 
 
+@pytest.mark.full
 def test_check_passes_for_an_up_to_date_folder(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--out", tmp_path)
@@ -34,6 +35,7 @@ def test_check_passes_for_an_up_to_date_folder(tmp_path: Path) -> None:
     assert "is up to date with this design" in run.stdout
 
 
+@pytest.mark.full
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
@@ -57,6 +59,7 @@ def test_check_detects_files_of_another_design(tmp_path: Path) -> None:
     assert board_differences(load_article(["board.cutoff_hz=80"]), tmp_path)
 
 
+@pytest.mark.full
 def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
     (tmp_path / README).write_text("# Mine\n")
     with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):
@@ -72,7 +75,7 @@ def parse_csv(data: bytes) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(data.decode())))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_placement_file_equals_kicads(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path / "pcb")
     run = kicad_cli(
@@ -91,7 +94,7 @@ def test_placement_file_equals_kicads(tmp_path: Path) -> None:
         assert kicad_row["Side"] == row["Layer"].lower()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None:
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
     run = run_fingertip("board", *ARTICLE_OPTIONS, "--fab", "--quiet", "--out", tmp_path)
@@ -144,7 +147,7 @@ def test_provenance_record_reveals_outdated_and_changed_files(tmp_path: Path) ->
         assert "has no valid record that names the board" in find_outdated_files(tmp_path, "record", BOARD_FILES)[0]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
     assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr.count("warning") == 0
     assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--check", "--fab").returncode == 1, (
@@ -168,13 +171,3 @@ def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
         assert "write it again with --fab" in run.stdout
     (tmp_path / "fab" / PROVENANCE).unlink()
     assert "has no valid made_from.sha256" in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr
-
-
-@pytest.mark.slow
-def test_without_kicad_the_error_says_how_to_install_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    run = run_fingertip("board", "--fab", "--quiet", "--out", tmp_path / "pcb")
-    assert run.returncode == 2
-    assert len(run.stderr.splitlines()) == 1
-    assert "apt-get install -t bookworm-backports kicad" in run.stderr
-    assert not (tmp_path / "pcb" / "fab").exists()

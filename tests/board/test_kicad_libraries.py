@@ -71,29 +71,36 @@ def library_symbol(library: str, name: str) -> tuple[dict[str, str], dict[str, t
     return properties, pins
 
 
-@pytest.mark.parametrize("symbol", SYMBOLS, ids=lambda s: f"{s.library}:{s.name}")
-def test_library_has_the_symbol_with_these_pins(symbol) -> None:  # type: ignore[no-untyped-def]
-    _, pins = library_symbol(symbol.library, symbol.name)
-    assert {pin.number: (pin.name, pin.electrical_type) for pin in symbol.pins} == pins
+def test_library_has_the_symbols_with_these_pins() -> None:
+    wrong = []
+    for symbol in SYMBOLS:
+        pins = {pin.number: (pin.name, pin.electrical_type) for pin in symbol.pins}
+        if pins != library_symbol(symbol.library, symbol.name)[1]:
+            wrong.append((symbol.library, symbol.name))
+    assert wrong == []
 
 
-@pytest.mark.parametrize("footprint", FOOTPRINTS)
-def test_library_has_the_footprint_with_a_pad_for_each_pin(footprint: str) -> None:
+def test_library_has_the_footprints_with_a_pad_for_each_pin() -> None:
     folder = require_tool("/usr/share/kicad/footprints", HOW_TO_INSTALL_KICAD)
-    library, name = footprint.split(":")
-    module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
-    pads = {pad[1] for pad in children(module, "pad")} - {""}  # a hole is a pad without a number
+    wrong = []
+    for footprint in FOOTPRINTS:
+        library, name = footprint.split(":")
+        module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
+        pads = {pad[1] for pad in children(module, "pad")} - {""}  # a hole is a pad without a number
+        users = [component for component in COMPONENTS if component.footprint == footprint]
+        wrong += [(footprint, one.reference) for one in users if {pin.number for pin in one.symbol.pins} != pads]
+    assert wrong == []
+
+
+def test_footprints_match_the_filters_of_their_symbols() -> None:
+    wrong = []
     for component in COMPONENTS:
-        if component.footprint == footprint:
-            assert {pin.number for pin in component.symbol.pins} == pads
-
-
-@pytest.mark.parametrize("component", COMPONENTS, ids=lambda p: p.reference)
-def test_footprint_matches_the_filters_of_the_symbol(component) -> None:  # type: ignore[no-untyped-def]
-    properties, _ = library_symbol(component.symbol.library, component.symbol.name)
-    filters = properties["ki_fp_filters"].split()
-    candidates = (component.footprint, component.footprint.split(":")[1])
-    assert any(fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters)
+        properties, _ = library_symbol(component.symbol.library, component.symbol.name)
+        filters = properties["ki_fp_filters"].split()
+        candidates = (component.footprint, component.footprint.split(":")[1])
+        if not any(fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters):
+            wrong.append((component.reference, component.footprint))
+    assert wrong == []
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +149,7 @@ def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     xvfb.wait()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     record = import_netlist(tmp_path / NETLIST)
@@ -163,11 +170,11 @@ def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> 
     }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("original", "corrupted"),
     [
-        pytest.param("(export (version", "(export\n  (version", marks=pytest.mark.thorough),  # is no netlist to it
+        pytest.param("(export (version", "(export\n  (version", marks=pytest.mark.full),  # is no netlist to it
         ('(code "3")', '(code "0")'),  # the ground net is dropped silently
         ("Package_SO:SOIC-8_3.9x4.9mm_P1.27mm", "Package_SO:SOIC-8_no_such"),
     ],
@@ -190,7 +197,7 @@ def test_pcb_editor_detects_a_corrupted_netlist(
     assert not is_clean or connected < sum(len(net.nodes) for net in CIRCUIT.nets)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
     """With KiCad's libraries, the mismatches report every symbol and footprint, and the others nothing."""
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)

@@ -73,7 +73,7 @@ def run_drc(folder: Path) -> dict[str, list[str]]:
 NO_VIOLATIONS: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
 def test_board_passes_design_rules_check_and_matches_the_schematic(
     board_folder: BoardFolder, changes: tuple[str, ...]
@@ -95,7 +95,7 @@ CORRUPTIONS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(("original", "corrupted", "key"), CORRUPTIONS.values(), ids=CORRUPTIONS)
 def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: str, corrupted: str, key: str) -> None:
     write_board(ARTICLE, tmp_path / "pcb")
@@ -194,6 +194,7 @@ def test_template_of_another_placement_is_refused() -> None:
         load_template("article_split", CIRCUIT, moved)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_component_has_a_legible_reference_on_the_board(name: str) -> None:
     circuit, placement = load_board(name)
@@ -244,6 +245,7 @@ def test_illegible_silkscreen_is_detected() -> None:
     assert "D1 has no label on the board" in list(silkscreen_conflicts(CIRCUIT, without))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("no_vias", [(), ((3.0, 0.0, 9.0, 12.0),)], ids=["vias anywhere", "no vias in a box"])
 def test_router_connects_crossing_nets_without_vias_in_blocked_boxes(
     no_vias: tuple[tuple[float, float, float, float], ...],
@@ -284,6 +286,7 @@ def test_decoupling_capacitors_are_at_the_supply_pins_and_at_the_entry(name: str
         assert min(math.dist((a.x, a.y), (b.x, b.y)) for a in own for b in pins) < DECOUPLING_MM, component.reference
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_rails_are_wide_where_there_is_room_and_clear_of_other_copper(name: str) -> None:
     """Half of the rails' length is 0.5 mm wide or more. A gap is measured along each track, not at the grid's nodes."""
@@ -333,7 +336,7 @@ def area(outline: tuple[tuple[float, float], ...]) -> float:
     return abs(math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in edges)) / 2
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_ground_pour_of_the_template_is_what_kicad_fills() -> None:
     """The vertices depend on KiCad's version, the areas do not."""
     require_tool("/usr/lib/python3/dist-packages/pcbnew.py", HOW_TO_INSTALL_KICAD)
@@ -344,6 +347,7 @@ def test_ground_pour_of_the_template_is_what_kicad_fills() -> None:
         assert [area(outline) for outline in fills[layer]] == pytest.approx([area(o) for o in outlines], rel=1e-3)
 
 
+@pytest.mark.full
 def test_segments_are_split_where_others_of_their_layer_end_on_them() -> None:
     """KiCad reports an end in the middle of another segment as dangling."""
     long, stub = (0, (1.0, 3.0), (3.0, 1.0), 0.5), (0, (2.0, 2.0), (2.0, 5.0), 0.2)

@@ -27,6 +27,7 @@ from tests.designs import load_article
 SH = PlugWire("JST SH", 28, 32, 0.4, 0.8, "")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_connector_has_its_plug_with_a_number_or_a_reason(name: str) -> None:
     design = load_article(BOARD_CONFIGURATIONS[name].changes)
@@ -80,6 +81,7 @@ def test_wires_that_fit_plug_and_finger(max_diameter_mm: float, thickest_awg: in
     assert SH.describe_common(max_diameter_mm, thickest_awg).startswith(expected)
 
 
+@pytest.mark.full
 def test_wires_of_the_bundled_designs_fit_their_boards_plug() -> None:
     for name in ("fsr400", "fsr402", "adult_finger", "child_thumb"):
         design = Design.load(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,7 @@ def read_solids(path: Path) -> list[tuple[float, Centre]]:
     return [(solid.Volume(), solid.Center().toTuple()) for solid in solids]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_part_to_buy_has_a_model_and_nothing_else(name: str) -> None:
     circuit, _ = load_board(name)
@@ -61,12 +63,18 @@ def test_every_part_to_buy_has_a_model_and_nothing_else(name: str) -> None:
         assert has_model(component.footprint) == bool(component.rating), component.reference
 
 
-@pytest.mark.parametrize("footprint", MODELLED)
-def test_boxes_lie_within_the_courtyard_and_leads_on_their_pads(footprint: str) -> None:
+def test_boxes_lie_within_the_courtyard_and_leads_on_their_pads() -> None:
+    assert [(footprint, fault) for footprint in MODELLED for fault in find_faults(footprint)] == []
+
+
+def find_faults(footprint: str) -> Iterator[str]:
+    """Yield what is wrong with the boxes of a footprint."""
     blocks, pads = list(model_blocks(footprint)), FOOTPRINTS[footprint].pads
     left, top, right, bottom = FOOTPRINTS[footprint].courtyard
-    assert all(low < high for block in blocks for low, high in zip(block.low, block.high, strict=True))
-    assert all(left <= b.low[0] and b.high[0] <= right and -bottom <= b.low[1] and b.high[1] <= -top for b in blocks)
+    if not all(low < high for block in blocks for low, high in zip(block.low, block.high, strict=True)):
+        yield "a box without extent"
+    if any(b.low[0] < left or b.high[0] > right or b.low[1] < -bottom or b.high[1] > -top for b in blocks):
+        yield "a box outside the courtyard"
     body = FOOTPRINTS[footprint].body
     on_pads = [
         block
@@ -74,14 +82,14 @@ def test_boxes_lie_within_the_courtyard_and_leads_on_their_pads(footprint: str) 
         if block.low[0] >= body[2] or block.high[0] <= body[0] or -block.low[1] <= body[1] or -block.high[1] >= body[3]
     ]
     for lead in on_pads:
-        centre = [(a + b) / 2 for a, b in zip(lead.low, lead.high, strict=True)]
-        assert any(
-            abs(centre[0] - pad.x) <= pad.width / 2 and abs(-centre[1] - pad.y) <= pad.height / 2 for pad in pads
-        )
-    if "SOIC" in footprint or "MSOP" in footprint or "SOT" in footprint or "JST_SH" in footprint:
-        assert len(on_pads) == len([pad for pad in pads if pad.number != "MP"])
-    if "PinHeader" in footprint:
-        assert len([b for b in blocks if b.low[2] < -1.6]) == len(pads)  # through the board
+        x, y = ((a + b) / 2 for a, b in zip(lead.low[:2], lead.high[:2], strict=True))
+        if not any(abs(x - pad.x) <= pad.width / 2 and abs(-y - pad.y) <= pad.height / 2 for pad in pads):
+            yield f"no pad under the lead at {x}, {y}"
+    has_leads = any(kind in footprint for kind in ("SOIC", "MSOP", "SOT", "JST_SH"))
+    if has_leads and len(on_pads) != len([pad for pad in pads if pad.number != "MP"]):
+        yield f"{len(on_pads)} leads"
+    if "PinHeader" in footprint and len([b for b in blocks if b.low[2] < -1.6]) != len(pads):
+        yield "not all pins pass through the board"
 
 
 @pytest.mark.parametrize(
@@ -97,7 +105,7 @@ def test_packages_are_as_high_as_their_outlines(package: str, top_mm: float) -> 
     assert max(block.high[2] for block in model_blocks(name)) == pytest.approx(top_mm, abs=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_kernel_reads_every_model_as_solids_of_these_volumes(tmp_path: Path) -> None:
     for footprint in MODELLED:
         path = tmp_path / "model.step"
@@ -106,15 +114,19 @@ def test_a_kernel_reads_every_model_as_solids_of_these_volumes(tmp_path: Path) -
         assert sorted(found for found, _ in read_solids(path)) == pytest.approx(expected, rel=1e-6), footprint
 
 
-@pytest.mark.parametrize("footprint", MODELLED)
-def test_kicads_library_has_a_model_of_this_path_in_the_same_pose(footprint: str) -> None:
+def test_kicads_library_has_models_of_these_paths_in_the_same_pose() -> None:
     folder = require_tool("/usr/share/kicad/footprints", HOW_TO_INSTALL_KICAD)
-    library, name = footprint.split(":")
-    module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
-    (model,) = children(module, "model")
-    assert model[1] == f"{MODEL_FOLDER_OF_KICAD}/{model_path(footprint)}"
-    for key, expected in (("offset", 0.0), ("scale", 1.0), ("rotate", 0.0)):
-        assert [float(word) for word in next(children(next(children(model, key)), "xyz"))[1:]] == [expected] * 3
+    found = {}
+    for footprint in MODELLED:
+        library, name = footprint.split(":")
+        module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
+        (model,) = children(module, "model")
+        pose = [next(children(next(children(model, key)), "xyz"))[1:] for key in ("offset", "scale", "rotate")]
+        found[footprint] = (model[1], [[float(word) for word in words] for words in pose])
+    pose_here = [[0.0] * 3, [1.0] * 3, [0.0] * 3]
+    assert found == {
+        footprint: (f"{MODEL_FOLDER_OF_KICAD}/{model_path(footprint)}", pose_here) for footprint in MODELLED
+    }
 
 
 def expected_solids(circuit: Circuit, placement: Placement) -> list[tuple[float, Centre]]:
@@ -135,7 +147,7 @@ def export_step(folder: Path, target: Path, *options: str) -> list[tuple[float, 
     return read_solids(target)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", EXPORTED)
 def test_kicad_exports_every_part_in_its_place(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
     circuit, placement = load_board(name)
@@ -154,7 +166,7 @@ def test_kicad_exports_every_part_in_its_place(board_folder: BoardFolder, tmp_pa
         ), (x, y, z)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_variable_selects_another_folder_of_models(board_folder: BoardFolder, tmp_path: Path) -> None:
     require_module("cadquery")
     folder = board_folder(*BOARD_CONFIGURATIONS["article_split"].changes)

@@ -1,4 +1,4 @@
-"""The netlist file: its content by an independent parser, the transfer function of its wiring, and reproducibility."""
+"""The netlist file: its content by an independent reader, the transfer function of its wiring, and reproducibility."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ from fingertip.board.kicad.uuids import component_uuid
 from fingertip.board.output import NETLIST
 from fingertip.board.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
+from tests.board.kicad import read_netlist
 from tests.conftest import ROOT, run_fingertip
 from tests.designs import load_article
 from tests.oracles.filter_formulas import filter_transfer, tactile_pin_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
-from tests.oracles.netlist_nodal import NetlistCircuit, parse
+from tests.oracles.netlist_nodal import NetlistCircuit
+from tests.oracles.sexpressions import children, descendants, parse, word
 
 FILES = [
     "3d",
@@ -53,7 +55,7 @@ def max_deviation(circuit: NetlistCircuit, design: Design) -> float:
     return max(abs(circuit.gain(f, "/TACTILE", "/FILTERED") / H - 1) for f, H in expected)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
 def test_wiring_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
     design, path = write_netlist(tmp_path, changes)
@@ -67,7 +69,6 @@ SWAPS = [
 ]  # fmt: skip
 
 
-@pytest.mark.slow
 def test_feedback_is_negative(tmp_path: Path) -> None:
     _, path = write_netlist(tmp_path, [])
     poles = NetlistCircuit(path).poles("/TACTILE")
@@ -75,6 +76,7 @@ def test_feedback_is_negative(tmp_path: Path) -> None:
     assert max(poles.real) < 0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("swap", SWAPS)
 def test_miswired_netlist_is_detected(tmp_path: Path, swap: tuple[tuple[str, str], tuple[str, str]]) -> None:
     design, path = write_netlist(tmp_path, [])
@@ -101,14 +103,12 @@ def test_diode_drives_the_envelope_network(tmp_path: Path) -> None:
     assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])
-def test_independent_parser_reads_the_circuit(tmp_path: Path, name: str) -> None:
+def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None:
     design, path = write_netlist(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
-    assert find_parser_differences(design, path) == []
+    assert find_differences(design, path) == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("original", "corrupted", "difference"),
     [
@@ -118,22 +118,31 @@ def test_independent_parser_reads_the_circuit(tmp_path: Path, name: str) -> None
     ],
     ids=["pin", "footprint", "reference"],
 )
-def test_independent_parser_detects_a_corrupted_netlist(
+def test_independent_reader_detects_a_corrupted_netlist(
     tmp_path: Path, original: str, corrupted: str, difference: str
 ) -> None:
     design, path = write_netlist(tmp_path, [])
     text = path.read_text("utf-8")
     assert original in text
     path.write_text(text.replace(original, corrupted, 1), "utf-8")
-    assert difference in find_parser_differences(design, path)
+    assert difference in find_differences(design, path)
 
 
-def find_parser_differences(design: Design, path: Path) -> list[str]:
-    """Find which content of a netlist file an independent parser reads differently from the circuit."""
-    circuit, parsed = board_circuit(board_values(design)), parse(path)
-    parts = {(p.ref, p.value, p.lib, p.name, p.footprint) for p in parsed.parts}
-    nets = {n.name: {(pin.ref, pin.num) for pin in n.pins} for n in parsed.nets}
-    symbols = {(p.lib, p.name): {(pin.num, pin.name, pin.type) for pin in p.pins} for p in parsed.libparts}
+def find_differences(design: Design, path: Path) -> list[str]:
+    """Find which content of a netlist file an independent reader finds differently from the circuit."""
+    circuit, tree = board_circuit(board_values(design)), parse(path.read_text("utf-8"))
+    parts = {
+        (word(part, "ref"), word(part, "value"), word(source, "lib"), word(source, "part"), word(part, "footprint"))
+        for part in descendants(tree, "comp")
+        for source in children(part, "libsource")
+    }
+    nets, _ = read_netlist(path)
+    symbols = {
+        (word(symbol, "lib"), word(symbol, "part")): {
+            (word(pin, "num"), word(pin, "name"), word(pin, "type")) for pin in descendants(symbol, "pin")
+        }
+        for symbol in descendants(tree, "libpart")
+    }
     is_equal = {
         "parts": parts
         == {(p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.components},
@@ -147,7 +156,7 @@ def find_parser_differences(design: Design, path: Path) -> list[str]:
     return [content for content, equal in is_equal.items() if not equal]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
 def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
     """All signals refer to VMID, the buffered mid-supply. Nothing of the filter returns to ground."""
@@ -197,7 +206,7 @@ def test_uuids_do_not_depend_on_values() -> None:
     assert component_uuid(first, "R1") == component_uuid(second, "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
     digests = []
     for seed in ("1", "2"):
@@ -210,6 +219,7 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
     assert sorted({path.parts[0] for path in digests[0]}) == FILES
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("design", "folder"), [("fsr400", "pcb"), ("article", "pcb/article")])
 def test_bundled_board_files_are_up_to_date(tmp_path: Path, design: str, folder: str) -> None:
     """The folder pcb/ holds the default board with its bring-up sheet, pcb/article/ that of the article."""

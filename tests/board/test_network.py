@@ -147,6 +147,7 @@ def test_network_of_ideal_parts_agrees_with_the_closed_forms(
     assert float(article_model.envelope.gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
 
 
+@pytest.mark.full
 @settings(max_examples=200)
 @given(st.floats(0.02, 50), st.floats(0.2, 40))
 def test_overall_cutoff_is_the_highest_half_power_frequency(first_pole: float, quality: float) -> None:
@@ -200,8 +201,9 @@ def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[st
         assert np.abs(path.response(FREQUENCIES, {"TACTILE": 1.0}, "VMID")).max() < 1e-12
 
 
-@pytest.mark.parametrize("gain_bandwidth_hz", [None, 3e6], ids=["ideal", "as built"])
-@pytest.mark.parametrize("case", CASES, ids=str)
+@pytest.mark.parametrize(
+    ("case", "gain_bandwidth_hz"), [*((case, 3e6) for case in CASES), *((case, None) for case in (CASES[0], CASES[-1]))]
+)
 def test_polynomials_and_states_have_the_response_of_the_equations(
     case: tuple[str, tuple[str, ...]], gain_bandwidth_hz: float | None
 ) -> None:
@@ -286,8 +288,15 @@ FAST_AMPLIFIER = {"split": "OPA2197", "single": "OPA2197", "single_3v3": "OPA237
 """Amplifier that is fast enough for such a gain, by supply."""
 
 
-@pytest.mark.parametrize("changes", [(), NOISY, ("board.passband_gain=10", "board.band_limit_hz=3000")], ids=str)
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        *((name, ()) for name in BOARD_CONFIGURATIONS),
+        *((name, NOISY) for name in ("article_split", "precision_single", "comparator_single_3v3")),
+        ("precision_split", ("board.passband_gain=10", "board.band_limit_hz=3000")),
+    ],
+)
 def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
     """The formula has the bridge and its amplifier, which cause 96 % of the noise or more; no VMID, no VREF."""
     if changes == NOISY:
@@ -356,6 +365,7 @@ def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     assert offset.typical_v == pytest.approx(amplifier.offset_v * math.hypot(*conducting), rel=1e-4)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("threshold", [0.017, 0.1])
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: float) -> None:

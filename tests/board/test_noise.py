@@ -61,6 +61,7 @@ def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(gain_resistor: s
     assert sources["U2"].noise == pytest.approx(density_nv * 1e-9, rel=1e-3)
 
 
+@pytest.mark.full
 def test_noise_alternatives_agree_with_density_times_bandwidth() -> None:
     """2.4 uV/sqrt(Hz) at the tactile voltage, amplified 67.7 times in the equivalent noise bandwidth of two poles."""
     density = math.hypot(35e-9, 50e-9 / VALUES.bridge.gain) * VALUES.bridge.gain
@@ -133,6 +134,7 @@ def test_readme_of_the_folder_contains_the_noise(board_folder: BoardFolder, name
 HIGH_NOISE = ("board.passband_gain=300", "board.amplifier=OPA2197")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("threshold", "is_warned_of"), [("0.004", True), ("0.012", False), ("0.017", False)])
 def test_noise_above_the_threshold_is_warned_of(threshold: str, is_warned_of: bool) -> None:
     design = load_article(("board.variant=precision", *HIGH_NOISE, f"detector.threshold_v={threshold}"))

@@ -47,6 +47,7 @@ def simulate_envelope_offset_v(folder: Path, deck: str, ground: str, offsets: tu
     return volts[0] - sum(volts[1:])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_envelope_offset_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
     changes = ["board.variant=comparator", f"board.supply={supply}", "board.amplifier=TLV2372"]
@@ -69,7 +70,7 @@ def test_variant_article_has_no_envelope_offset() -> None:
     assert board_values(ARTICLE).output_offset is None
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_bias_error_of_the_comparator_agrees_with_ngspice(tmp_path: Path, supply: str) -> None:
     design, deck = write_deck(tmp_path, ["board.variant=comparator", f"board.supply={supply}"])
@@ -85,6 +86,7 @@ def test_bias_error_of_the_comparator_agrees_with_ngspice(tmp_path: Path, supply
     assert levels.max_bias_v < 0.25 * design.detector.threshold_v
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, variant: str, supply: str) -> None:
@@ -149,6 +151,7 @@ def test_ripple_is_searched_from_half_of_a_low_cutoff() -> None:
     assert (ripple.low_hz, ripple.high_hz) == (2.5, 100e3)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("changes", "figures"),
     [
@@ -174,7 +177,7 @@ def test_passband_agrees_with_ngspice(tmp_path: Path, changes: list[str], figure
         )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_analysis_and_values_contain_these_effects(tmp_path: Path) -> None:
     text = run_fingertip(
         "board", *ARTICLE_OPTIONS, "--analysis", "--quiet", "--set", "board.variant=comparator", "--out", tmp_path,

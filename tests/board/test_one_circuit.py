@@ -78,6 +78,7 @@ def assert_everything_has_the_gain(folder: Path, design: Design, gain: float) ->
     assert simulated_gain(design) == pytest.approx(gain, rel=1e-4)
 
 
+@pytest.mark.full
 def test_value_changed_in_one_place_is_changed_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """R3 of 10k where components are selected."""
     original_gain, before = bode_gain(DESIGN), board_values(DESIGN)

@@ -25,7 +25,7 @@ def test_stored_placement_is_as_the_tools_write_it(name: str) -> None:
     assert format_placement(load_placement(name)) == stored
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_placer_separates_components_and_moves_no_connector() -> None:
     """All components start on one spot. Twenty thousand moves separate most of them, the same ones each time."""
     spot = Position(20.0, 12.0)

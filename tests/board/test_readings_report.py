@@ -33,6 +33,7 @@ def verdict(plan: BringUp, values: dict[str, float]) -> str:
     return str(assess_readings(plan, Readings(TONE_V, values), THRESHOLD_V)["verdict"])
 
 
+@pytest.mark.full
 @TWO
 @pytest.mark.parametrize("ratio", [0.91, 0.955, 1.09])
 def test_readings_that_follow_the_supply_name_it(changes: tuple[str, ...], ratio: float) -> None:
@@ -48,6 +49,7 @@ def test_readings_that_follow_the_supply_name_it(changes: tuple[str, ...], ratio
     assert "check that the supply is on and not reversed" in verdict(plan, read_good_board(plan, dc=0.0))
 
 
+@pytest.mark.full
 def test_a_fault_beside_a_low_supply_is_not_denied() -> None:
     plan = plan_of(CONTROLLER)[1]
     values = read_good_board(plan, dc=0.9) | {"tp3_134hz_v": 0.02}
@@ -64,7 +66,7 @@ def test_readings_that_follow_the_tone_name_it_beside_the_fault(changes: tuple[s
     assert "R4 has twice its value" in said
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @TWO
 def test_no_fault_of_a_part_looks_like_another_supply(changes: tuple[str, ...]) -> None:
     plan = plan_of(changes)[1]
@@ -90,6 +92,7 @@ def test_an_offset_of_the_envelope_raises_the_threshold_of_analog_alone() -> Non
     assert not hints(plan, {QUIET_ENVELOPE: 0.008})
 
 
+@pytest.mark.full
 def test_no_threshold_follows_from_a_reading_that_is_wrong() -> None:
     plan = plan_of(CONTROLLER)[1]
     assert "threshold" not in hints(plan, {QUIET_ENVELOPE: 1.474})
@@ -101,6 +104,7 @@ def test_no_threshold_follows_from_a_reading_that_is_wrong() -> None:
     assert "threshold" not in hints(plan, values)
 
 
+@pytest.mark.full
 def test_sheet_and_readme_give_the_threshold_to_analog_alone() -> None:
     from fingertip.board.output import board_files
 

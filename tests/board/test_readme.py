@@ -15,6 +15,7 @@ def readme(*changes: str) -> str:
     return " ".join(board_files(load_article(changes))["README.md"].decode().split())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
     text, ripple = (
@@ -34,6 +35,7 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
     assert "no filter for the bridge's supply" in text.split("Known limitations")[1]
 
 
+@pytest.mark.full
 def test_order_form_asks_for_a_usual_board() -> None:
     """1.6 mm thick, of 35 um of copper, and with a ring of 0.15 mm around each via: more than houses ask extra for."""
     text = readme("board.variant=precision")
@@ -41,7 +43,7 @@ def test_order_form_asks_for_a_usual_board() -> None:
         assert f"| {row} |" in text
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_passband_of_the_board(name: str) -> None:
     changes = (*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=210")
@@ -58,7 +60,7 @@ def test_readme_states_the_passband_of_the_board(name: str) -> None:
     assert f"gain {achieved.passband_gain:.2f}" in readme(*changes)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_readme_states_the_limited_input_range_of_the_tl082_only() -> None:
     for name, variant in BOARD_CONFIGURATIONS.items():
         text = readme(*variant.changes)
@@ -70,6 +72,7 @@ def test_readme_states_the_limited_input_range_of_the_tl082_only() -> None:
         assert (f"{dual}, with rail-to-rail inputs and outputs" in text) == (name != "article_split")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("supply", ["split", "single"])
 def test_readme_states_whether_the_adc_range_is_sufficient(supply: str) -> None:
     assert "An ADC with a range of plus and minus 10 V covers all signals" in readme(f"board.supply={supply}")
@@ -82,7 +85,7 @@ def test_readme_lists_the_test_points(supply: str, signal_ground: str) -> None:
     assert all(f"| TP{number} | {net} |" in text for number, net in enumerate(nets, start=1))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_readme_describes_the_envelope_offset_except_in_variant_article() -> None:
     assert "Envelope offset" not in readme()
     for variant in ("precision", "comparator"):
@@ -99,6 +102,7 @@ def test_readme_describes_the_envelope_offset_except_in_variant_article() -> Non
     assert "TP4 against TP5" not in single
 
 
+@pytest.mark.full
 def test_readme_describes_the_trimming_procedure_of_the_comparator() -> None:
     text = readme("board.variant=comparator")
     for expected in (
@@ -136,6 +140,7 @@ def test_readme_states_the_load_of_each_amplifier(name: str) -> None:
     assert "2 kohm" not in text  # the output swing is that into 10 kohm
 
 
+@pytest.mark.full
 def test_readme_states_the_leakage_of_both_clamps() -> None:
     text, precision = readme(), readme("board.variant=precision")
     assert "D2 shifts E in R7 and R6, and D3 shifts T in R8 and R9" in text

@@ -175,6 +175,7 @@ def misleading(board: Board) -> list[str]:
     return found
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_print_is_as_large_as_board_houses_ask_for(name: str) -> None:
     tree = read_board(name).tree

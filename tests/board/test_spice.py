@@ -56,6 +56,7 @@ def max_deviation_db(folder: Path, design: Design, deck: str) -> float:
     )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
 def test_deck_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
     design, deck = write_deck(tmp_path, changes)
@@ -188,7 +189,7 @@ def simulate_envelope(is_article: bool) -> dict[int, float]:
     }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(("variant", "supply"), CASES, ids=map(" ".join, CASES))
 def test_transients_equal_an_independent_simulation(
     board_folder: BoardFolder, tmp_path: Path, variant: str, supply: str
@@ -209,6 +210,7 @@ def test_transients_equal_an_independent_simulation(
     assert math.fsum(steady) / len(steady) == pytest.approx(0.24 if variant == "article" else 1 / math.pi, abs=0.01)
 
 
+@pytest.mark.full
 def test_rectifier_of_variant_article_is_a_peak_detector_with_a_dead_zone(tmp_path: Path) -> None:
     """A tone of 1 V at 100 Hz gives a mean of 0.23 V with 0.35 V of ripple. An ideal rectifier gives 0.32 V."""
     _, deck = write_deck(tmp_path, [])
@@ -221,6 +223,7 @@ def test_rectifier_of_variant_article_is_a_peak_detector_with_a_dead_zone(tmp_pa
     assert max(volts) - min(volts) == pytest.approx(0.35, abs=0.04)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_comparator_switches_at_its_on_and_off_thresholds(tmp_path: Path, supply: str) -> None:
     """The mean sweeps slowly up and down through both thresholds. SLIP is low in between."""

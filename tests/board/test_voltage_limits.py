@@ -82,19 +82,11 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
     assert (higher_supply.filter_peak_v, higher_supply.filter_trough_v) == (4.0, 2.5)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
 @pytest.mark.parametrize(
     ("supply", "supply_v"),
-    [
-        ("split", 5.0),
-        ("split", 5.5),
-        ("single", 5.0),
-        ("single", 5.5),
-        ("single", 6.0),
-        ("single_3v3", 3.1),
-        ("single_3v3", 3.3),
-        ("single_3v3", 3.6),
-    ],
+    [("split", 5.0), ("split", 5.5), ("single", 5.0), ("single", 6.0), ("single_3v3", 3.1), ("single_3v3", 3.6)],
 )
 def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, series: str) -> None:
     changes = [f"board.supply={supply}", f"board.supply_v={supply_v}", f"board.series={series}"]
@@ -127,6 +119,7 @@ def measure_output(deck: str, amplifier: str) -> str:
     return deck.replace(line, f"{' '.join([*words[:-1], 'metered', model])}\nVM metered {output} 0")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name: str) -> None:
     """A small signal around no bias, with 1 ohm in place of the diode D1, which then conducts all the time."""
@@ -177,6 +170,7 @@ def test_fast_amplifier_does_not_change_the_loads() -> None:
         assert load.min_ohm == pytest.approx(expected.min_ohm, rel=1e-3)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("supply", ["split", "single"])
 def test_envelope_ends_a_diode_drop_below_the_swing_of_the_rectifiers_amplifier(tmp_path: Path, supply: str) -> None:
     """U3a, whose output stops near the rails, goes to the rectified voltage and a drop beyond; VMID settles slowly."""
@@ -201,6 +195,7 @@ def test_filter_load_is_inverse_to_the_capacitors() -> None:
     assert tenth == pytest.approx(parallel, rel=0.05)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("cutoff", ["40", "67", "150"])
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
 def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(series: str, cutoff: str) -> None:

@@ -125,6 +125,7 @@ def test_notes_fit_the_board(name: str) -> None:
     assert f"The outputs lie between 0 and {supply_v:g} V" in text
 
 
+@pytest.mark.full
 def test_sheet_shows_the_diagram_that_is_written_with_it(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path, bring_up=True)
     assert f"]({WIRING})" in (tmp_path / BRING_UP).read_text("utf-8")

@@ -9,7 +9,6 @@ import pytest
 
 from fingertip.build_files import build
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
@@ -51,6 +50,7 @@ def mesh_of(evaluator: MeshEvaluator, solid: Solid) -> Mesh:
     return to_canonical_mesh(evaluator.manifold(solid))
 
 
+@pytest.mark.full
 def test_unmodified_design_passes_all_checks(finger: Design, evaluator: MeshEvaluator) -> None:
     assert mesh_failures(PARTS["bone"], mesh_of(evaluator, bone.bone(finger))) == set()
     assert assembly_failures(finger, evaluator) == set()
@@ -129,7 +129,7 @@ def test_chipped_half_breaks_the_volume_balance(finger: Design, evaluator: MeshE
     assert assembly_failures(finger, evaluator, mold_dorsal=chipped) == {"volume_balance.mold"}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
     part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(finger))
     exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(finger)).volume()
@@ -137,9 +137,10 @@ def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
     assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 1), 0.001) == {"volume_difference_to_mesh"}
 
 
-@pytest.mark.slow
 def test_brep_solid_with_an_extra_hole_fails(finger: Design, evaluator: MeshEvaluator) -> None:
     """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
+    from fingertip.cad.kernel import brep
+
     hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
     pierced = brep.BrepEvaluator().solid(difference(bone.bone(finger), hole))
     exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))

@@ -36,17 +36,19 @@ def replace_interface(monkeypatch: pytest.MonkeyPatch, changed: Callable[[Design
         monkeypatch.setattr(module, "interface", changed)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("changes", [[], SOCKET, SLEEVE, ["sensor.model=fsr400_short"], THICK], ids=str)
 def test_unmodified_design_passes_all_checks(changes: list[str]) -> None:
     assert failed_checks(*changes) == set()
 
 
+@pytest.mark.full
 def test_min_skin_thickness_of_the_default_design() -> None:
     """The default skin is thinnest on the dorsal side, with 1.5 mm reduced by the taper."""
     assert run_checks()["skin.min_thickness"].value == pytest.approx(1.5, abs=0.01)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("fullness", [0.9721, 0.9784, 0.9815])
 def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float) -> None:
     """The squarer edges of the bone are closer to the surface than its sides; meshes and sections agree."""
@@ -61,6 +63,7 @@ def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float) -> None
     assert run_checks(*changes)["skin.min_thickness"].value == pytest.approx(expected, abs=0.01)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", [[], ["bone.palmar_fullness=0.9721"], ["mold.fit_clearance_mm=0.1"]], ids=str)
 def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str]) -> None:
     """The bone is moved on the meshes as the linear program says; the rule measures its sections."""
@@ -88,18 +91,21 @@ def test_larger_clearance_loses_thickness_and_is_refused() -> None:
         Design.load(changes=["mold.fit_clearance_mm=0.3", "bone.collar_inset_mm=1"])
 
 
+@pytest.mark.full
 def test_bump_that_matters_only_when_misaligned_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     bump = cylinder("y", (12.0, 0.0), 0.0, 5.9, 0.8)
     monkeypatch.setattr(skin_checks, "skin_interior", lambda design: union(skin_interior(design), bump))
     assert failed_checks() == {"skin.min_thickness_misaligned"}
 
 
+@pytest.mark.full
 def test_bump_under_the_skin_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     bump = cylinder("y", (12.0, 0.0), 0.0, 6.4, 0.8)
     monkeypatch.setattr(skin_checks, "skin_interior", lambda design: union(skin_interior(design), bump))
     assert failed_checks() == {"skin.min_thickness", "skin.min_thickness_misaligned"}
 
 
+@pytest.mark.full
 def test_channel_too_close_to_the_surface_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.cable_channel
 
@@ -112,6 +118,7 @@ def test_channel_too_close_to_the_surface_fails(monkeypatch: pytest.MonkeyPatch)
     assert failed_checks() == {"bone.wall.channel_to_outside"}
 
 
+@pytest.mark.full
 def test_tie_hole_too_close_to_the_channel_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.tie_hole
 
@@ -124,6 +131,7 @@ def test_tie_hole_too_close_to_the_channel_fails(monkeypatch: pytest.MonkeyPatch
     assert failed_checks() == {"bone.wall.channel_to_tie_hole"}
 
 
+@pytest.mark.full
 def test_pocket_without_a_rim_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     wide = Box((-5.3, -9.0, 20.0), (5.3, -2.3, 25.0))
@@ -131,6 +139,7 @@ def test_pocket_without_a_rim_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "bone.wall.sensor_to_outside" in failed_checks()
 
 
+@pytest.mark.full
 def test_pocket_without_clearance_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     cheek = Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))
@@ -138,6 +147,7 @@ def test_pocket_without_clearance_fails(monkeypatch: pytest.MonkeyPatch) -> None
     assert failed_checks() == {"sensor.pocket_clearance"}
 
 
+@pytest.mark.full
 def test_burr_on_the_seat_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     burr = Box((-0.3, -2.6, 22.0), (0.3, 0.0, 22.6))
@@ -145,6 +155,7 @@ def test_burr_on_the_seat_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failed_checks() == {"sensor.pocket_clearance", "overlap.bone.sensor"}
 
 
+@pytest.mark.full
 def test_hole_in_the_seat_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     hole = cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)
@@ -152,6 +163,7 @@ def test_hole_in_the_seat_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failed_checks() == {"sensor.unsupported_area"}
 
 
+@pytest.mark.full
 def test_socket_too_close_to_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = interface
 
@@ -164,6 +176,7 @@ def test_socket_too_close_to_the_outside_fails(monkeypatch: pytest.MonkeyPatch) 
     assert failed_checks(*SOCKET) == {"bone.wall.socket_to_outside"}
 
 
+@pytest.mark.full
 def test_cross_bolt_too_close_to_the_channel_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = interface
 
@@ -176,6 +189,7 @@ def test_cross_bolt_too_close_to_the_channel_fails(monkeypatch: pytest.MonkeyPat
     assert "bone.wall.channel_to_interface" in failed_checks()
 
 
+@pytest.mark.full
 def test_tie_hole_too_close_to_the_solder_relief_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.tie_hole
 
@@ -188,6 +202,7 @@ def test_tie_hole_too_close_to_the_solder_relief_fails(monkeypatch: pytest.Monke
     assert failed_checks() == {"bone.wall.sensor_to_tie_hole"}
 
 
+@pytest.mark.full
 def test_socket_too_close_to_the_solder_relief_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = interface
 
@@ -200,6 +215,7 @@ def test_socket_too_close_to_the_solder_relief_fails(monkeypatch: pytest.MonkeyP
     assert "bone.wall.socket_to_sensor" in failed_checks(*SOCKET)
 
 
+@pytest.mark.full
 def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the tail's passage through the collar filled, air is trapped behind the sensor."""
     part = parts.PARTS["bone"]
@@ -208,7 +224,7 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failed_checks() == {"sensor.air_volumes", "overlap.bone.sensor", "sensor.pocket_clearance", "bone.overhang"}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_parts_larger_than_the_build_volume_fail() -> None:
     """The bone is 62 mm high. The halves lie on a face of 42.4 x 50.1 mm and may be rotated by 90 degrees."""
     halves = {"mold_palmar.build_volume_excess", "mold_dorsal.build_volume_excess"}
@@ -218,6 +234,7 @@ def test_parts_larger_than_the_build_volume_fail() -> None:
     assert failed_checks("printer.bed_x_mm=51", "printer.bed_y_mm=43") == set()
 
 
+@pytest.mark.full
 def test_build_volume_is_checked_in_the_print_orientation(monkeypatch: pytest.MonkeyPatch) -> None:
     upright = Orientation(0.0, "its end", needs_supports=False)
     original = orientations.print_orientations
@@ -225,7 +242,7 @@ def test_build_volume_is_checked_in_the_print_orientation(monkeypatch: pytest.Mo
     assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_sleeve_that_must_stretch_too_far_fails() -> None:
     stretch = run_checks(*SLEEVE)["skin.fitting_stretch"].value
     assert 5 < stretch < 50

@@ -5,24 +5,23 @@ from __future__ import annotations
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.design import Design
-
-pytestmark = pytest.mark.slow
 
 
 class BrepVolumes:
     """Volumes of solids of one design, each evaluated once."""
 
     def __init__(self, design: Design) -> None:
-        self.design, self._brep = design, brep.BrepEvaluator()
+        from fingertip.cad.kernel import brep
+
+        self.design, self._brep, self._volume = design, brep.BrepEvaluator(), brep.volume
         self.part = {name: part.solid(design) for name, part in parts_by_name(design).items()}
 
     def __call__(self, solid: Solid) -> float:
-        return brep.volume(self._brep.shape(solid))
+        return self._volume(self._brep.shape(solid))
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +37,7 @@ def failed_balances(volume: BrepVolumes, **changed: Solid) -> set[str]:
     return {check.name for check in check_brep_assembly(design, parts, volumes) if not check.passed}
 
 
+@pytest.mark.full
 def test_volume_balances_hold_on_brep_solids(volume: BrepVolumes) -> None:
     assert len(list(brep_balance_solids(volume.design, volume.part))) == 5
     assert failed_balances(volume) == set()
@@ -62,6 +62,7 @@ def test_only_solids_needed_for_the_built_parts_are_measured(volume: BrepVolumes
     assert brep_balance_solids(volume.design, ["bone", "mold_palmar"]) == ()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("pair", [("bone", "mold_palmar"), ("bone", "mold_dorsal"), ("skin", "bone")], ids="-".join)
 def test_parts_do_not_overlap(volume: BrepVolumes, pair: tuple[str, str]) -> None:
     assert abs(volume(intersection(*(volume.part[name] for name in pair)))) < 1e-3

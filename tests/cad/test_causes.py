@@ -28,7 +28,7 @@ def test_all_named_parameters_exist() -> None:
     assert named <= set(PARAMETERS)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "changes"), VARIANTS, ids=str)
 def test_every_check_has_causes(name: str, changes: list[str]) -> None:
     design = Design.load(design_file(name), changes=changes)

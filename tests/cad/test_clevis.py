@@ -69,7 +69,6 @@ def length_mm(design: Design) -> float:
     return tip - joint.axis_z
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_preset_passes_all_mesh_checks_with_its_safety_factors(name: str) -> None:
     design = load(name)
@@ -83,6 +82,7 @@ def test_preset_passes_all_mesh_checks_with_its_safety_factors(name: str) -> Non
         assert design.skin.width_mm <= 14.0
 
 
+@pytest.mark.full
 def test_adult_finger_reaches_its_length_and_its_safety_factor_at_the_full_grip() -> None:
     design = load("adult_finger")
     assert (design.strength.grip_force_n, design.strength.shock_force_n) == (20.0, 60.0)
@@ -91,7 +91,6 @@ def test_adult_finger_reaches_its_length_and_its_safety_factor_at_the_full_grip(
     assert failed(design) == set()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("name", "changes"), [("adult_finger", TONGUE), ("fsr402", FSR402)])
 def test_tongue_and_fsr_402_pass_all_mesh_checks(name: str, changes: list[str]) -> None:
     design = load(name, *changes)
@@ -127,6 +126,7 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
         assert reached == pytest.approx(4.0)
 
 
+@pytest.mark.full
 def test_too_large_eyes_block_the_travel(monkeypatch: pytest.MonkeyPatch) -> None:
     original = clevis.eye_profile
 
@@ -137,6 +137,7 @@ def test_too_large_eyes_block_the_travel(monkeypatch: pytest.MonkeyPatch) -> Non
     assert "joint.travel_overlap" in failed(load("adult_finger"))
 
 
+@pytest.mark.full
 def test_missing_stops_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     original = clevis.eye_profile
 
@@ -178,6 +179,7 @@ def test_tendon_has_room_between_its_anchor_and_the_film(name: str) -> None:
     assert math.hypot(anchor.y - fold.nose_y, anchor.z - fold.nose_z) - film - anchor.radius >= line + 0.299
 
 
+@pytest.mark.full
 def test_missing_notch_of_the_tendon_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     design = load("adult_finger", *TONGUE)
     assert run_checks(design)["joint.tendon_overlap"].passed
@@ -185,6 +187,7 @@ def test_missing_notch_of_the_tendon_is_found(monkeypatch: pytest.MonkeyPatch) -
     assert "joint.tendon_overlap" in failed(design)
 
 
+@pytest.mark.full
 def test_a_narrow_joint_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     original = clevis.space
     monkeypatch.setattr(clevis, "space", lambda design, joint: original(design, replace(joint, clearance=0.05)))
@@ -234,8 +237,7 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     assert stresses["eye"].at_shock
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_random_joints_pass_every_mesh_check() -> None:
     """Presets with random joints; what the rules accept moves freely and stops at both ends."""
     rng, accepted = random.Random(3), 0
@@ -257,7 +259,7 @@ def test_random_joints_pass_every_mesh_check() -> None:
         assert failed(design) == set(), changes
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_step_file_holds_pin_eye_and_nose_where_they_belong(tmp_path: Path) -> None:
     """The text of bone.step, read without a geometry kernel: radii and axes of its cylinders."""
     design = load("adult_finger")
@@ -272,6 +274,15 @@ def test_step_file_holds_pin_eye_and_nose_where_they_belong(tmp_path: Path) -> N
     # The apex is the highest point that the skin's file names.
     apex = max(z for _, _, z in read_points((tmp_path / "skin.step").read_text()).values())
     assert apex - pin[2] == pytest.approx(35.0, abs=1e-6)
+
+
+def test_a_mesh_so_coarse_that_nothing_is_left_of_a_wall_can_be_checked() -> None:
+    """The hole of the tendon's anchor was once turned inside out, and other commands sought a distance for ever."""
+    found = list(joint_checks.check_joint(load("child_thumb"), MeshEvaluator(1.0)))
+    (anchor,) = (check for check in found if check.name == "bone.wall.anchor_to_outside")
+    assert anchor.passed
+    assert anchor.value > 0.5
+    assert anchor.limit < 0.0
 
 
 def read_points(step: str) -> dict[str, tuple[float, ...]]:

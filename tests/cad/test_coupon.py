@@ -71,7 +71,7 @@ def test_variants_are_sound(changes: list[str]) -> None:
     assert (layout.text is None) == (design.mold.engraving_depth_mm == 0)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr402", "child_thumb"))
 def test_kernels_agree(name: str) -> None:
     """The volumes differ by what the facets leave out: the mesh at 2 um has 1 / 5 of the error of that at 10 um."""
@@ -110,7 +110,6 @@ def test_placed_solid_is_turned_by_the_right_hand_rule(turns: int) -> None:
     assert (tuple(vertices.min(axis=0)), tuple(vertices.max(axis=0))) == (low, high)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("turns", [-1, 1])
 def test_kernels_place_alike(turns: int) -> None:
     from fingertip.cad.kernel import brep
@@ -219,7 +218,7 @@ def test_nominal_lengths_are_those_of_the_solids(name: str) -> None:
     assert max(width, depth) < 58.0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr402", "child_thumb"))
 def test_both_pieces_print_in_the_stated_time(name: str, tmp_path: Path) -> None:
     """PrusaSlicer, in layers of 0.2 mm and without supports, with both pieces on the bed at once."""

@@ -31,7 +31,7 @@ VARIANTS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(VARIANTS, "sleeve", "flange with four bolts", "short tail", "custom sensor"))
 def test_variant_builds_and_passes_all_checks(name: str, tmp_path: Path) -> None:
     result = build(Design.load(changes=VARIANTS[name]), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)
@@ -48,7 +48,7 @@ def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
     assert (tmp_path / "core.stl").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
     nominal = build(Design(), tmp_path / "a", formats=["stl"])
     scaled = build(Design.load(changes=["printer.scale_percent=101"]), tmp_path / "b", formats=["stl"])
@@ -57,6 +57,7 @@ def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
         assert after.mesh.volume() == pytest.approx(growth * before.mesh.volume(), rel=1e-3)
 
 
+@pytest.mark.full
 def test_shrinkage_enlarges_the_cavity_but_not_the_skin(tmp_path: Path) -> None:
     """At 1 % linear shrinkage the cavity has 1 / 0.99^3 times the volume of the design; the skin keeps its size."""
     from fingertip.cad.kernel.mesh import MeshEvaluator

@@ -6,10 +6,10 @@ import hashlib
 import json
 import re
 import zipfile
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
 from fingertip.build_result import Build
@@ -17,7 +17,8 @@ from fingertip.cad.shapes.hardware import hardware
 from fingertip.cad.shapes.parts import PARTS
 from tests.conftest import design_file, run_fingertip
 
-pytestmark = pytest.mark.slow
+if TYPE_CHECKING:
+    import trimesh
 
 
 def names(built: Build) -> set[str]:
@@ -31,11 +32,14 @@ def mesh_files(built: Build) -> list[tuple[str, str]]:
 
 
 def load(built: Build, name: str, file_format: str) -> trimesh.Trimesh:
+    import trimesh
+
     loaded = trimesh.load(built.folder / f"{name}.{file_format}", force="mesh")
     assert isinstance(loaded, trimesh.Trimesh)
     return loaded
 
 
+@pytest.mark.full
 def test_build_writes_exactly_the_expected_files(built: Build) -> None:
     expected = {f"{name}.{file_format}" for name in names(built) for file_format in ("stl", "3mf", "step")}
     assert {path.name for path in built.folder.iterdir()} == expected | {
@@ -51,6 +55,7 @@ def test_build_writes_exactly_the_expected_files(built: Build) -> None:
     assert {path.name for path in (built.folder / "print").iterdir()} == printed | plates | {"manifest.json"}
 
 
+@pytest.mark.full
 def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build) -> None:
     for name, file_format in mesh_files(built):
         mesh = load(built, name, file_format)
@@ -61,6 +66,7 @@ def test_trimesh_finds_a_watertight_solid_of_the_expected_genus(built: Build) ->
         assert 1 - mesh.euler_number / 2 == PARTS[name].genus(built.design)
 
 
+@pytest.mark.full
 def test_manifold3d_finds_a_valid_solid_of_the_expected_genus(built: Build) -> None:
     for name, file_format in mesh_files(built):
         mesh = load(built, name, file_format)
@@ -72,6 +78,7 @@ def test_manifold3d_finds_a_valid_solid_of_the_expected_genus(built: Build) -> N
         assert solid.volume() == pytest.approx(mesh.volume, rel=1e-9)
 
 
+@pytest.mark.full
 def test_stl_and_3mf_hold_the_same_mesh(built: Build) -> None:
     for name in sorted(names(built)):
         stl, packed = load(built, name, "stl"), load(built, name, "3mf")
@@ -80,6 +87,7 @@ def test_stl_and_3mf_hold_the_same_mesh(built: Build) -> None:
         assert np.array_equal(np.unique(stl.vertices, axis=0), np.unique(packed.vertices, axis=0))
 
 
+@pytest.mark.full
 def test_every_facet_has_three_different_vertices(built: Build) -> None:
     for name in sorted(names(built)):
         faces = load(built, name, "stl").faces
@@ -88,6 +96,7 @@ def test_every_facet_has_three_different_vertices(built: Build) -> None:
         assert (faces[:, 2] != faces[:, 0]).all()
 
 
+@pytest.mark.full
 def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Build) -> None:
     import cadquery as cq
 
@@ -104,6 +113,7 @@ def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Bui
         assert f"PRODUCT('{name}','{name}'" in path.read_text()
 
 
+@pytest.mark.full
 def test_assembly_holds_parts_and_hardware_with_names_and_colours(built: Build) -> None:
     import cadquery as cq
 
@@ -120,6 +130,7 @@ def test_assembly_holds_parts_and_hardware_with_names_and_colours(built: Build) 
     assert stated["threads"] == {"chaplet_screw": ["bone"]}
 
 
+@pytest.mark.full
 def test_report_agrees_with_the_files(built: Build) -> None:
     report = json.loads((built.folder / "report.json").read_text())
     assert report["passed"]
@@ -133,12 +144,14 @@ def test_report_agrees_with_the_files(built: Build) -> None:
         assert set(check) == {"name", "value", "limit", "unit", "relation", "passed", "state", *warns}
 
 
+@pytest.mark.full
 def test_written_design_equals_the_design_built(built: Build) -> None:
     from fingertip.design import Design
 
     assert Design.load(built.folder / "design.toml") == built.design
 
 
+@pytest.mark.full
 def test_two_builds_in_two_processes_are_byte_identical(built: Build, tmp_path) -> None:
     """The hash seed differs on purpose, because no output may depend on the order of a set."""
     done = run_fingertip("build", design_file(built.design.name), "--out", tmp_path, "-q", PYTHONHASHSEED="4711")
@@ -147,12 +160,14 @@ def test_two_builds_in_two_processes_are_byte_identical(built: Build, tmp_path) 
         assert path.read_bytes() == (tmp_path / path.relative_to(built.folder)).read_bytes(), path.name
 
 
+@pytest.mark.full
 def test_files_carry_no_date(built: Build) -> None:
     with zipfile.ZipFile(built.folder / "bone.3mf") as bundle:
         assert {entry.date_time for entry in bundle.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     assert "1970-01-01T00:00:00" in (built.folder / "bone.step").read_text()[:600]
 
 
+@pytest.mark.full
 def test_report_rounds_numbers_to_six_decimals(built: Build) -> None:
     for line in (built.folder / "report.json").read_text().splitlines():
         digits = re.search(r"\.(\d+)(e[-+]?\d+)?,?$", line)

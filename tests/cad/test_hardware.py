@@ -32,7 +32,7 @@ def overlap_mm3(one: Solid, other: Solid, evaluator: MeshEvaluator | None = None
     return float((kernel.manifold(one) ^ kernel.manifold(other)).volume())
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", FILES)
 def test_hardware_overlaps_nothing_but_its_thread(name: str, method: str) -> None:
@@ -98,7 +98,7 @@ def test_parts_that_are_not_built_bring_no_hardware() -> None:
     assert [item.name for item in hardware(design, ("mold_palmar",))] == []
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_assembly_with_shared_colours_has_the_same_bytes_every_time() -> None:
     """Bolts share a colour, and the kernel writes it where memory addresses put it."""
     from fingertip.cad.files.step_process import StepJob, StepProcess

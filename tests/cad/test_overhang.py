@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, find_ceilings
@@ -149,10 +148,11 @@ def test_steps_are_as_high_as_a_layer_at_every_scale_of_the_print() -> None:
     assert BRIDGE_STEP_MM * smallest / 100.0 > 0.2
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", DESIGNS)
 def test_both_kernels_build_the_same_steps(name: str, method: str) -> None:
+    from fingertip.cad.kernel import brep
+
     design = Design.load(design_file(name), changes=[f"mold.method={method}"])
     mesh, exact = MeshEvaluator(FINE), brep.BrepEvaluator()
     for solid in (mold.nut_traps(design)[0], chaplet.screw_hole(design)[1]):
@@ -172,6 +172,7 @@ def overhang(part: str, *changes: str, added: Solid | None = None) -> float:
     return check.value
 
 
+@pytest.mark.full
 def test_plain_nut_traps_and_counterbores_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     assert overhang("mold_palmar") == 0.0
     assert overhang("mold_dorsal") == 0.0

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.part_files import check_brep_solid
@@ -57,7 +56,7 @@ def generate_accepted(seed: int) -> Iterator[Design]:
             yield Design.load(file, changes=changes)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(MANY or 24))
 def test_random_design_passes_every_mesh_check(seed: int) -> None:
     design = next(generate_accepted(seed))
@@ -68,8 +67,7 @@ def test_random_design_passes_every_mesh_check(seed: int) -> None:
     assert [check for check in found if not check.passed and not check.name.endswith(NOT_GEOMETRY)] == []
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_random_designs_that_break_a_rule_are_rejected_after_few_trials(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is rejected by a `DesignError` with messages, before any geometry is made.
 
@@ -95,9 +93,11 @@ def test_random_designs_that_break_a_rule_are_rejected_after_few_trials(monkeypa
     assert counts[-1] < 1000
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(100, 100 + (MANY or 5)))
 def test_kernels_agree_on_a_random_design(seed: int) -> None:
+    from fingertip.cad.kernel import brep
+
     design, evaluator, exact = next(generate_accepted(seed)), MeshEvaluator(TOLERANCE), brep.BrepEvaluator()
     for part in parts_by_name(design).values():
         solid = part.solid(design)

@@ -36,7 +36,7 @@ def test_only_the_requested_parts_are_evaluated(tmp_path: Path, monkeypatch: pyt
     assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_mesh_build_imports_no_brep_kernel_and_starts_no_process(tmp_path: Path) -> None:
     script = f"""
 import subprocess, sys
@@ -53,7 +53,7 @@ print(sorted({{name.split(".")[0] for name in sys.modules}} & set({HEAVY!r})))
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_step_build_writes_no_mesh_files(tmp_path: Path) -> None:
     build(Design(), tmp_path, parts=["skin"], formats=["step"])
     assert {p.name for p in tmp_path.iterdir()} == {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 import subprocess
 from collections import Counter
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.build_files import build
 from fingertip.build_result import Build
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -28,7 +28,6 @@ from fingertip.design.new_design import PRESETS
 from tests.conftest import DESIGNS, design_file, some_of
 from tests.tools import require_tool
 
-pytestmark = pytest.mark.slow
 COARSE = 0.05
 """Tolerance of the plates' meshes [mm], which slice faster than those of a build."""
 LAYER_MM = 0.2
@@ -39,20 +38,30 @@ def slicer() -> Path:
     return require_tool("prusa-slicer", "apt-get install prusa-slicer")
 
 
-@pytest.mark.parametrize("file_format", ["stl", "3mf"])
-@pytest.mark.parametrize("name", ["bone", "skin", "mold_palmar", "mold_dorsal"])
-def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, file_format: str) -> None:
+def assert_manifold(slicer: Path, path: Path, volume_mm3: float) -> None:
     """The exit code of PrusaSlicer does not report whether a mesh is manifold; its output does."""
-    output = subprocess.run(
-        [slicer, "--info", built.folder / f"{name}.{file_format}"], capture_output=True, text=True, check=True
-    )
+    output = subprocess.run([slicer, "--info", path], capture_output=True, text=True, check=True)
     facts = dict(line.split(" = ", 1) for line in output.stdout.splitlines() if " = " in line)
     assert facts["manifold"].strip() == "yes"
     assert facts["number_of_parts"].strip() == "1"
+    assert float(facts["volume"]) == pytest.approx(volume_mm3, rel=1e-5)
+
+
+@pytest.mark.parametrize("file_format", ["stl", "3mf"])
+def test_slicer_sees_a_manifold_bone(slicer: Path, file_format: str, tmp_path: Path) -> None:
+    bone = build(Design(), tmp_path, parts=["bone"], formats=[file_format], tolerance_mm=COARSE).parts[0]
+    assert_manifold(slicer, tmp_path / f"bone.{file_format}", bone.mesh.volume())
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("file_format", ["stl", "3mf"])
+@pytest.mark.parametrize("name", ["bone", "skin", "mold_palmar", "mold_dorsal"])
+def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, file_format: str) -> None:
     part = next(p for p in built.parts if p.part.name == name)
-    assert float(facts["volume"]) == pytest.approx(part.mesh.volume(), rel=1e-5)
+    assert_manifold(slicer, built.folder / f"{name}.{file_format}", part.mesh.volume())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["bone", "mold_palmar", "mold_dorsal"])
 def test_slicer_slices_printed_parts(slicer: Path, built: Build, name: str, tmp_path: Path) -> None:
     code = tmp_path / f"{name}.gcode"
@@ -90,14 +99,15 @@ def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) 
     return count
 
 
-@pytest.mark.parametrize("kind", ["fdm", "sla"])
+@pytest.mark.full
 @pytest.mark.parametrize(
-    ("name", "method"),
-    some_of(
-        itertools.product([*DESIGNS, *PRESETS], ["overmold", "sleeve"]),
-        ("fsr400", "overmold"),
-        ("adult_finger", "sleeve"),
-    ),
+    ("name", "method", "kind"),
+    [
+        *((name, "overmold", "fdm") for name in (*DESIGNS, *PRESETS)),
+        *((name, "sleeve", "fdm") for name in ("fsr400", "fsr402", "adult_finger")),
+        ("fsr402", "overmold", "sla"),
+        ("adult_finger", "sleeve", "sla"),
+    ],
 )
 def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
     slicer: Path, name: str, method: str, kind: str, tmp_path: Path
@@ -130,6 +140,7 @@ def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
             assert not inside.any(), item.name
 
 
+@pytest.mark.full
 def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate(slicer: Path, tmp_path: Path) -> None:
     """The measure of the test above finds supports in nut traps where the plate does not switch them off."""
     design = Design()
@@ -139,6 +150,7 @@ def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate
     assert in_nut_traps(design, items, support_moves(code)) > 100
 
 
+@pytest.mark.full
 def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
     """A bridge is printed in each layer of the first two steps of a trap that is wide enough for one."""
     design = Design()
@@ -155,6 +167,7 @@ def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
     assert {round(depth + LAYER_MM, 2), round(depth + 2 * LAYER_MM, 2)} <= heights
 
 
+@pytest.mark.full
 def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path) -> None:
     """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
     design = Design()
@@ -174,6 +187,7 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
     assert brims[1] > brims[0], "a brim beside the usual skirt"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(("fsr400", "adult_thumb"), "fsr400"))
 def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_path: Path) -> None:
     design = Design.load(design_file(name))

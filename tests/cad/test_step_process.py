@@ -12,8 +12,6 @@ from fingertip.cad.files.step_process import StepJob, StepProcess
 from fingertip.cad.solids import Box, Solid, difference
 from fingertip.errors import GeometryError
 
-pytestmark = pytest.mark.slow
-
 GREY = (0.5, 0.5, 0.5)
 BOX = Box((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
 EMPTY = difference(BOX, Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)))
@@ -37,10 +35,12 @@ def test_files_of_both_processes_are_returned() -> None:
     assert sorted(make_step_files(BOX, BOX, BOX)) == sorted(f"{name}.step" for name in names)
 
 
+@pytest.mark.full
 def test_job_with_a_single_part() -> None:
     assert sorted(make_step_files(BOX)) == ["assembly.step", "part0.step"]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("position", [0, 1])
 def test_invalid_solid_is_reported_by_either_process(position: int) -> None:
     solids: list[Solid] = [BOX, BOX]
@@ -49,6 +49,7 @@ def test_invalid_solid_is_reported_by_either_process(position: int) -> None:
         make_step_files(*solids)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("position", [0, 1])
 def test_crash_is_reported_in_either_process(position: int) -> None:
     solids: list[Solid] = [BOX, BOX]

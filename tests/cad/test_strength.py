@@ -125,6 +125,7 @@ ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0}
 """The round post that the default finger once had."""
 
 
+@pytest.mark.full
 def test_weak_finger_says_so():
     found, rounded = strength_of(), strength_of(bone=ROUND)
     assert 1.7 < found.grip_safety_factor < 1.8
@@ -143,6 +144,7 @@ def checks_of(**tables: dict[str, object]) -> dict[str, Check]:
     return {check.name: check for check in check_strength(design, assess_strength(design, MeshEvaluator(0.02)))}
 
 
+@pytest.mark.full
 def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     checks = checks_of()
     shock = checks["bone.safety_factor.shock"]
@@ -160,6 +162,7 @@ def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     assert "strength.grip_force_n = 40 N" in weak.warning
 
 
+@pytest.mark.full
 def test_plate_for_filament_warns_if_its_bone_breaks_at_the_grip() -> None:
     """The value is that of a design in PETG, printed upright as the plate holds it, whatever the design names."""
     petg = strength_of(strength={"print_material": "petg"}).grip_safety_factor
@@ -193,6 +196,7 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     assert 1.6 < weakness.concentration < 2.75
 
 
+@pytest.mark.full
 def test_safety_factor_follows_material_direction_and_load():
     base = strength_of()
     weak = strength_of(strength={"print_material": "durable"})
@@ -231,6 +235,7 @@ def test_materials_are_plausible_and_name_their_source(name):
     assert set(material.verified) <= {"strength_mpa", "across_mpa", "modulus_mpa"}
 
 
+@pytest.mark.full
 def test_tolerance_and_number_of_sections_matter_little(monkeypatch):
     base = assess_strength(DESIGN, MeshEvaluator(0.01))
     fine = assess_strength(DESIGN, MeshEvaluator(0.002))
@@ -241,6 +246,7 @@ def test_tolerance_and_number_of_sections_matter_little(monkeypatch):
     )
 
 
+@pytest.mark.full
 def test_report_and_command_state_the_strength(tmp_path):
     done = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "bone", "--out", tmp_path / "b", "-q")
     assert done.returncode == 0, done.stderr
@@ -252,7 +258,7 @@ def test_report_and_command_state_the_strength(tmp_path):
     assert "strength" not in json.loads((tmp_path / "s" / "report.json").read_text())
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_sections_agree_with_the_exact_solid():
     """cadquery cuts the B-rep solid at some heights and measures the faces."""
     cq = pytest.importorskip("cadquery")

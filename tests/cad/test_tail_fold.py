@@ -49,6 +49,7 @@ def test_straight_tail_has_no_fold() -> None:
     assert Design().dimensions.fold is None
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "changes", "limit_mm"), [("fsr400_compact", [], 35.0), ("fsr402", FSR402, 45.0)])
 def test_finger_is_short_and_passes_all_mesh_checks(name: str, changes: list[str], limit_mm: float) -> None:
     design = Design.load(design_file(name), changes=changes)
@@ -56,14 +57,14 @@ def test_finger_is_short_and_passes_all_mesh_checks(name: str, changes: list[str
     assert failed_checks(design) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(
     "changes",
     [
         [],
-        pytest.param(["mold.method=sleeve"], marks=pytest.mark.thorough),
-        pytest.param(["bone.interface=flange", "bone.base_length_mm=14"], marks=pytest.mark.thorough),
-        pytest.param(["bone.interface=socket", "bone.base_length_mm=18.5"], marks=pytest.mark.thorough),
+        pytest.param(["mold.method=sleeve"], marks=pytest.mark.full),
+        pytest.param(["bone.interface=flange", "bone.base_length_mm=14"], marks=pytest.mark.full),
+        pytest.param(["bone.interface=socket", "bone.base_length_mm=18.5"], marks=pytest.mark.full),
         ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.4"],
     ],
 )
@@ -94,6 +95,7 @@ def _segment(radius: float, half: float) -> float:
     return half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius)
 
 
+@pytest.mark.full
 def test_thin_lid_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.tail_space
     monkeypatch.setattr(
@@ -102,6 +104,7 @@ def test_thin_lid_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "lid.wall" in failed_checks(compact())
 
 
+@pytest.mark.full
 def test_thin_wall_beside_the_trough_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     monkeypatch.setattr(
@@ -132,6 +135,7 @@ def test_straight_tail_has_no_lid() -> None:
     assert "lid" in parts_by_name(compact())
 
 
+@pytest.mark.full
 def test_thin_cheek_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_recess
     monkeypatch.setattr(
@@ -140,6 +144,7 @@ def test_thin_cheek_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "bone.wall.window_to_outside" in failed_checks(compact())
 
 
+@pytest.mark.full
 def test_groove_that_ends_within_the_mold_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.cable_channel
     monkeypatch.setattr(
@@ -175,11 +180,13 @@ def test_lid_stands_on_two_feet_beside_the_tabs() -> None:
         assert z1 - z0 > 3.0
 
 
+@pytest.mark.full
 def test_wide_pocket_does_not_widen_what_the_folded_tail_needs() -> None:
     """Beyond the nose the film has a clearance of its own, so a design with more clearance in its pocket passes too."""
     assert failed_checks(compact("sensor.clearance_mm=0.18", "sensor.adhesive_thickness_mm=0.18")) == set()
 
 
+@pytest.mark.full
 def test_tight_trough_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     original = bone.sensor_body
     monkeypatch.setattr(bone, "sensor_body", lambda design: union(original(design), Box((-1, 2.6, 1), (1, 2.9, 3))))

@@ -125,7 +125,7 @@ def test_calibrated_design_passes_all_rules(name: str) -> None:
     apply_calibration(design, calibration_of(design, keep=(NEEDS_KEEP[name],)))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
 def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
@@ -136,6 +136,7 @@ def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
     assert [check for check in checks if not check.passed] == []
 
 
+@pytest.mark.full
 def test_silicone_leaks_through_the_printed_gap() -> None:
     """A gap drawn 0.1 mm wider, of which the print takes 0.1 mm, leaks and plays as before."""
     from fingertip.cad.verification.seals import leak_mm

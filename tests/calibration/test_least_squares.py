@@ -63,7 +63,7 @@ def covered(design: Design, **noise: float) -> tuple[int, int, float, float]:
     return scale, offset, float(mean_scale), float(mean_offset)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_intervals_hold_the_truth_in_95_of_100_draws(design: Design) -> None:
     """Scale 0.5 % and offset 0.1 mm, readings with 0.02 mm: the intervals are right, and narrow enough to be used."""
     stats = pytest.importorskip("scipy.stats")
@@ -75,7 +75,7 @@ def test_intervals_hold_the_truth_in_95_of_100_draws(design: Design) -> None:
     assert half_offset < 0.009, "a tenth of the offset"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_intervals_hold_when_each_length_has_an_error_of_its_own(design: Design) -> None:
     """Repeated readings do not average away an error of the surfaces, so they must not narrow the intervals."""
     stats = pytest.importorskip("scipy.stats")
@@ -88,7 +88,7 @@ def test_intervals_hold_when_each_length_has_an_error_of_its_own(design: Design)
     assert wide[3] > 2 * narrow[3]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_few_sound_files_have_an_outlier(design: Design) -> None:
     stats = pytest.importorskip("scipy.stats")
     named = sum(bool(fit_printer(measured(design, simulate(design, seed))).outliers) for seed in range(DRAWS))

@@ -65,6 +65,7 @@ def is_at_its_place(meshes: Mapping[str, Mesh], length: Length) -> bool:
     return False
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(FILES, "fsr400", "adult_thumb"))
 def test_lengths_and_heights_are_where_the_plan_draws_them(name: str) -> None:
     design = Design.load(design_file(name))
@@ -106,6 +107,7 @@ def test_page_and_template_number_the_lengths_as_the_plan_does() -> None:
         assert f"| {height.feature} | {height.height_mm:.2f} |" in page
 
 
+@pytest.mark.full
 def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
     design = Design.load(design_file("fsr400"))
     meshes = meshes_of(design)

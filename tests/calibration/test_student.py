@@ -9,12 +9,16 @@ import pytest
 from fingertip.calibration.student import chi_square_probability, chi_square_quantile, t_probability, t_quantile
 
 
-@pytest.mark.parametrize("degrees", [1, 2, 3, 4, 7, 11, 12, 30, 101])
-@pytest.mark.parametrize("share", [0.5, 0.95, 0.999])
-def test_quantiles_are_those_of_scipy(degrees: int, share: float) -> None:
+def test_quantiles_are_those_of_scipy() -> None:
     stats = pytest.importorskip("scipy.stats")
-    assert t_quantile(share, degrees) == pytest.approx(stats.t.ppf((1 + share) / 2, degrees), rel=1e-8)
-    assert chi_square_quantile(share, degrees) == pytest.approx(stats.chi2.ppf(share, degrees), rel=1e-8)
+    wrong = []
+    for degrees in (1, 2, 3, 4, 7, 11, 12, 30, 101):
+        for share in (0.5, 0.95, 0.999):
+            ours = (t_quantile(share, degrees), chi_square_quantile(share, degrees))
+            scipys = (stats.t.ppf((1 + share) / 2, degrees), stats.chi2.ppf(share, degrees))
+            if ours != pytest.approx(scipys, rel=1e-8):
+                wrong.append((degrees, share, ours, scipys))
+    assert wrong == []
 
 
 def test_closed_forms() -> None:

@@ -49,6 +49,7 @@ def study() -> ProtocolStudy:
         patch.undo()
 
 
+@pytest.mark.full
 def test_every_device_and_zero_is_there_and_a_later_zero_shortens_delays(study: ProtocolStudy) -> None:
     assert [(r.device, r.moved_m) for r in study.results] == [(d, m) for d in DEVICES for m in MOVED_M]
     assert {r.trials for r in study.results} == {4}

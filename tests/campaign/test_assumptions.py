@@ -79,7 +79,7 @@ def test_vibration_is_the_fast_part_of_the_force_in_slip() -> None:
     assert math.isnan(median_of_known([math.nan]))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
     harder = Variation("harder start", {"scene.slide.acceleration_m_s2": 10.0})
     noisier = Variation("noisier", {"detector.noise_v": Factor(8.0)})
@@ -94,7 +94,6 @@ def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
     assert weak.median_s != base.median_s
 
 
-@pytest.mark.slow
 def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     """With a constant threshold, twice the noise would keep digital ON all the time."""
     noisier = Variation("twice the noise", {"detector.noise_v": Factor(2.0)})
@@ -104,7 +103,7 @@ def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     assert twice.alarms_per_minute < 10
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_realistic_effects_make_detection_harder() -> None:
     labels = (PATCH_AVERAGE, ELASTO_PLASTIC, "vibration of the hand, 0.5 mV", "converter of 10 bits, 0 to 5 V")
     base, patch, bristles, hand, coarse = study_assumptions(

@@ -50,6 +50,7 @@ def test_seeds_are_held_out_and_unique():
     assert min(seeds) == HELD_OUT_FROM > max(TUNING_SEEDS)
 
 
+@pytest.mark.full
 def test_default_plan_is_the_articles_trials_and_all_negative_scenes():
     planned = list(generate_cases(CampaignPlan()))
     slides = [case.scene for case in planned if case.cause == "slip"]
@@ -108,7 +109,7 @@ def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
     assert found.alarms == ()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("noise_v", [0.0, 1e-5, 1e-4])
 def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
     design = article_design(detector={"noise_v": noise_v, "adc_bits": 24})
@@ -177,7 +178,7 @@ def test_matched_threshold_is_the_lowest_one_that_keeps_the_alarm_rate():
     assert CampaignResult(CampaignPlan(), 0, {"fast": (low,)}).at_alarm_rate("fast", 0.1) is None
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     plan = CampaignPlan(96, 0.5)
     bounds = np.array(compute_bounds_s(ARTICLE, plan))
@@ -197,7 +198,7 @@ def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     assert set(compute_bounds_s(noiseless, CampaignPlan(4, 0.5))) == {0.0}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
 def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     """The other board variant may break a rule, and the band may be narrower than a bin of the spectrum."""
@@ -211,7 +212,6 @@ def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     assert all(0.0 <= s.share_above(200.0) <= 1.0 for s in compute_spectra(design))
 
 
-@pytest.mark.slow
 def test_longer_window_is_later_and_has_fewer_contact_alarms():
     short, long = study_windows(ARTICLE, 4, 1.0, windows_s=(0.005, 0.1))
     assert short.threshold_v > long.threshold_v
@@ -237,7 +237,7 @@ def validated(tmp_path_factory):
     return out, CliRunner().invoke(app, [*arguments, str(out)])
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_validate_writes_results_and_assumptions(validated):
     out, done = validated
     assert done.exit_code == 0, done.stdout
@@ -274,8 +274,7 @@ def test_validate_writes_results_and_assumptions(validated):
         assert (out / name).read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     for module in (plots, trial_plots):  # drawn by the test above
         monkeypatch.setattr(module, "to_png", lambda figure: b"")
@@ -292,7 +291,7 @@ def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
     assert (tmp_path / "validation.json").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_same_campaign_gives_the_same_delays():
     first, second = (run_campaign(ARTICLE, CampaignPlan(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
     assert first.at_nominal_threshold("fast").delays_s == second.at_nominal_threshold("fast").delays_s
@@ -312,7 +311,7 @@ def test_validate_refuses_bad_options_before_it_computes(tmp_path):
     assert not (tmp_path / "no").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_page_lists_failures_and_assumptions(validated):
     out, done = validated
     page = (out / "omissions.md").read_text()
@@ -339,7 +338,6 @@ def test_page_lists_failures_and_assumptions(validated):
     assert sum(counted[::2]) == round(missed)
 
 
-@pytest.mark.slow
 def test_larger_acceleration_shortens_the_delay_of_every_detector():
     slow, fast = (
         {
@@ -352,7 +350,7 @@ def test_larger_acceleration_shortens_the_delay_of_every_detector():
     assert all(fast[name].median_s < slow[name].median_s for name in slow)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay():
     slow, own, quick = study_sampling_rates(ARTICLE, 12, 0.5, rates_hz=(1000.0, 10_000.0))
     assert (slow.sample_rate_hz, own.sample_rate_hz, quick.sample_rate_hz) == (1000.0, 2000.0, 10_000.0)
@@ -364,7 +362,7 @@ def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_precision_rectifier_finds_slips_that_a_bare_diode_misses():
     rows = {(row.variant, row.by_rule): row for row in study_board_variants(ARTICLE, 8, 0.5)}
     assert rows["precision", True].found_share == 1.0

@@ -125,7 +125,7 @@ def trials():
     return run_closed_loop(DESIGN, ("fast",), 1)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_detector_in_the_loop_holds_every_object_in_time(trials):
     without, with_it = summarise(trials)
     assert (without.detector, with_it.detector) == (NO_CONTROL, "fast")
@@ -140,7 +140,7 @@ def test_detector_in_the_loop_holds_every_object_in_time(trials):
     assert all(displacements["fast", name] < displacements[NO_CONTROL, name] for name in ("bottle", "parallelepiped"))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_grips_without_slip_are_false_and_detections_at_contact_are_suppressed(trials):
     manipulation = next(one for one in trials if one.detector == "fast").manipulation
     knock = manipulation.plan.knock_s
@@ -157,7 +157,7 @@ def test_grips_without_slip_are_false_and_detections_at_contact_are_suppressed(t
     assert evaluate_manipulation("fast", manipulation, decisions[2:]).suppressed_true == 1
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_grip_in_incipient_slip_is_not_false_but_one_before_it_is(trials):
     manipulation = next(one.manipulation for one in trials if one.detector == NO_CONTROL)
     onset = evaluate_manipulation("fast", manipulation, ()).onset_s
@@ -168,7 +168,6 @@ def test_grip_in_incipient_slip_is_not_false_but_one_before_it_is(trials):
         assert evaluate_manipulation("fast", manipulation, decisions).false_grips == false
 
 
-@pytest.mark.slow
 def test_object_that_left_the_fingers_is_not_held(trials):
     manipulation = trials[0].manipulation
     lost, held = (evaluate_manipulation(NO_CONTROL, replace(manipulation, lost_s=at), ()) for at in (3.0, None))
@@ -195,7 +194,6 @@ def test_closed_loop_requirements_can_be_missed(change, missed):
     assert requirements[0].message == f"{summary.held} of 12 objects held; at least 91.7 %"
 
 
-@pytest.mark.slow
 def test_plots_show_a_power_and_a_pinch_grasp(trials):
     found = trial_plots.plot_closed_loop(trials, "fast")
     assert set(found) == {"closed_loop_power.png", "closed_loop_pinch.png"}

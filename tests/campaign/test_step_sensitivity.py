@@ -74,7 +74,7 @@ def test_table_and_remarks_name_a_missed_goal() -> None:
     assert robustness.steps_as_data(steps)["delay_shifts"][1]["worst_s"] is None
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_delays_of_the_articles_trials_do_not_depend_on_the_step() -> None:
     steps = study_steps(ARTICLE, 16)
     assert steps.trials == 16

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import signal as scipy_signal
 
 from fingertip.campaign.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.campaign.report import wider_mix_table
@@ -59,6 +58,8 @@ def test_an_event_is_disturbed_by_an_alarm_up_to_a_reaction_later():
 
 
 def test_bursts_have_their_strength_and_band():
+    from scipy import signal as scipy_signal
+
     for seed in range(6):
         burst = bursts.abrupt_burst(DESIGN, seed, 0.006, 0.025)
         (slide,) = burst.slides
@@ -100,7 +101,7 @@ def test_grip_steps_change_the_force_without_slip():
             assert after < before - 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     size = MixSize(24, 4.0, 30, 12)
     found = summarise(run_detector("fast", DESIGN, generate_mix(DESIGN, size, HELD_OUT_FROM + 77_000_000)))
@@ -120,6 +121,7 @@ def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     assert wider_mix_table.as_data(found)["long slide"]["smallest_on_share"] > 0.98
 
 
+@pytest.mark.full
 def test_the_mix_is_the_same_for_the_same_seed_and_counts_what_it_was_asked_for():
     size = MixSize(1, 0.01, 3, 2)
     first, second = (list(generate_mix(DESIGN, size, 9_000_000)) for _ in range(2))

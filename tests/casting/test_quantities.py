@@ -42,6 +42,7 @@ def measure(design: Design) -> SiliconeVolumes:
     return measure_volumes(design, MeshEvaluator(TOLERANCE_MM))
 
 
+@pytest.mark.full
 def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     shallow, deep = (fsr400("mold.filling=gravity", f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
     mold, vents = deep.mold, len(place_vents(deep))
@@ -52,12 +53,14 @@ def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
 
 
+@pytest.mark.full
 def test_without_shrinkage_the_cavity_has_the_volume_of_the_skin() -> None:
     unshrunk = fsr400("mold.silicone_shrinkage_percent=0")
     skin = MeshEvaluator(TOLERANCE_MM).manifold(PARTS["skin"].solid(unshrunk)).volume() / 1000
     assert measure(unshrunk).skin_cm3 == pytest.approx(skin, rel=1e-9)
 
 
+@pytest.mark.full
 def test_sleeve_cavity_is_larger_by_the_cube_of_the_shrinkage_factor() -> None:
     unshrunk, shrinking = (
         fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
@@ -67,6 +70,7 @@ def test_sleeve_cavity_is_larger_by_the_cube_of_the_shrinkage_factor() -> None:
     assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
 
 
+@pytest.mark.full
 def test_gap_volume_is_proportional_to_the_fit_clearance() -> None:
     tight, loose = (measure(fsr400(f"mold.fit_clearance_mm={gap}")) for gap in (0.1, 0.2))
     assert 0.0 < tight.gap_cm3 < loose.gap_cm3
@@ -180,6 +184,7 @@ def test_hole_too_small_for_any_bolt_is_refused_with_the_minimum_diameter() -> N
     fsr400("bone.cross_bolt_diameter_mm=1.7")
 
 
+@pytest.mark.full
 def test_bolts_and_nuts_fit_the_printed_holes_and_traps() -> None:
     """Bolts pass their holes, nuts enter their traps, and no trap is so wide that its nut turns."""
     for thread in THREADS:

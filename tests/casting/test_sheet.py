@@ -111,6 +111,7 @@ def test_masses_are_computed_from_the_volumes() -> None:
     assert batch["a_g"] / batch["b_g"] == pytest.approx(10.0, rel=0.01)
 
 
+@pytest.mark.full
 def test_only_platinum_silicones_warn_of_uncured_resin() -> None:
     texts = {name: " ".join(warnings(sheet_data(material=name))) for name in SILICONES}
     warned = {name for name, text in texts.items() if "Uncured resin" in text}
@@ -302,6 +303,7 @@ def test_cure_test_says_where_the_silicone_must_bond() -> None:
     )
 
 
+@pytest.mark.full
 def test_release_and_primer_leave_the_boss_and_the_facet_bare() -> None:
     text = procedure_text()
     assert "on cavity, parting plane, runner, vent and keys" in text
@@ -400,6 +402,7 @@ def test_wires_to_buy_fit_finger_and_plug() -> None:
     assert "leads" not in row, "the leads of AWG 28 do not pass the fold"
 
 
+@pytest.mark.full
 def test_generic_silicone_names_a_product_of_the_catalogue() -> None:
     """It cures alike and is as hard; a product needs no example."""
     assert sheet_data()["silicone"]["example"]["name"] == "smooth_sil_940"
@@ -593,6 +596,7 @@ def test_filling_step_states_the_predicted_time_and_volume() -> None:
     assert "syringe" not in poured
 
 
+@pytest.mark.full
 def test_name_too_long_to_engrave_is_warned_of() -> None:
     long_name = "A_very-long_name_with-forty_characters_1"
     assert [warning for warning in warnings(sheet_data(f"name={long_name}")) if "engrave" in warning] == [
@@ -663,6 +667,7 @@ def test_bill_has_what_the_acceptance_tests_need(name: str) -> None:
     assert ("| 1 | tendon (braided line, as long as the hand needs) | 0.8 mm |" in page) == (name == "adult_finger")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger", "child_thumb"])
 @pytest.mark.parametrize("filling", ["syringe", "gravity"])
@@ -748,7 +753,7 @@ def test_estimates_are_read_from_gcode() -> None:
         parse_gcode("bone", "G1 X0\n")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_command_writes_page_and_data(tmp_path: Path) -> None:
     done = run_fingertip("sheet", FSR400, "--set", "name=mine", "--json", "--quiet", PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr
@@ -763,7 +768,7 @@ def test_command_writes_page_and_data(tmp_path: Path) -> None:
     assert other.read_text() == page, "the same design gives the same bytes"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_build_writes_the_same_sheet_as_the_command(built: Build, tmp_path: Path) -> None:
     """The report holds the sheet's data, and the page equals the one `fingertip sheet` writes."""
     done = run_fingertip("sheet", design_file(built.design.name), "--out", tmp_path / "casting.md", "--json")
@@ -779,6 +784,7 @@ OWN = (
 )  # fmt: skip
 
 
+@pytest.mark.full
 def test_own_silicone_goes_through_sheet_and_build(tmp_path: Path) -> None:
     changes = [word for change in OWN for word in ("--set", change)]
     page = tmp_path / "own.md"
@@ -793,6 +799,7 @@ def test_own_silicone_goes_through_sheet_and_build(tmp_path: Path) -> None:
     assert "Rubber 37" in (result.folder / "casting.md").read_text()
 
 
+@pytest.mark.full
 def test_option_replaces_the_silicone_of_the_design_in_all_files(tmp_path: Path) -> None:
     result = build(fsr400(*OWN), tmp_path / "built", formats=["stl"], tolerance_mm=0.1, material="dragon_skin_30")
     assert "Silicone: Smooth-On Dragon Skin 30." in (result.folder / "casting.md").read_text()
@@ -829,6 +836,7 @@ def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[st
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.full
 def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "casting.md"
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -838,7 +846,7 @@ def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path, monk
     assert HOW_TO_INSTALL in page.read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_prusa_slicer_gives_plausible_estimates(tmp_path: Path) -> None:
     require_tool("prusa-slicer", "apt-get install prusa-slicer")
     page = tmp_path / "casting.md"

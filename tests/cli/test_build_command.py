@@ -23,7 +23,7 @@ def snapshot(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--json")
     assert done.returncode == 0
@@ -33,7 +33,7 @@ def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     assert "bone:" in done.stderr, "progress goes to stderr"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_quiet_prints_nothing_on_stderr(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--quiet")
     assert done.returncode == 0
@@ -41,6 +41,7 @@ def test_quiet_prints_nothing_on_stderr(tmp_path: Path) -> None:
     assert "checks passed" in done.stdout
 
 
+@pytest.mark.full
 def test_default_folder_is_out_and_the_name_of_the_design(tmp_path: Path) -> None:
     done = run_fingertip(
         "build", FSR400, "--formats", "stl", "--parts", "bone", "--set", "name=mine", PWD=str(tmp_path)
@@ -85,7 +86,6 @@ def test_issues_are_printed_as_json(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["issues"][0]["message"].startswith("cannot be read")
 
 
-@pytest.mark.slow
 def test_folder_that_cannot_be_created_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     done = run_fingertip("build", FSR400, "--formats", "stl", "--out", tmp_path / "file" / "deeper")
@@ -94,6 +94,7 @@ def test_folder_that_cannot_be_created_is_an_error(tmp_path: Path) -> None:
     assert snapshot(tmp_path) == {"file": b"in the way"}
 
 
+@pytest.mark.full
 def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--parts", "skin", "--formats", "stl")
@@ -110,7 +111,7 @@ def without_cadquery(tmp_path: Path) -> str:
     return str(fake)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=without_cadquery(tmp_path))
@@ -123,7 +124,7 @@ def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Pa
     assert not out.exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_without_libgl_stl_and_3mf_are_written(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = run_fingertip("build", FSR400, "--out", out, "--formats", "stl,3mf", PYTHONPATH=without_cadquery(tmp_path))
@@ -131,7 +132,7 @@ def test_without_libgl_stl_and_3mf_are_written(tmp_path: Path) -> None:
     assert (out / "mold_dorsal.3mf").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
     fake, out = tmp_path / "fake", tmp_path / "out"
     fake.mkdir()
@@ -142,7 +143,7 @@ def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
     assert not out.exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_step_files_report_the_share_that_is_done(tmp_path: Path) -> None:
     from fingertip.build_files import build
     from fingertip.design import Design
@@ -156,7 +157,7 @@ def test_step_files_report_the_share_that_is_done(tmp_path: Path) -> None:
     assert 0.2 < shares[-1] <= 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip import build_files as module
     from fingertip.cad.files.step_process import StepProcess
@@ -194,7 +195,7 @@ def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: 
     assert [path.name for path in tmp_path.iterdir()] == ["set"]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     """Files of another design are removed with the new ones in place. Files of the user are kept."""
     quick = ("--tolerance-mm", "0.05")
@@ -229,6 +230,7 @@ def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     assert {word.strip(",") for word in message.split()} >= set(before) - set(left)
 
 
+@pytest.mark.full
 def test_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
     """The refusal comes before the parts are made and names the file; --force overwrites it."""
     bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
@@ -246,7 +248,7 @@ def test_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
     assert run_fingertip("check", tmp_path).returncode == 0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_two_builds_into_one_folder_leave_one_design(tmp_path: Path) -> None:
     """Builds of different designs run at the same time; the folder holds the files of the one that ended last."""
     folder, widths = tmp_path / "finger", (17, 18)
@@ -267,6 +269,7 @@ def test_two_builds_into_one_folder_leave_one_design(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["alone", "finger"]
 
 
+@pytest.mark.full
 def test_folder_of_version_one_is_taken_over(tmp_path: Path) -> None:
     """It has no manifest. Files that match its report's hashes count as fingertip's own; others do not."""
     bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
@@ -280,6 +283,7 @@ def test_folder_of_version_one_is_taken_over(tmp_path: Path) -> None:
     assert "bone.stl: was not written by fingertip" in refused.stderr
 
 
+@pytest.mark.full
 def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
     (tmp_path / "skin.stl").write_bytes(b"of somebody")
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--parts", "bone")
@@ -287,7 +291,7 @@ def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
     assert (tmp_path / "skin.stl").read_bytes() == b"of somebody"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_all_files_of_a_build_are_listed(built: object) -> None:
     from fingertip.build_result import ALL_FILES, Build
 
@@ -307,7 +311,7 @@ def test_string_instead_of_a_list_is_rejected() -> None:
         Design.load(changes="skin.width_mm=18")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT of a terminal")
 def test_interrupt_says_so_and_leaves_no_file(tmp_path: Path) -> None:
     own = str(tmp_path / "own")

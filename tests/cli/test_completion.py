@@ -51,6 +51,7 @@ def complete_in_bash(scripts: Path, line: str) -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
@@ -77,6 +78,7 @@ def test_bash_completes(scripts: Path, line: str, expected: list[str]) -> None:
     assert complete_in_bash(scripts, line) == expected
 
 
+@pytest.mark.full
 def test_every_command_is_completed(scripts: Path) -> None:
     names = complete_in_bash(scripts, "fingertip ")
     assert {"make", "build", "calibrate", "--help", "--version"} <= set(names)
@@ -90,6 +92,7 @@ def test_scripts_are_valid(scripts: Path, shell: str) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
@@ -107,6 +110,7 @@ def test_fish_completes(scripts: Path, line: str, expected: set[str]) -> None:
     assert {offered.partition("\t")[0] for offered in done.stdout.splitlines()} == expected
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("keys", "expected"), [("fingertip boa\t", "board"), ("fingertip build fsr402_s\t", "fsr402")])
 def test_zsh_completes(scripts: Path, keys: str, expected: str) -> None:
     """An interactive zsh in a pseudo-terminal, which zsh itself provides."""

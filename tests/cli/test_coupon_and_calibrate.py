@@ -46,6 +46,7 @@ def test_coupon_writes_its_files_beside_the_parts(folder: Path) -> None:
     assert run_fingertip("check", "out/fsr400").returncode == 0
 
 
+@pytest.mark.full
 def test_coupon_is_the_same_byte_for_byte(folder: Path) -> None:
     digests = []
     for seed in ("1", "2"):
@@ -57,6 +58,7 @@ def test_coupon_is_the_same_byte_for_byte(folder: Path) -> None:
     assert not any(str(folder).encode() in path.read_bytes() for path in (folder / "1").iterdir())
 
 
+@pytest.mark.full
 def test_coupon_as_json_with_changes(folder: Path) -> None:
     words = ("coupon", "fsr400", "--set", "mold.filling=gravity", "--formats", "stl", "--out", "c", "--json", "-q")
     done = run_fingertip(*words)
@@ -68,7 +70,7 @@ def test_coupon_as_json_with_changes(folder: Path) -> None:
     assert "tower_mm" not in data["lengths_mm"], "no Luer cone without a syringe"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_coupon_as_step(folder: Path) -> None:
     done = run_fingertip("coupon", "fsr400", "--formats", "stl,step", "--out", "c")
     assert done.returncode == 0, done.stderr
@@ -76,6 +78,7 @@ def test_coupon_as_step(folder: Path) -> None:
     assert "16 of 16 checks passed" in done.stdout
 
 
+@pytest.mark.full
 def test_readings_written_into_the_template_are_not_overwritten(folder: Path) -> None:
     assert run_fingertip("coupon", "fsr400", "--formats", "stl").returncode == 0
     template = folder / "out/fsr400/coupon/coupon_readings.toml"
@@ -102,7 +105,7 @@ def test_coupon_refuses(words: tuple[str, ...], message: str, folder: Path) -> N
     assert not list(folder.iterdir())
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_calibrate_writes_a_design_that_the_printed_changes_give_too(folder: Path) -> None:
     path = readings()
     done = run_fingertip("calibrate", "printer", "fsr400", path, "--out", "mine.toml")
@@ -130,7 +133,7 @@ def test_calibrate_writes_a_design_that_the_printed_changes_give_too(folder: Pat
     assert str(folder) not in (folder / "mine.toml").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_refused_design_is_explained_with_a_remedy_that_passes(folder: Path) -> None:
     words = ("calibrate", "printer", "child_finger", readings("child_finger"), "--out", "mine.toml")
     done = run_fingertip(*words)
@@ -147,7 +150,6 @@ def test_a_refused_design_is_explained_with_a_remedy_that_passes(folder: Path) -
     assert (folder / "mine.toml").exists()
 
 
-@pytest.mark.slow
 def test_a_failed_check_is_named_and_no_design_is_written(folder: Path) -> None:
     """A bone that needs a factor that no material gives fails its check, calibrated or not."""
     changes = ("--set", "strength.min_grip_factor=20")
@@ -170,7 +172,7 @@ def test_all_faults_are_reported_at_once(folder: Path) -> None:
     assert "did you mean slot_mm?" in done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_an_outlier_is_named(folder: Path) -> None:
     tables = simulate(Design(), 0)
     tables["outer_x_mm"][1] += 0.31

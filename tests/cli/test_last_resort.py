@@ -65,7 +65,7 @@ def test_a_path_that_is_too_long_is_refused(words: tuple[str, ...]) -> None:
     for path in ("x" * 300, "9" * 5000):
         done = run_fingertip(*words, path)
         assert done.returncode == 2
-        assert done.stderr.count("error: ") == 1
+        assert done.stderr.count("(File name too long)") + done.stderr.count("neither a file nor") == 1
         assert len(done.stderr) < 2000
 
 
@@ -110,6 +110,7 @@ def test_few_open_files(limit: int, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.full
 def test_a_closed_pipe_is_no_failed_check() -> None:
     reading, writing = os.pipe()
     os.close(reading)
@@ -129,7 +130,7 @@ def test_exit_codes_are_documented() -> None:
         assert f"\n| {code} | " in page
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.skipif(not hasattr(resource, "RLIMIT_AS"), reason="the system does not bound the memory of a process")
 def test_too_little_memory_is_a_fault_with_a_sentence(tmp_path: Path) -> None:
     code = (

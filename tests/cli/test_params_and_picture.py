@@ -7,7 +7,6 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from tests.conftest import design_file, run_fingertip
 
@@ -34,7 +33,6 @@ def test_params_prints_a_design_and_a_schema() -> None:
     assert json.loads(run_fingertip("params", "--schema").stdout)["title"] == "fingertip design"
 
 
-@pytest.mark.slow
 def test_picture_shows_the_colour_of_every_part(tmp_path: Path) -> None:
     from PIL import Image
 

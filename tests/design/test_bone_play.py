@@ -49,6 +49,7 @@ def test_losses_are_those_of_a_library(name: str, method: str) -> None:
         assert objective @ motion == pytest.approx(loss.loss_mm, abs=1e-12)
 
 
+@pytest.mark.full
 def test_random_polytopes_have_the_maxima_of_a_library() -> None:
     from scipy.optimize import linprog
 

@@ -29,6 +29,7 @@ def tables(name: str, **values: float) -> DesignTables:
     return DesignTables(**load_tables([design_file(name)], []).tables).with_values(values)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", PRESETS)
 def test_preset_needs_no_fit(name: str) -> None:
     fit = fit_design(tables(name))
@@ -47,6 +48,7 @@ def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
     assert set(new.fitted) <= set(FREE)
 
 
+@pytest.mark.full
 def test_fit_is_reproducible_and_passes_all_rules() -> None:
     begin = tables("adult_finger", **{"skin.width_mm": 15.2, "skin.semi_axis_dorsal_mm": 8.0})
     given = ["skin.length_mm"]
@@ -60,6 +62,7 @@ def test_fit_is_reproducible_and_passes_all_rules() -> None:
         assert list(find_violations(PART_RULES, first.tables.with_values({name: before}))), name
 
 
+@pytest.mark.full
 def test_given_lengths_stay() -> None:
     begin = tables("adult_finger", **{"hand.clearance_radius_mm": 5.0})
     assert "bone.base_length_mm" in fit_design(begin).changes
@@ -67,6 +70,7 @@ def test_given_lengths_stay() -> None:
         fit_design(begin, given=["bone.base_length_mm"])
 
 
+@pytest.mark.full
 def test_a_length_limit_shortens_the_skin() -> None:
     limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 34.0})).tables
     assert limited.skin.length_mm + limited.bone.base_length_mm <= 34.0
@@ -88,8 +92,7 @@ def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
         find_hand(tmp_path / "h.toml")
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
+@pytest.mark.full
 def test_half_of_the_fingers_near_a_preset_are_accepted() -> None:
     """All that is measured on finger and hand is drawn within 20 % of a preset; the rest is fitted."""
     rng, accepted, count = random.Random(11), 0, 24

@@ -136,12 +136,11 @@ def test_the_constructor_raises_the_same_error() -> None:
         Design(skin={"width_mm": 1.0})
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @given(
     key=st.sampled_from([p.path for p in list_parameters() if p.unit == "mm"]),
     value=st.floats(allow_nan=True, allow_infinity=True),
 )
-@pytest.mark.slow
 def test_any_number_is_accepted_or_refused_with_a_message(key: str, value: float) -> None:
     issues: tuple[Issue, ...] = ()
     try:

@@ -16,7 +16,7 @@ from fingertip.design.rules.force_curve import calibration_spans_forces
 from fingertip.design.rules.search import Search
 from fingertip.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
-from tests.design.remedies import as_changes, read_alternatives, read_remedy
+from tools.fuzz.remedies import as_changes, read_alternatives, read_remedy
 
 MANY = int(os.environ.get("FINGERTIP_RANDOM_CHANGES", "0"))
 """Random changes per seed; 0 for the usual number."""
@@ -79,18 +79,18 @@ def check_random_changes(seed: int, count: int) -> None:
         check_remedies(changes, random_numbers.choice(("fsr400", "fsr402")))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_remedies_of_random_changes_pass() -> None:
     check_random_changes(seed=1, count=25)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(2, 6))
 def test_remedies_of_many_random_changes_pass(seed: int) -> None:
     check_random_changes(seed, MANY or 100)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("end", ["lowest", "highest"])
 def test_remedies_at_the_bounds_of_every_parameter_pass(end: str) -> None:
     for name in NUMERIC:
@@ -99,7 +99,8 @@ def test_remedies_at_the_bounds_of_every_parameter_pass(end: str) -> None:
         check_remedies([f"{name}={lowest if end == 'lowest' else bounds.maximum!r}"])
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.full
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.full)])
 def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> None:
     """Rules that read an invalid parameter are checked in the next round, once it is valid."""
     random_numbers = random.Random(seed)
@@ -118,6 +119,7 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         assert not refuse(changes), changes
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("changes", "first", "count"),
     [
@@ -171,6 +173,7 @@ def test_remedies_name_the_cause(changes: list[str], first: str, count: int) -> 
     check_remedies(changes)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "misspelt", "changes"),
     [
@@ -202,6 +205,7 @@ def test_consequences_name_the_cause_that_resolves_them() -> None:
     assert all(issue.message.endswith("; bone.wall_mm=1 also fixes this.") for issue in issues[1:])
 
 
+@pytest.mark.full
 def test_a_design_in_python_gets_the_same_remedies() -> None:
     with pytest.raises(DesignError) as caught:
         Design(mold={"filling": "gravity", "land_mm": 13.0})
@@ -219,12 +223,14 @@ def test_refusals_without_remedies_blame_the_same_fields() -> None:
     assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})
 
 
+@pytest.mark.full
 def test_the_defaults_break_no_rule() -> None:
     """The last resort of every remedy is to return to them."""
     assert not refuse([])
     assert all(rule.check(Design()) is None for rule in RULES)
 
 
+@pytest.mark.full
 def test_a_refusal_imports_no_heavy_package() -> None:
     script = (
         "import sys\n"

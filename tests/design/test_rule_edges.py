@@ -21,9 +21,9 @@ from fingertip.design.rules import ELECTRONIC_RULES, RULES
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
-from tests.design.remedies import as_changes, read_remedy
 from tests.design.test_rules import CASES
 from tests.designs import ARTICLE_CHANGES
+from tools.fuzz.remedies import as_changes, read_remedy
 
 ROUNDING = 1e-5
 """Twice the slack of the rules, and rounding errors beside."""
@@ -95,10 +95,12 @@ def list_edges(broken: BrokenRule) -> Iterator[tuple[str, float, float]]:
             return
 
 
+@pytest.mark.full
 def test_every_rule_is_broken_by_a_design() -> None:
     assert not {rule.check.__name__ for rule in RULES if rule not in find_broken()}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_the_edge_of_a_rule(rule: Rule) -> None:
     """Both neighbours of the edge are checked by all rules, and the bound that the rule states is the edge."""
@@ -149,14 +151,14 @@ def check_equal_pairs(pairs: Iterator[tuple[str, str]] | list[tuple[str, str]]) 
         check_rules(DEFAULTS.with_values({one: float(DEFAULTS.value(other))}))
 
 
+@pytest.mark.full
 def test_equal_parameters_raise_no_exception() -> None:
     pairs = list_equal_pairs()
     same_unit = [pair for pair in pairs if find_unit(PARAMETERS[pair[0]]) == find_unit(PARAMETERS[pair[1]])]
     check_equal_pairs([("skin.length_mm", "skin.tip_length_mm"), *random.Random(0).sample(same_unit, 60)])
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
+@pytest.mark.full
 def test_all_equal_parameters_raise_no_exception() -> None:
     check_equal_pairs(list_equal_pairs())
 
@@ -185,14 +187,14 @@ def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
         yield from make_covering_array(read)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rule", ELECTRONIC_RULES, ids=lambda rule: rule.check.__name__)
 def test_bounds_in_pairs_raise_no_exception(rule: Rule) -> None:
     for row in list_rule_rows(rule):
         check_rules(DEFAULTS.with_values(row))
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
     """The rows begin from a design that reaches the rule, so that its prerequisites pass in many of them."""
@@ -201,8 +203,7 @@ def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
         check_typed_remedies(base.with_values(row))
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
+@pytest.mark.full
 def test_bounds_of_all_parameters_in_pairs_have_remedies_that_pass() -> None:
     for row in make_covering_array(list_levels()):
         check_typed_remedies(DEFAULTS.with_values(row))

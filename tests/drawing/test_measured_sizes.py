@@ -16,8 +16,6 @@ from fingertip.drawing.sizes import AXES, Circle, Length, Size
 from tests.conftest import some_of
 from tests.drawing.conftest import load_variant
 
-pytestmark = pytest.mark.slow
-
 TOLERANCE_MM = 0.006
 """Half of the last digit on the sheet, and a rounding error."""
 _NEAR_MM = 0.3
@@ -117,6 +115,7 @@ def _shifted(size: Size, shift_mm: float) -> Size:
     return replace(size, end=(end[0], end[1], end[2]))
 
 
+@pytest.mark.full
 def test_numbers_are_those_of_the_step_files(built: Build) -> None:
     assert not wrong_sizes(built)
 
@@ -129,6 +128,7 @@ VARIANTS = (
 )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "variant", some_of(VARIANTS, VARIANTS[0], VARIANTS[2]), ids=lambda variant: "-".join((variant[0], *variant[1]))
 )

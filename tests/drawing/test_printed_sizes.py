@@ -91,6 +91,7 @@ def _growth_of_circle(corners: Array, normal: Array, size: Size) -> float:
     return factor * float(np.sign(towards[side].sum()))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: "-".join((variant[0], *variant[1])))
 def test_growth_follows_from_the_faces_of_the_part(variant: tuple[str, tuple[str, ...]]) -> None:
     design = load_variant(variant).with_values({"mold.engraving_depth_mm": 0.0})
@@ -172,6 +173,7 @@ def test_sizes_without_a_surface_stand_in_parentheses_and_are_not_checked() -> N
                 assert any("parentheses" in note for note in drawing.notes)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: "-".join((variant[0], *variant[1])))
 def test_lengths_of_bone_and_core_start_at_a_surface(variant: tuple[str, tuple[str, ...]]) -> None:
     design = load_variant(variant).with_values({"mold.engraving_depth_mm": 0.0})

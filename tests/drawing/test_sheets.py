@@ -83,7 +83,7 @@ def faults(sheet: Sheet) -> list[str]:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
     for part, sheet in drawn[1].items():
         assert not faults(sheet), part
@@ -99,7 +99,6 @@ def test_faults_are_found() -> None:
     assert faults(Sheet("", 297.0, 210.0, (line((90.0, 101.0), (300.0, 101.0), EDGE),)))
 
 
-@pytest.mark.slow
 def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn) -> None:
     design, sheets = drawn
     assert set(sheets) == {name for name, part in parts_by_name(design).items() if part.is_printed}
@@ -113,7 +112,7 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
         assert {text: found[text] for text in wanted} == wanted, drawing.part
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
     design, sheets = drawn
     for number, (part, sheet) in enumerate(sheets.items(), 1):
@@ -124,7 +123,7 @@ def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
         assert (sheet.width, sheet.height) in ((297.0, 210.0), (420.0, 297.0))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_lines_have_the_widths_of_iso_128(drawn: Drawn) -> None:
     for part, sheet in drawn[1].items():
         styles = {p.style for p in sheet.primitives if isinstance(p, Polyline)}
@@ -136,7 +135,7 @@ def test_lines_have_the_widths_of_iso_128(drawn: Drawn) -> None:
         assert any(isinstance(primitive, Hatch) and any(primitive.lines()) for primitive in sheet.primitives)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
     """The section at x = 0 of the mesh, by another kernel."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -156,8 +155,7 @@ def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
         assert area == pytest.approx(slab.volume() / thin, rel=2e-3), part
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     require_module("reportlab")
     written = []
@@ -207,6 +205,7 @@ def test_parts_have_few_sizes_to_check(name: str) -> None:
             assert len(set(names)) == len(names)
 
 
+@pytest.mark.full
 def test_errors_of_the_process_are_raised_here() -> None:
     from fingertip.cad.solids import Box, difference
     from fingertip.drawing.projection_process import project_parts
@@ -219,6 +218,7 @@ def test_errors_of_the_process_are_raised_here() -> None:
         project_parts((("box", box, ("front",)),), time_limit_s=0.01)
 
 
+@pytest.mark.full
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     from fingertip.cad.solids import Box, cylinder, difference
     from fingertip.drawing.projection_process import project_parts

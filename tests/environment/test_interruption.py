@@ -26,6 +26,7 @@ SOME = {"board": 8, "new": 4}
 WAIT_S = 120.0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "count"), SOME.items())
 def test_random_interruptions_leave_whole_sets_and_no_litter(name: str, count: int, tmp_path: Path) -> None:
     words = ("-m", "tools.fuzz.interrupt", "--commands", name, "--cases", str(count), "--seed", "24")
@@ -95,6 +96,7 @@ def test_signals_wait_while_a_library_is_imported_that_they_would_abort(handlers
     assert reached
 
 
+@pytest.mark.full
 def test_signals_are_held_while_manifold_is_imported() -> None:
     program = (
         "import os, signal, sys; from fingertip import interruption; from fingertip.cad.kernel import mesh\n"

@@ -13,7 +13,6 @@ from fingertip.view.filling_picture import _summarise, draw_filling
 from tests.conftest import design_file
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("has_nail", [False, True])
 def test_picture_is_a_png_and_repeats_itself(has_nail: bool) -> None:
     pytest.importorskip("matplotlib")

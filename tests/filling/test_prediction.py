@@ -60,6 +60,7 @@ def predict(
     )  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "method"), CASES)
 def test_volume_equals_that_of_the_solids(name: str, method: str) -> None:
     design = load(name, method, *WITHOUT_CHAPLET)
@@ -90,7 +91,7 @@ def test_areas_close() -> None:
     assert grid.parting_area_mm2.sum() == pytest.approx(float(silhouette), rel=0.005)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "method"), CASES)
 @pytest.mark.parametrize("z", [1.5, 10.0])
 def test_errors_against_a_finer_grid(name: str, method: str, z: float) -> None:
@@ -141,6 +142,7 @@ def test_gate_at_the_tip_traps_air_at_the_collar() -> None:
     assert found.air_pockets[0].volume_mm3 > 0.3 * found.volume_mm3
 
 
+@pytest.mark.full
 def test_vent_at_the_last_point_leaves_no_air_there() -> None:
     design = load("fsr400")
     grid = build_skin_grid(design)
@@ -209,6 +211,7 @@ def test_prediction_repeats_itself() -> None:
     assert np.array_equal(first.arrival_mm3, again.arrival_mm3, equal_nan=True)
 
 
+@pytest.mark.full
 def test_forces_are_the_largest_over_all_fronts() -> None:
     design = load("adult_finger")
     grid = build_skin_grid(design)

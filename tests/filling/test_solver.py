@@ -86,6 +86,7 @@ def test_disc_fills_in_circles_and_its_resistance_is_logarithmic() -> None:
         assert filling.gate @ front.pressure_per_mm3 + added == pytest.approx(exact, rel=0.05)
 
 
+@pytest.mark.full
 def test_mouth_resistance_makes_the_resistance_independent_of_the_grid() -> None:
     found = []
     for rows, columns in ((16, 24), (24, 36), (64, 96)):
@@ -98,6 +99,7 @@ def test_mouth_resistance_makes_the_resistance_independent_of_the_grid() -> None
     assert found == pytest.approx([found[-1]] * len(found), rel=0.01)
 
 
+@pytest.mark.full
 def test_gap_between_cylinders_converges_to_a_fine_grid() -> None:
     def run(rows: int, columns: int) -> tuple[Layer, Filling]:
         layer = sleeve(rows, columns, 20.0, (5.0, 7.0))

@@ -92,6 +92,7 @@ def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None
         assert_same_bits(either, recording.tactile_v, recording.filtered_v)
 
 
+@pytest.mark.full
 def test_filtered_signal_counts_where_the_board_gives_it(article_library: Library, library: Library) -> None:
     """Also as the C library takes it: one board's decisions depend on it, the other's do not."""
     signals = random_signals(library.design, 40_000)["bursts"]
@@ -119,6 +120,7 @@ def test_infinite_and_missing_samples_do_the_same_in_both(library: Library) -> N
         assert not library.detector("float").process(volts, volts)[3][1100:].any()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rate_hz", [1000.0, 1234.5, 5000.0, 20000.0])
 def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path) -> None:
     design = Design(detector={"sample_rate_hz": rate_hz})
@@ -127,6 +129,7 @@ def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path)
     assert output.on.any()
 
 
+@pytest.mark.full
 def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(either: Library) -> None:
     intervals = 0
     for recording in campaign_recordings(either.design, stride=60):
@@ -138,15 +141,14 @@ def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(either
     assert intervals >= 4
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: Library) -> None:
     signals = random_signals(library.design, 1_200_000, seed=5)
     total = sum(len(assert_same_bits(library, *signal.inputs).on) for signal in signals.values())
     assert total >= 10_000_000
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> None:
     """The campaign's traces, and a thousand slips in noise, so that one difference is less than the limit.
 
@@ -197,6 +199,7 @@ def test_float_does_not_depend_on_the_force_at_which_it_begins(library: Library)
         assert np.array_equal(values, others)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("level", ["-O0", "-Os", "-O3"])
 def test_compiles_without_warnings_whatever_the_optimisation(library: Library, real: str, level: str, tmp_path: Path):
@@ -205,6 +208,7 @@ def test_compiles_without_warnings_whatever_the_optimisation(library: Library, r
     compile_host(tmp_path, real, level, "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wstrict-prototypes")
 
 
+@pytest.mark.full
 def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path) -> None:
     """A whole program: the sanitizers must be the first library of a process."""
     import subprocess
@@ -225,6 +229,7 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[3])
 
 
+@pytest.mark.full
 def test_another_order_of_operations_is_noticed(library: Library, tmp_path: Path) -> None:
     """The comparison of bits can fail: the same sum in another order."""
     write_sources(library.design, tmp_path)

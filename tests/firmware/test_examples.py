@@ -181,6 +181,7 @@ def test_the_longest_line_fits_and_negative_voltages_are_written(arduino: Path, 
     ]
 
 
+@pytest.mark.full
 def test_detect_reads_the_stream_from_a_serial_port(arduino: Path, library: Library) -> None:
     """A pseudo-terminal stands for the port: the sketch writes to it, and `fingertip detect -` reads it as it comes."""
     design = library.design

@@ -65,6 +65,7 @@ def test_constants_are_those_of_the_detector() -> None:
     assert values["SLIP_ADC_STEP_V"] == design.detector.adc_step_v
 
 
+@pytest.mark.full
 def test_every_constant_that_is_used_is_defined_and_every_defined_one_used() -> None:
     files = firmware_files(Design())
     texts = [data.decode() for place in files.values() for name, data in place.items() if name.endswith((".h", ".c"))]
@@ -222,6 +223,7 @@ def test_folder_is_a_set_that_can_be_checked(tmp_path: Path) -> None:
     assert not firmware_differences(other, tmp_path / "firmware")
 
 
+@pytest.mark.full
 def test_command_writes_checks_and_keeps_what_is_somebodys_own(tmp_path: Path) -> None:
     out = tmp_path / "firmware"
     done = run_fingertip("firmware", "fsr400", "--out", out, "--json")

@@ -40,6 +40,7 @@ def run(library: Library, target: Target, recording: Recording, level: str = "-O
     return run_target(compile_target(library.folder, target, level), target, recording)
 
 
+@pytest.mark.full
 @by_target
 @pytest.mark.parametrize("level", ["-O2", "-Os"])
 def test_decisions_and_confidences_are_those_of_this_machine(library: Library, target: Target, level: str) -> None:
@@ -53,6 +54,7 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
     assert 0.1 < on.mean() < 0.9
 
 
+@pytest.mark.full
 @by_target
 def test_decisions_in_simulated_trials_are_those_of_python(library: Library, target: Target) -> None:
     for recording in campaign_recordings(library.design, stride=200):
@@ -60,6 +62,7 @@ def test_decisions_in_simulated_trials_are_those_of_python(library: Library, tar
         assert count_differences(output.on, run(library, target, recording).on)[0] == 0
 
 
+@pytest.mark.full
 def test_the_counter_counts_instructions(library: Library) -> None:
     """Counts are whole numbers, the same in every run, and repeat from tick to tick."""
     target = TARGETS[0]
@@ -71,6 +74,7 @@ def test_the_counter_counts_instructions(library: Library) -> None:
     assert 150 < plain < 400
 
 
+@pytest.mark.full
 @by_target
 def test_memory_is_within_the_limits(library: Library, target: Target) -> None:
     found = run(library, target, slip_recording(library.design, 1.0))
@@ -85,6 +89,7 @@ def test_memory_is_within_the_limits(library: Library, target: Target) -> None:
         assert 15_000 < measure_flash(library.folder, target, level) <= costs.MAX_FLASH_BYTES
 
 
+@pytest.mark.full
 def test_instructions_are_within_the_limit(library: Library) -> None:
     """Mean over a few cases of the campaign, which hold more slip than all of them; quiet signals take fewer."""
     target = TARGETS[0]
@@ -94,6 +99,7 @@ def test_instructions_are_within_the_limit(library: Library) -> None:
     assert run(library, target, quiet_recording(library.design, 2.0)).instructions.mean() < 0.5 * costs.MAX_INSTRUCTIONS
 
 
+@pytest.mark.full
 def test_no_step_calls_a_function_on_a_controller_with_floating_point(library: Library) -> None:
     require_arm()
     floating, integer = TARGETS
@@ -142,8 +148,7 @@ def test_the_committed_measurements_are_within_the_limits() -> None:
     assert_limits(costs.read_costs())
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_the_committed_measurements_are_measured_again(library: Library) -> None:
     """With the compiler that made the table, the same bytes and nearly the same counts; else the limits alone."""
     require_arm()

@@ -65,6 +65,7 @@ def test_a_damaged_database_of_a_sweep(tmp_path: Path, statement: str, message: 
         assert "restore it from a copy, or run the sweep again in another folder." in done.stderr
 
 
+@pytest.mark.full
 def test_axes_are_refused_before_their_values_are_made(tmp_path: Path) -> None:
     path = tmp_path / "s.toml"
     for axis, message in (
@@ -130,3 +131,12 @@ def test_the_bounds_of_a_long_list_are_checked_at_its_ends(monkeypatch: pytest.M
     _, issues = axes.read_axis("skin.width_mm", [*listed[:-1], 900.0], False)
     assert "900.0 mm is too large" in issues[0].message
     assert checked == [14.0, 900.0]
+
+
+def test_a_converter_whose_steps_would_be_zero() -> None:
+    with pytest.raises(DesignError, match=r"detector\.adc_range_v: 5e-324 V is too small; at least 0\.01 V"):
+        Design(detector={"adc_range_v": 5e-324})
+    for low_v, high_v, least_v in ((99.99, 5.0, 100.0), (0.0, 5e-324, 0.01)):
+        with pytest.raises(TraceError, match=rf"above converter\.low_v; at least {least_v} V\."):
+            SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": high_v})
+        SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": least_v})

@@ -1,80 +1,240 @@
-"""Five hundred generated and damaged inputs: no traceback, no hang, little memory, no invalid result.
+"""The fuzzer sees each kind of fault, and goes on where it was stopped.
 
-`python -m tools.fuzz.run` runs twenty thousand. What these find becomes a test of its own elsewhere, by name.
+`.ci/run` runs some hundred of its cases, `.ci/full` thousands, and `.ci/long` tens of thousands. What these find
+becomes a test of its own elsewhere, by name.
 """
 
 from __future__ import annotations
 
+import hashlib
+import io
 import json
+import os
+import random
+import sqlite3
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from tests.conftest import ROOT, run_python
-from tests.tools import require_module
-from tools.fuzz import in_process
-from tools.fuzz.cases import Case
-from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, Outcome, find_faults
-from tools.fuzz.run import run_cases
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.errors import DesignError, Issue
+from tools.fuzz import in_process, pieces, run, targets
+from tools.fuzz.cases import Case, design_cases
+from tools.fuzz.computing import draw_case, draw_value, settle
+from tools.fuzz.outcome import Outcome, find_faults, judge
+from tools.fuzz.pieces import Line, Pieces
+from tools.fuzz.promises import PROMISES, check_folder
 
-COUNT = 500
-
-
-def test_generated_and_damaged_inputs_show_no_fault() -> None:
-    for module in ("nptdms", "scipy", "pyarrow"):
-        require_module(module)
-    # This process may have grown in other tests before; the memory of a new one is that of its cases.
-    done = run_python("-m", "tools.fuzz.run", "--piece", "case", str(COUNT), "24", PWD=str(ROOT))
-    assert done.returncode == 0, done.stderr[-2000:]
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(lines) >= COUNT
-    found = [f"{line['words']}: {fault}" for line in lines for fault in line["faults"]]
-    assert not found, found[:3]
-    assert max(line["peak"] for line in lines) < MEMORY_LIMIT_BYTES
-    assert len({line["family"] for line in lines}) >= 15
-
-
-CASE = Case("test", ("params",), promise="design")
+CASE = Case("test", ("params", "--json"), promise="design", is_accepted=True)
 
 
 @pytest.mark.parametrize(
     ("outcome", "fault"),
     [
         (Outcome(70, "", "error: fault", 0, 0.1), "traceback"),
-        (Outcome(1, "", "Traceback (most recent call last)", 0, 0.1), "traceback"),
-        (Outcome(1, "", "", 0, 0.1), "exit code"),
+        (Outcome(1, "{}", "Traceback (most recent call last)", 0, 0.1), "traceback"),
+        (Outcome(1, "{}", "", 0, 0.1), "exit code"),
         (Outcome(-11, "", "", 0, 0.1), "exit code"),
         (Outcome(2, "", "", 0, 0.1), "silent"),
+        (Outcome(2, "", "error: at most 3", 0, 0.1), "refused"),
         (Outcome(None, "", "", 0, 10.1), "hang"),
         (Outcome(2, "", "error: x", 2**31, 0.1), "memory"),
         (Outcome(2, "", "error: \x07", 0, 0.1), "control"),
         (Outcome(2, "", "error: " + "x" * 10_000, 0, 0.1), "length"),
         (Outcome(0, "[skin]\nwidth_mm = 1\n", "", 0, 0.1), "invalid"),
+        (Outcome(0, '{"a": NaN}', "", 0, 0.1), "invalid"),
     ],
 )
 def test_each_fault_is_seen(tmp_path: Path, outcome: Outcome, fault: str) -> None:
     assert any(found.startswith(fault) for found in find_faults(CASE, outcome, tmp_path))
 
 
-def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(in_process, "TIME_LIMIT_S", 0.05)
+def _made(code: int, *paths: str) -> Callable[[Case, Path], Outcome]:
+    """Run of a command that writes files and ends with an exit code."""
 
+    def run(case: Case, folder: Path) -> Outcome:
+        for path in paths:
+            (folder / path).write_text("nan")
+        return Outcome(code, "", "error" * (code == 2), 0, 0.1)
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("run", "fault"),
+    [
+        (_made(0, "a.md"), "promise: has_only_numbers: a.md"),
+        (_made(0, "a.xyz"), "promise: is_expected: a.xyz"),
+        (_made(2, "a.md"), "litter: refused"),
+        (_made(0, ".a"), "litter: ['.a"),
+        (_made(0, "../tmp/a"), "litter: ['a: nan"),
+    ],
+)
+def test_what_a_command_leaves_is_judged(tmp_path: Path, run: Callable[[Case, Path], Outcome], fault: str) -> None:
+    outcome, found = judge(Case("test", ("sheet",), promise="files"), tmp_path, run)
+    assert outcome.seconds == 0.1
+    assert [text for text in found if text.startswith(fault)], found
+    assert not any(tmp_path.iterdir())
+
+
+def _saved(save: Callable[[io.BytesIO], object]) -> bytes:
+    file = io.BytesIO()
+    save(file)
+    return file.getvalue()
+
+
+def _stl(triangles: list[tuple[int, ...]]) -> bytes:
+    """Tetrahedron, or what is left of it."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
+    records = np.zeros(len(triangles), [("numbers", "<f4", (4, 3)), ("end", "<u2")])
+    records["numbers"][:, 1:] = corners[np.array(triangles)]
+    return bytes(80) + len(triangles).to_bytes(4, "little") + records.tobytes()
+
+
+def _threemf(item: str) -> bytes:
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in TETRAHEDRON)
+    points = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    mesh = f"<mesh><vertices>{points}</vertices><triangles>{faces}</triangles></mesh>"
+    text = f'<model><object id="1">{mesh}</object><build><item objectid="{item}"/></build></model>'
+    return _saved(lambda file: zipfile.ZipFile(file, "w").writestr("3D/3dmodel.model", text) or None)
+
+
+def _database(value: float) -> bytes:
+    connection = sqlite3.connect(":memory:")
+    connection.execute("CREATE TABLE rows (a REAL)")
+    connection.execute("INSERT INTO rows VALUES (?)", (value,))
+    connection.commit()
+    return connection.serialize()
+
+
+TETRAHEDRON = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+PNG = [_saved(lambda file, n=n: Image.linear_gradient("L").resize((n, n)).save(file, "PNG")) for n in (9, 1)]
+NETLIST = '(export (components (comp (ref "R1"))) (nets (net (code 1) (node (ref "{}") (pin 1)))))'
+HASHED = '{{"files": {{"a.md": "{}"}}}}'
+FILES: list[tuple[str, str | bytes, list[str | bytes]]] = [
+    ("a.json", '{"a": 1.5}', ['{"a": NaN}', '{"a": 1e999}', '{"a": 1, "a": 2}', "{"]),
+    ("manifest.json", HASHED.format(hashlib.sha256(b"1").hexdigest()), [HASHED.format("0" * 64)]),
+    ("a.toml", "a = 1.5", ["a = inf", "a =", "[skin]\nwidth_mm = 1"]),
+    ("a.csv", "time_s,a\n0,1\n1,2\n", ["time_s,a\n0,1\n0,2\n", "a,b\n1\n", "a\nnan\n", "a,a\n1,1\n", "time_s\n"]),
+    ("a.npz", _saved(lambda file: np.savez(file, a=[1.0])), [_saved(lambda file: np.savez(file, a=[np.inf])), b"PK"]),
+    ("a.sqlite", _database(1.0), [_database(float("inf")), b"x" * 4096]),
+    ("a.png", PNG[0], [PNG[1], b""]),
+    ("a.svg", '<svg viewBox="0 0 9 9"><rect x="0"/><path d="M 1 2"/></svg>',
+     ['<svg viewBox="0 0 9 9"><rect x="0"/></svg>', '<svg viewBox="0 0 9 9"><rect x="0"/><path d="M nan 2"/></svg>',
+      '<svg viewBox="0 0 9 9"><rect x="0"/><path d="M -1 2"/></svg>', "<svg>"]),
+    ("a.pdf", "%PDF-1.4 /Type /Page /Count 1 %%EOF", ["%PDF-1.4 /Type /Page /Count 2 %%EOF", "%PDF-1.4"]),
+    ("a.html", "<p id='a'>1<br></p>",
+     ["<p>1", "<p></b></p>", "<p id='a'><i id='a'>1</i></p>", "<p>nan</p>", "<p></p>"]),
+    ("a.stl", _stl(TETRAHEDRON), [_stl(TETRAHEDRON)[:-1], _stl(TETRAHEDRON[:3]), _stl([t[::-1] for t in TETRAHEDRON])]),
+    ("a.3mf", _threemf("1"), [_threemf("2"), b"PK"]),
+    ("a.step", "ISO-10303-21;\n#1 = A(1.);\nEND-ISO-10303-21;",
+     ["ISO-10303-21;\n#1 = A(#2);\nEND-ISO-10303-21;", "ISO-10303-21;\n#1 = A(nan);\nEND-ISO-10303-21;", "#1 = A();"]),
+    ("a.net", NETLIST.format("R1"), [NETLIST.format("R2"), NETLIST.format("R1")[:-1], NETLIST.format("R1") + ")"]),
+    ("a.kicad_pcb", '(a "(" 1)', ['(a "(", nan)', '(a "b)', "(a) (b)"]),
+    ("a.c", 'int a(void) { return "}"[0]; }', ["int a(void) {", "int a(void) { return inf; }", "int a(void) { b; }"]),
+    ("a.md", "None of the 3 vents.", ["a = nan mm", "None", "-inf", ""]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "sound", "broken"), FILES, ids=[file[0] for file in FILES])
+def test_each_promise_can_be_broken(tmp_path: Path, name: str, sound: str | bytes, broken: list[str | bytes]) -> None:
+    if name == "manifest.json":
+        (tmp_path / "a.md").write_text("1")
+    for content in (sound, *broken):
+        (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
+        assert bool(list(check_folder(tmp_path))) == (content is not sound), content
+
+
+def test_every_promise_is_among_these() -> None:
+    kinds = {name.rpartition(".")[2] for name, *_ in FILES}
+    tested = {promise for kind, promises in PROMISES.items() if kind[1:] in kinds for promise in promises}
+    assert {promise for promises in PROMISES.values() for promise in promises} == tested
+
+
+def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def never_end(rows: object) -> str:
         while True:
             pass
 
     monkeypatch.setattr("fingertip.design.export.format_parameter_table", never_end)
-    outcome = in_process.run(Case("test", ("params",)), tmp_path)
+    outcome = in_process.run(Case("test", ("params",), limit_s=0.05), tmp_path)
     assert outcome.code is None
 
 
-def test_the_same_seed_gives_the_same_cases() -> None:
+@pytest.mark.full
+def test_the_same_seed_gives_the_same_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "cases", design_cases)  # recordings need heavy packages
     drawn: list[list[Case]] = []
-    for _ in range(2):
+    for done in (0, 0, 8):
         cases: list[Case] = []
-        run_cases(
-            30, 5, lambda case, *_, cases=cases: cases.append(case), lambda case, _: Outcome(2, "", "error", 0, 0.0)
-        )
+        run.run_cases(
+            12, 5, lambda case, *_, cases=cases: cases.append(case), tmp_path,
+            lambda case, _: Outcome(2, "", "error", 0, 0.0), done,
+        )  # fmt: skip
         drawn.append(cases)
     assert drawn[0] == drawn[1]
-    assert len({case.family for case in drawn[0]}) > 5
+    assert drawn[0][8:] == drawn[2]
+    assert len(drawn[0]) == 12
+    assert draw_case(3, 4) == draw_case(3, 4) != draw_case(4, 4)
+
+
+def test_a_computing_case_that_is_sound_has_no_fault(tmp_path: Path) -> None:
+    number = next(n for n in range(1000) if random.Random(f"0 {n}").random() < 0.05)  # the cheapest of the families
+    found: list[tuple[str, int | None, list[str]]] = []
+    run.compute_cases(
+        0, range(number, number + 1), lambda case, out, f: found.append((case.family, out.code, f)), tmp_path
+    )
+    assert found == [("values", 0, [])]
+
+
+def test_values_are_drawn_at_the_bounds_and_next_to_them() -> None:
+    rng, width = random.Random(1), PARAMETERS["skin.width_mm"]
+    drawn = {float(draw_value(rng, width) or "nan") for _ in range(300)}
+    assert {6.0, 60.0, np.nextafter(6.0, 0.0), np.nextafter(60.0, 99.0)} <= drawn
+    assert len([value for value in drawn if 6.0 <= value <= 60.0]) > 100
+    assert 0.0 not in {float(draw_value(rng, PARAMETERS["board.cutoff_hz"]) or "0") for _ in range(100)}
+
+
+def test_remedies_are_typed_in_until_they_help() -> None:
+    def load(changes: list[str]) -> str:
+        if changes[-1] != "a.b=3":
+            raise DesignError(Issue("a.b", f"{changes[-1]} is too small; at least {len(changes) + 1}."))
+        return "accepted"
+
+    assert settle(load, ["a.b=1"]) == ("accepted", ["a.b=1", "a.b=2", "a.b=3"])
+    assert settle(lambda changes: load([*changes, "x"]), ["a.b=1"])[0] is None
+
+
+def test_a_run_that_was_stopped_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A case that ends its process counts as a crash, one that hangs as well, and no case runs twice."""
+    monkeypatch.setattr(pieces, "SILENCE_S", 0.3)
+
+    def run_piece(numbers: range, top: Path, add: Callable[[Line], None]) -> None:
+        for number in numbers:
+            if number == 4:
+                os._exit(3)
+            while number == 7:
+                pass
+            add({"family": "test", "seconds": number})
+
+    (tmp_path / "00000.jsonl").write_text('{"family": "test", "seconds": 0}\n{"family": "te')
+    lines = Pieces(tmp_path, run_piece, 2).run(8, 3)
+    again = Pieces(tmp_path, lambda *_: pytest.fail("runs again"), 2).run(8, 3)
+    assert [line["seconds"] for line in lines if line["family"] == "test"] == [0, 1, 2, 3, 5, 6]
+    assert [line["faults"] for line in lines if line["family"] == "crash"] == [
+        ["crash: exit code 3"], ["crash: exit code -9"]
+    ]  # fmt: skip
+    assert json.dumps(again) == json.dumps(lines)
+
+
+def test_a_target_that_fails_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    targets.run_hypothesis("manifest", 5, 0)
+    monkeypatch.setattr(targets, "verify_sets", lambda folder: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        targets.run_hypothesis("manifest", 5, 0)
+    assert targets.run_each(lambda name: int(name), ["1"]) == 0
+    assert targets.run_each(lambda name: int(name), ["1", "x"]) == 1

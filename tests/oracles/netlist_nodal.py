@@ -1,22 +1,20 @@
 """Oracle: nodal analysis of a netlist file that shares nothing with the package but the file.
 
-It reads the file with an independent parser, identifies components by their library symbol, and solves Kirchhoff's
-current law (modified nodal analysis). Ideal amplifiers give the transfer function. They do not distinguish the inputs
-and outputs of an amplifier, because only negative feedback makes an amplifier keep its inputs equal. Amplifiers of
-finite bandwidth therefore give the poles, whose positions show whether the feedback is negative.
+It identifies components by their library symbol and solves Kirchhoff's current law (modified nodal analysis). Ideal
+amplifiers give the transfer function. They do not distinguish the inputs and outputs of an amplifier, because only
+negative feedback makes an amplifier keep its inputs equal. Amplifiers of finite bandwidth therefore give the poles,
+whose positions show whether the feedback is negative.
 """
 
 from __future__ import annotations
 
 import copy
-import functools
-import warnings
 from pathlib import Path
 from typing import Any
 
-import kinparse
 import numpy as np
-import scipy.linalg
+
+from tests.oracles.sexpressions import children, descendants, parse, word
 
 PREFIXES = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
 # Output, inverting and non-inverting input of each amplifier in a package, from the data sheets.
@@ -30,26 +28,22 @@ def number(text: str) -> float:
     return float(text[:-1]) * PREFIXES[text[-1]] if text[-1] in PREFIXES else float(text)
 
 
-def parse(path: Path) -> Any:
-    """Read a file with the independent parser, which takes seconds; each text is parsed once."""
-    return _parsed(path.read_text(encoding="utf-8"))
-
-
-@functools.cache
-def _parsed(text: str) -> Any:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # raised by the parser itself
-        return kinparse.parse_netlist(text)
-
-
 class NetlistCircuit:
     """Components and connections of a netlist file."""
 
     def __init__(self, path: Path) -> None:
-        parsed = parse(path)
-        self.components: dict[str, tuple[str, str]] = {p.ref: (p.name, p.value) for p in parsed.parts}
+        tree = parse(path.read_text("utf-8"))
+        self.components: dict[str, tuple[str, str]] = {
+            word(component, "ref"): (word(source, "part"), word(component, "value"))
+            for component in descendants(tree, "comp")
+            for source in children(component, "libsource")
+        }
         # The bridge and its amplifier are not analysed: the source of the tests replaces their output.
-        self.net: dict[tuple[str, str], str] = {(pin.ref, pin.num): n.name for n in parsed.nets for pin in n.pins}
+        self.net: dict[tuple[str, str], str] = {
+            (word(node, "ref"), word(node, "pin")): word(net, "name")
+            for net in descendants(tree, "net")
+            for node in children(net, "node")
+        }
         self._number_nets()
 
     def swapped(self, one: tuple[str, str], two: tuple[str, str]) -> NetlistCircuit:
@@ -83,8 +77,10 @@ class NetlistCircuit:
 
     def poles(self, source: str) -> Any:
         """Compute the natural frequencies [rad/s] with the source at 0 V and amplifiers of finite bandwidth."""
+        from scipy.linalg import eigvals
+
         G, C = self._equations(source, bandwidth_hz=GAIN_BANDWIDTH_HZ)
-        found = scipy.linalg.eigvals(G, -C)
+        found = eigvals(G, -C)
         return found[np.isfinite(found) & (np.abs(found) < 1e12)]
 
     def _equations(self, source: str, bandwidth_hz: float | None) -> tuple[Any, Any]:

@@ -35,3 +35,8 @@ def descendants(expression: Expression, head: str) -> Iterator[Expression]:
             if item and item[0] == head:
                 yield item
             yield from descendants(item, head)
+
+
+def word(expression: Expression, head: str) -> str:
+    """Word after the head of the first direct child whose first word is `head`."""
+    return next(children(expression, head))[1]  # type: ignore[no-any-return]

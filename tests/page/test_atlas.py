@@ -48,6 +48,7 @@ def draw(design: Design, path: str) -> AtlasPicture:
     return picture
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("path", "part", "z_mm"),
     [
@@ -102,6 +103,7 @@ def test_changes_leave_the_other_parameters(design: Design) -> None:
     assert list(list_changes(design, "name")) == []
 
 
+@pytest.mark.full
 def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
     picture = draw(design, "bone.collar_length_mm")
     data = render_atlas(design, {picture.path: picture})
@@ -122,14 +124,13 @@ def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     done = run_fingertip("params", "--html", tmp_path / "a.png")
     assert done.returncode == 2
-    assert done.stderr.startswith("error: --html: 'a.png' is not the name of a HTML file")
+    assert done.stderr.startswith("error: --html: 'a.png' is of no format that is written; end it in .html.")
     done = run_fingertip("params", "--html", tmp_path)
     assert done.returncode == 2
     assert "is a folder" in done.stderr
 
 
-@pytest.mark.thorough
-@pytest.mark.slow
+@pytest.mark.full
 def test_every_parameter_that_shapes_a_part_is_drawn(design: Design) -> None:
     """All have a picture, on this design or another, but the one of which no bundled design takes both values."""
     drawn = {picture.path: picture for picture in draw_atlas(design)}

@@ -24,8 +24,6 @@ from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, pic
 from tests.conftest import ROOT
 from tests.tools import require_tool
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
@@ -69,12 +67,14 @@ def count_pixels(driver: Any, rgb: tuple[int, int, int]) -> int:
     return int(((np.abs(pixels[..., :3] - rgb).max(axis=-1) <= 1) & (pixels[..., 3] == 255)).sum())
 
 
+@pytest.mark.full
 def test_first_picture_comes_at_once(opened: Any) -> None:
     """A picture is drawn without any action; `benchmarks/page.py` measures when."""
     assert float(wait(lambda: drawn_ms(opened))) > 0.0
     assert drawn_share(opened) > 0.15
 
 
+@pytest.mark.full
 def test_is_taken_apart_and_put_together(opened: Any) -> None:
     seen = {}
     for preset in ("finger", "closed", "opened", "apart"):
@@ -91,6 +91,7 @@ def test_is_taken_apart_and_put_together(opened: Any) -> None:
     assert not np.array_equal(picture(opened), seen["closed"])
 
 
+@pytest.mark.full
 def test_section_shows_the_inside(opened: Any) -> None:
     """In the closed mold only a section shows the skin. Its cut is filled with one colour, darker than the skin's."""
     click(opened, "[data-preset=closed]")
@@ -120,6 +121,7 @@ def encode_srgb(light: float) -> float:
     return 12.92 * light if light <= 0.0031308 else 1.055 * light ** (1 / 2.4) - 0.055
 
 
+@pytest.mark.full
 def test_parts_are_hidden_and_shown(opened: Any) -> None:
     click(opened, "[data-preset=opened]")
     before = drawn_share(opened)
@@ -131,6 +133,7 @@ def test_parts_are_hidden_and_shown(opened: Any) -> None:
     assert drawn_share(opened) == before
 
 
+@pytest.mark.full
 def test_a_parameter_highlights_its_parts(opened: Any) -> None:
     before = picture(opened)
     button = opened.find_element("id", "p-mold.nut_depth_mm")
@@ -144,6 +147,7 @@ def test_a_parameter_highlights_its_parts(opened: Any) -> None:
     assert np.array_equal(picture(opened), before)
 
 
+@pytest.mark.full
 def test_a_line_of_the_parts_list_highlights_its_parts_and_the_reverse(opened: Any) -> None:
     """Every picture of the board shows them: front, back and copper. Keys do what the pointer does."""
     from selenium.webdriver.common.keys import Keys
@@ -175,6 +179,7 @@ def test_a_line_of_the_parts_list_highlights_its_parts_and_the_reverse(opened: A
     assert set(picked()) == {"C2"}
 
 
+@pytest.mark.full
 def test_placed_parts_are_counted(opened: Any) -> None:
     box = opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3'] input")
     assert opened.find_element("id", "bom-placed").text.startswith("0 of ")
@@ -186,6 +191,7 @@ def test_placed_parts_are_counted(opened: Any) -> None:
     opened.execute_script("localStorage.clear()")
 
 
+@pytest.mark.full
 def test_is_used_with_keys_alone(opened: Any) -> None:
     from selenium.webdriver.common.keys import Keys
 
@@ -210,6 +216,7 @@ def test_is_used_with_keys_alone(opened: Any) -> None:
     assert places == sorted(places)
 
 
+@pytest.mark.full
 def test_saves_the_mesh_that_was_exported(opened: Any, folder: Path) -> None:
     click(opened, "[data-stl=bone]")
     path = opened.downloads / "bone.stl"
@@ -219,6 +226,7 @@ def test_saves_the_mesh_that_was_exported(opened: Any, folder: Path) -> None:
     assert np.array_equal(saved.triangles, exported.triangles)
 
 
+@pytest.mark.full
 def test_saves_a_picture(opened: Any) -> None:
     click(opened, "#save-picture")
     path = opened.downloads / "fsr400.png"
@@ -226,6 +234,7 @@ def test_saves_a_picture(opened: Any) -> None:
     assert struct.unpack(">II", path.read_bytes()[16:24])[0] > 300
 
 
+@pytest.mark.full
 def test_prints_with_everything_unfolded(opened: Any) -> None:
     """Folded up, the same page prints on far fewer sheets; afterwards it is folded up as before."""
     folded = "return document.querySelectorAll('details:not([open])').length"
@@ -242,6 +251,7 @@ def count_sheets(pdf: bytes) -> int:
     return len(re.findall(rb"/Type\s*/Page\b", pdf))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("scheme", "width"), [("light", 1300), ("dark", 390)])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     assert find_barriers(opened, scheme, width) == []
@@ -260,6 +270,7 @@ def test_atlas_is_accessible(driver: Any, scheme: str, tmp_path: Path) -> None:
     assert find_barriers(driver, scheme, 390) == []
 
 
+@pytest.mark.full
 def test_the_bundle_is_made_again_with_the_same_bytes(tmp_path: Path) -> None:
     """Second making of the vendored library, from the packages that `package.json` states; no network is needed."""
     import subprocess

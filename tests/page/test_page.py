@@ -29,6 +29,7 @@ from tests.conftest import ROOT, run_fingertip, some_of
 from tests.page.conftest import DRAWING, Page
 
 
+@pytest.mark.full
 def test_is_well_formed(page: Page) -> None:
     assert not page.faults
     ids = list(page.attributes("id"))
@@ -49,10 +50,12 @@ def find_missing_targets(page: Page) -> set[str]:
     return wanted - set(page.attributes("id"))
 
 
+@pytest.mark.full
 def test_every_reference_within_the_page_has_its_target(page: Page) -> None:
     assert find_missing_targets(page) == set()
 
 
+@pytest.mark.full
 def test_needs_no_optional_package(folder: Path) -> None:
     """The page is made by the core installation: plots are drawn without matplotlib."""
     code = (
@@ -64,6 +67,7 @@ def test_needs_no_optional_package(folder: Path) -> None:
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.full
 def test_asks_nothing_of_the_network(page: Page) -> None:
     """The only addresses are the article's, which is text to follow, and a name of HTML's namespace in three.js."""
     addresses = set(re.findall(r"(?:https?:)?//[a-z0-9-]+(?:\.[a-z0-9-]+)+[^\s\"'`<>)]*", page.source))
@@ -77,6 +81,7 @@ def test_asks_nothing_of_the_network(page: Page) -> None:
     assert "url(" not in page.source.split("</style>")[0]
 
 
+@pytest.mark.full
 def test_policy_allows_this_content_alone(page: Page) -> None:
     (policy,) = (a["content"] for _, a in page.elements if a.get("http-equiv") == "Content-Security-Policy")
     assert policy
@@ -92,10 +97,12 @@ def test_policy_allows_this_content_alone(page: Page) -> None:
     assert not [key for _, attributes in page.elements for key in attributes if key.startswith("on")]
 
 
+@pytest.mark.full
 def test_can_be_sent_by_mail(folder: Path) -> None:
     assert 1_000_000 < (folder / PAGE).stat().st_size < MAX_BYTES
 
 
+@pytest.mark.full
 def test_command_gives_the_bytes_of_another_process(folder: Path) -> None:
     before = (folder / PAGE).read_bytes()
     (folder / PAGE).unlink()
@@ -107,12 +114,14 @@ def test_command_gives_the_bytes_of_another_process(folder: Path) -> None:
     assert run_fingertip("check", folder).returncode == 0
 
 
+@pytest.mark.full
 def test_names_no_place_and_no_time(page: Page, folder: Path) -> None:
     text = page.source.replace(page.scripts[1], "")
     assert str(folder) not in text
     assert not re.search(r"/(tmp|home|root)/|\b20\d\d-\d\d-\d\d\b", text)
 
 
+@pytest.mark.full
 def test_states_every_check_with_value_and_limit(page: Page, folder: Path) -> None:
     report = json.loads((folder / "report.json").read_bytes())
     assert len(report["checks"]) > 80
@@ -129,6 +138,7 @@ def test_states_every_check_with_value_and_limit(page: Page, folder: Path) -> No
     assert f"All {len(held['checks'])} checks of the parts passed" in str(render_verdict(held))
 
 
+@pytest.mark.full
 def test_states_every_parameter_with_unit_bounds_and_meaning(page: Page, design: Design) -> None:
     for parameter in list_parameters():
         value = f"{format_value(design.value(parameter.path))} {parameter.unit}".rstrip()
@@ -139,6 +149,7 @@ def test_states_every_parameter_with_unit_bounds_and_meaning(page: Page, design:
         assert f"p-{parameter.path}" in set(page.attributes("id"))
 
 
+@pytest.mark.full
 def test_a_failed_check_comes_first_and_names_the_parameters(folder: Path, design: Design) -> None:
     sources = read_sources(design, folder)
     check = next(check for check in sources.report["checks"] if check["name"] == "mold.fill_time")
@@ -150,6 +161,7 @@ def test_a_failed_check_comes_first_and_names_the_parameters(folder: Path, desig
     assert "mold.nozzle_bore_mm" in table
 
 
+@pytest.mark.full
 def test_meshes_are_those_of_the_files(page: Page, folder: Path, design: Design) -> None:
     parts = {item["name"]: item for item in page.scene if not item["bought"]}
     assert set(parts) == set(parts_by_name(design))
@@ -162,6 +174,7 @@ def test_meshes_are_those_of_the_files(page: Page, folder: Path, design: Design)
         assert np.array_equal(triangles, mesh.triangles)
 
 
+@pytest.mark.full
 def test_shows_sensor_and_bolts(page: Page) -> None:
     bought = [item["name"] for item in page.scene if item["bought"]]
     assert bought == [
@@ -169,6 +182,7 @@ def test_shows_sensor_and_bolts(page: Page) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.full
 def test_every_step_has_its_text_and_its_picture(page: Page, folder: Path) -> None:
     steps = re.findall(r"^\d+\. (.*)\n\n   !\[step (\d+)\]\((.*)\)$", (folder / "casting.md").read_text(), re.MULTILINE)
     assert len(steps) > 20
@@ -179,6 +193,7 @@ def test_every_step_has_its_text_and_its_picture(page: Page, folder: Path) -> No
         assert picture == "data:image/png;base64," + base64.b64encode((folder / path).read_bytes()).decode()
 
 
+@pytest.mark.full
 def test_shows_the_drawing_and_the_board(page: Page, folder: Path) -> None:
     drawing = f"data:image/svg+xml;base64,{base64.b64encode(DRAWING).decode()}"
     assert drawing in set(page.attributes("src"))
@@ -191,6 +206,7 @@ def test_shows_the_drawing_and_the_board(page: Page, folder: Path) -> None:
     assert "TP1" in page.text
 
 
+@pytest.mark.full
 def test_states_the_delay_of_the_detection(page: Page, folder: Path) -> None:
     detection = json.loads((folder / "signal" / "detection.json").read_bytes())
     (delay,) = detection["delays_s"]
@@ -213,6 +229,7 @@ def test_states_the_delay_of_the_detection(page: Page, folder: Path) -> None:
     assert "detector threshold" not in page.text
 
 
+@pytest.mark.full
 def test_shows_when_encoders_know_the_motion(page: Page, folder: Path) -> None:
     detection = json.loads((folder / "signal" / "detection.json").read_bytes())
     (since_motion,) = detection["delays_since_motion_s"]
@@ -220,6 +237,7 @@ def test_shows_when_encoders_know_the_motion(page: Page, folder: Path) -> None:
     assert f"{1000 * since_motion:.1f} ms after the robot moved ({format_delay_band(since_motion)}" in page.text
 
 
+@pytest.mark.full
 def test_says_what_is_simulated(page: Page) -> None:
     for said in ("What is simulated and what is measured", "Nobody has printed and cast", "a real finger will differ"):
         assert said in page.text
@@ -230,6 +248,7 @@ def copy(folder: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(folder, tmp_path / "copy"))
 
 
+@pytest.mark.full
 def test_missing_and_changed_parts_are_refused_all_at_once(copy: Path, design: Design) -> None:
     (copy / "bone.stl").unlink()
     (copy / "skin.stl").write_bytes((copy / "skin.stl").read_bytes()[:-50])
@@ -242,6 +261,7 @@ def test_missing_and_changed_parts_are_refused_all_at_once(copy: Path, design: D
     assert all("fingertip make" in message for message in said.values())
 
 
+@pytest.mark.full
 def test_parts_of_other_parameters_are_refused(copy: Path) -> None:
     other = Design.load("fsr400", changes=["detector.threshold_v=0.02"])
     with pytest.raises(OutputError, match="other parameters; fingertip make DESIGN makes them again"):
@@ -257,6 +277,7 @@ def test_an_empty_folder_is_refused_with_the_command(tmp_path: Path) -> None:
     assert not (tmp_path / "none").exists()
 
 
+@pytest.mark.full
 def test_what_else_is_missing_or_old_is_said_on_the_page(copy: Path, design: Design) -> None:
     shutil.rmtree(copy / "board")
     trace = copy / "signal" / "trace.csv"
@@ -277,6 +298,7 @@ def test_what_else_is_missing_or_old_is_said_on_the_page(copy: Path, design: Des
     assert find_missing_targets(page) == set()
 
 
+@pytest.mark.full
 def test_the_command_on_the_page_makes_what_is_missing(copy: Path, design: Design) -> None:
     shutil.rmtree(copy / "board")
     _, _, (remark,) = write_page(design, copy)
@@ -285,6 +307,7 @@ def test_the_command_on_the_page_makes_what_is_missing(copy: Path, design: Desig
     assert write_page(design, copy)[2] == ()
 
 
+@pytest.mark.full
 def test_a_page_of_somebody_else_stays(copy: Path, design: Design) -> None:
     (copy / PAGE).write_text("mine")
     with pytest.raises(OutputError, match="--force"):
@@ -301,7 +324,7 @@ def test_the_library_is_the_version_that_the_tool_states() -> None:
     assert "three.js authors" in (ROOT / "src/fingertip/page/assets/three.LICENSE").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", some_of(("fsr402", "child_thumb", "adult_finger"), "child_thumb"))
 def test_other_designs_have_pages_too(name: str, tmp_path: Path) -> None:
     """A folded tail, a lid, a joint; and a skin pulled over."""

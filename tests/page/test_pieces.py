@@ -144,6 +144,7 @@ def test_expressions_of_kicad_are_read_back() -> None:
     assert turn(1, 0, 90) == pytest.approx((0, -1))  # up, as y points down
 
 
+@pytest.mark.full
 def test_pins_of_the_schematic_meet_its_wires(folder: Path) -> None:
     """A symbol that is turned or mirrored wrongly has pins beside its wires."""
     sheet = parse((folder / "board" / "slip_filter.kicad_sch").read_text())
@@ -168,6 +169,7 @@ def test_pins_of_the_schematic_meet_its_wires(folder: Path) -> None:
     assert [spot for spot in alone if sum(math.dist(spot, other) < 1e-6 for other in pins) < 2] == []
 
 
+@pytest.mark.full
 def test_pictures_of_the_board_name_every_component(folder: Path) -> None:
     board = folder / "board"
     schematic = Page(render_schematic((board / "slip_filter.kicad_sch").read_text(), "s"))
@@ -186,6 +188,7 @@ def test_pictures_of_the_board_name_every_component(folder: Path) -> None:
         assert len([a for tag, a in page.elements if tag == "rect"]) == len(pads)
 
 
+@pytest.mark.full
 def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page: Page) -> None:
     """The script of the board highlights by these names. The list of values on the back names its parts too."""
     text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
@@ -202,6 +205,7 @@ def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page
     assert sum(name in bought for name in page.attributes("data-part")) > 3 * len(bought)
 
 
+@pytest.mark.full
 def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
     """A part's frame encloses its pads, mirrored; seen from the back, the connector of the sensor is on the right."""
     text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
@@ -228,6 +232,7 @@ def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
     assert float(frames[[name_part(f) for f in footprints].index("J1")]["x"] or 0) > middle
 
 
+@pytest.mark.full
 def test_tracks_end_in_pads_as_they_are_drawn(folder: Path) -> None:
     """A footprint that is turned wrongly has pads beside the tracks of their net."""
     text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
@@ -270,6 +275,7 @@ CHANGED = (
 )  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", CHANGED)
 def test_whatever_a_parameter_changes_is_highlighted(path: str, design: Design) -> None:
     """Shapes that differ after a small change, against the parameters that they were recorded to read."""
@@ -280,6 +286,7 @@ def test_whatever_a_parameter_changes_is_highlighted(path: str, design: Design) 
     assert bool(changed) == (path.partition(".")[0] not in ("board", "detector"))
 
 
+@pytest.mark.full
 def test_electronics_move_nothing(design: Design) -> None:
     tables = {path.partition(".")[0] for path in shapes_of_parameters(design)}
     assert not tables & {"board", "detector", "force_curve", "silicone"}

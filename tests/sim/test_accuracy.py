@@ -42,7 +42,7 @@ def find_orders(columns: dict[int, dict[str, np.ndarray]]) -> dict[str, float]:
     return orders
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_every_scene_converges_with_order_2(path, variant):
@@ -58,7 +58,7 @@ def test_every_scene_converges_with_order_2(path, variant):
     assert all(order > 1.8 for order in orders.values()), orders
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(("kind", "mass"), [("pinch", 0.06), ("power", 0.255)])
 def test_manipulation_converges_with_order_2(kind, mass):
     grasp = {"kind": kind, "min_margin": 1.15, "max_margin": 1.15, "after_s": 0.2}
@@ -74,7 +74,7 @@ def test_manipulation_converges_with_order_2(kind, mass):
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_trials_of_the_article_are_within_a_tenth_of_a_millinewton_and_a_millivolt(variant):
     """The strongest trial of variant article is the exception: 1.3 mV of an envelope of 2.4 V."""
@@ -95,7 +95,6 @@ def test_trials_of_the_article_are_within_a_tenth_of_a_millinewton_and_a_millivo
     assert max(errors["envelope_v"]) < (1.5e-3 if variant == "article" else 1e-3)
 
 
-@pytest.mark.slow
 def test_error_controlled_contact_agrees_with_the_stepped_one():
     """Elasto-plastic bristles without elastic range would be plain ones; here the load is the same in both."""
     scene = SceneFile(

@@ -37,6 +37,7 @@ def test_trial_has_the_rate_voltage_and_force_of_the_article(gross):
     assert not gross.force_n[:700].any()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("bridge", ["board", "article"])
 def test_contact_and_release_cause_no_false_alarm(bridge):
     """The turn-on is smooth through the design's bridge and through the article's voltages."""
@@ -78,6 +79,7 @@ def test_slide_shorter_than_the_shear_of_the_pad_is_no_gross_slip():
     assert slides == {5e-5: False, 5e-3: True}
 
 
+@pytest.mark.full
 def test_vibration_grows_with_roughness_and_load_and_stays_below_100_hz():
     def shaking(surface, force):
         trace = simulate(DESIGN, Trial(surface, 0.06, force, 5))
@@ -106,7 +108,7 @@ def test_drawn_force_lies_in_the_range_of_the_article():
     assert 1.95 < max(forces) <= 2.0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
     code = (
         "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"

@@ -146,7 +146,6 @@ def cvode_or_skip() -> contextlib.AbstractContextManager[CvodeLibrary]:
     return compile_cvode()
 
 
-@pytest.mark.slow
 def test_peers_agree_with_fingertip_on_the_contact():
     problem = ContactProblem.over(1.0)
     system = contact._scipy_equations(problem.mount, problem.normal)
@@ -165,7 +164,6 @@ def test_peers_agree_with_fingertip_on_the_contact():
     assert np.abs(ours[: len(problem.time_s)]).max() > 0.2
 
 
-@pytest.mark.slow
 def test_peers_agree_with_fingertip_on_the_board():
     problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
     system = board._scipy_equations(problem.board)
@@ -215,7 +213,7 @@ def test_missing_compiler_and_missing_library_are_named(tmp_path, monkeypatch):
         pass
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_missing_peers_are_listed_loudly(monkeypatch):
     monkeypatch.setattr(spice, "find_program", lambda: None)
     with compiled():
@@ -227,8 +225,7 @@ def test_missing_peers_are_listed_loudly(monkeypatch):
     assert not diagram.misses_target
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
+@pytest.mark.full
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(
@@ -288,7 +285,7 @@ def test_trials_are_those_of_the_article():
     assert Counter(scene.slide.speed_m_s for scene, _ in planned) == {0.04: 40, 0.06: 40, 0.08: 40}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_trials_all_slip():
     """`fingertip bench` compares the time with the target."""
     pytest.importorskip("numba")
@@ -299,7 +296,7 @@ def test_trials_all_slip():
     assert found["cpu_s"] > 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_manipulations_without_control_lose_objects():
     """`fingertip bench` compares the time with the target, a second for each."""
     pytest.importorskip("numba")

@@ -75,7 +75,7 @@ def test_hysteresis_keeps_the_output_on():
     assert once.on[-1]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("supply", ["split", "single"])
 def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its bridge."""
@@ -106,7 +106,6 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     assert np.abs(out.envelope_v[700:] - at_samples).max() < 2e-3 * out.envelope_v.max()
 
 
-@pytest.mark.slow
 def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
     tables = SceneFile(
         contact={"surface": "gross"},

@@ -46,7 +46,7 @@ def slide(
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_motion_agrees_with_scipy_radau():
     """scipy solves an independent copy of the equations and restarts at the kinks of the drive."""
     from scipy.integrate import solve_ivp
@@ -78,6 +78,7 @@ def test_motion_agrees_with_scipy_radau():
     assert worst < 2e-7
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 def test_sliding_speed_is_velocity_minus_bending(elastic):
     """The relation ``ds/dt = N c (v - sliding)`` holds over the whole slide and the rest after it."""
@@ -196,6 +197,7 @@ def test_denormal_inputs_are_integrated():
     assert found.steps < 900
 
 
+@pytest.mark.full
 def test_million_samples_stay_periodic():
     pytest.importorskip("numba")
     time = np.arange(1_000_001) / RATE_HZ
@@ -208,6 +210,7 @@ def test_million_samples_stay_periodic():
     assert found.steps + found.rejected < 1.3e6
 
 
+@pytest.mark.full
 def test_statistics_of_a_bouncing_pad_do_not_depend_on_the_tolerance():
     """The pad is in flight for 0.78 of the time. Single points of such a chaotic motion need not agree."""
     time = grid(32.0)
@@ -280,6 +283,7 @@ def draw_friction(rng: np.random.Generator, elastic: float) -> Friction:
     return Friction(mu_s, mu_c, 10 ** rng.uniform(-3, -2), 10 ** rng.uniform(4, 4.7), sigma1, sigma2, elastic)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 def test_jacobian_agrees_with_finite_differences(elastic):
     """Also in flight, next to the loss of contact, and with both signs of velocity and deflection."""
@@ -381,6 +385,7 @@ def balance_energy(rates, curve, sigma, former, load_n, ratio, phase, amplitude_
     return least, work - cycle
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 def test_friction_is_passive_under_a_varying_load(elastic):
     """Friction never delivers more than it stored, close to the bound of its bristle damping."""
@@ -398,6 +403,7 @@ def test_friction_is_passive_under_a_varying_load(elastic):
         assert least > -1e-7 * load_n * f.mu_c * amplitude, case
 
 
+@pytest.mark.full
 def test_bristle_deflection_as_state_would_deliver_energy():
     """With z instead of s as state, friction would drive a motion of 10 um by 3 uJ per cycle, for ever."""
     pytest.importorskip("numba")

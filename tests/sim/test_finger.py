@@ -52,6 +52,7 @@ def record_all(path: Path, **changes) -> SceneFile:
     return SceneFile.load(path).model_copy(update={"outputs": [*OUTPUTS], **changes})
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_chunks_change_no_bit(path):
     scene = record_all(path)
@@ -63,6 +64,7 @@ def test_chunks_change_no_bit(path):
                 assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, size)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
 @pytest.mark.parametrize("refinement", [1, 3])
 def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement):
@@ -89,7 +91,7 @@ def test_plain_python_and_compiled_loops_give_the_same_bytes(path):
     assert len(plain.columns) == len(OUTPUTS)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and_in_a_hand():
     tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
     hand = ManipulationFile(
@@ -117,6 +119,7 @@ def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and
             assert np.array_equal(one[name], other[name]), name
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 @pytest.mark.parametrize("surface", ["wood", "gross"])
 def test_board_does_not_know_the_sampling_rate(variant, surface):
@@ -147,6 +150,7 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
         assert np.array_equal(other[:shared], points[0][:shared])
 
 
+@pytest.mark.full
 def test_stream_needs_no_more_memory_for_a_longer_scene():
     def peak_mb(seconds: float) -> float:
         scene = SceneFile(hold={"min_s": seconds}, outputs=["voltage_v", "force_n", "slip"])
@@ -174,6 +178,7 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
     assert out.getvalue() == encode_trace(result.time_s, result.columns, path)
 
 
+@pytest.mark.full
 def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
     entered = []
     monkeypatch.setattr(
@@ -185,6 +190,7 @@ def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
     assert entered
 
 
+@pytest.mark.full
 def test_hand_has_drift_cable_jitter_and_interference_too():
     quick = {"outputs": ["voltage_v"], "grasp": {"kind": "pinch", "after_s": 0.0}, "knock": {"speed_m_s": 0.0}}
     usual = run_manipulation(Design(), ManipulationFile(**quick), None, 1).output("voltage_v")
@@ -204,6 +210,7 @@ def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tup
     return np.fft.rfftfreq(length, 1 / rate_hz), power
 
 
+@pytest.mark.full
 def test_pink_noise_has_the_same_power_in_every_decade():
     with compiled():
         noise = PinkNoise(Grid(), 1e-3, open_stream(3, "test"))

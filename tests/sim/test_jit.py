@@ -142,7 +142,7 @@ def test_without_numba_every_loop_runs_plain(monkeypatch):
     assert compile_for_process(_double) is _double
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_short_detection_does_not_import_numba():
     code = (
         "import sys; from fingertip.design import Design; from fingertip.slip import make_detector; "

@@ -42,7 +42,7 @@ def make_scene(**tables) -> ManipulationFile:
     return ManipulationFile(**tables)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_stepping_changes_no_bit():
     """One step over the whole time gives the same bits as a controller that runs every 10 ms without reacting."""
     outputs = ["voltage_v", "force_n", "slip", "object_m", "closing_m", "pin_n", "envelope_v"]
@@ -73,7 +73,7 @@ def test_chunk_sizes_change_no_bit():
         assert np.array_equal(first.find(name), second.find(name)), name
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_command_takes_effect_after_the_delay():
     class StepController:
         def step(self, observation):
@@ -129,7 +129,7 @@ class TighteningController:
         return observation.planned_m + (0.02 if observation.time_s >= self.at_s else 0.0)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_timely_command_saves_the_object():
     scene = make_scene(grasp={"max_margin": 1.15})
     lost = run_manipulation(DESIGN, scene, FixedGrip(), 2)
@@ -141,7 +141,7 @@ def test_timely_command_saves_the_object():
     assert gain[0] > 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_controller_receives_samples_and_encoders_only():
     observations = []
 
@@ -206,6 +206,7 @@ def test_only_needed_stages_run(outputs, stages):
         assert np.array_equal(result.columns[name], full.columns[name])
 
 
+@pytest.mark.full
 def test_lost_object_exerts_no_force():
     result = run_manipulation(DESIGN, make_scene(grasp={"min_margin": 0.8, "max_margin": 0.8}), None, 1)
     assert result.lost_s < result.plan.released_s + 0.5
@@ -216,6 +217,7 @@ def test_lost_object_exerts_no_force():
     assert np.isfinite(result.output("voltage_v")).all()
 
 
+@pytest.mark.full
 def test_true_slip_of_elasto_plastic_bristles_is_found():
     """Their sliding speed is 0 where velocity and deflection differ in sign, so the sign of the velocity matters."""
     scene = make_scene(grasp={"min_margin": 0.8, "max_margin": 0.8}, outputs=["slip", "velocity_m_s"])
@@ -239,7 +241,7 @@ def test_nothing_slips_without_a_knock():
 
 
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
-@pytest.mark.slow
+@pytest.mark.full
 def test_motion_does_not_depend_on_the_sampling_rate(rate):
     scene = make_scene(grasp={"max_margin": 1.15, "min_margin": 1.15}, outputs=["voltage_v", "slip", "object_m"])
     usual = run_manipulation(DESIGN, scene, FixedGrip(), 1)
@@ -297,7 +299,6 @@ def test_weak_hand_and_negative_seed_are_refused_at_once():
     assert "10 N is less than the thumb needs for 5 kg; at least 42." in str(caught.value)
 
 
-@pytest.mark.slow
 def test_command_writes_trace_and_plot(tmp_path):
     arguments = ["simulate", ROOT / "params/scenes/real_manipulation.toml", "--design", ROOT / "params/fsr402.toml"]
     more = ["--json", "-q", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=0.1", "--force-n", "3.0"]
@@ -323,7 +324,6 @@ def test_command_writes_trace_and_plot(tmp_path):
     assert found.returncode == 0, found.stderr  # the thumb's columns, like the article's
 
 
-@pytest.mark.slow
 def test_command_with_grip_holds_what_is_lost_without(tmp_path):
     file = ROOT / "params/scenes/real_manipulation.toml"
     pinch = ["--set", "object.mass_kg=0.06", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=1", "--seed", "3"]

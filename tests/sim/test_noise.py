@@ -26,6 +26,7 @@ def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndar
     return {name: column[SETTLED:] for name, column in found.columns.items()}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("supply", ["split", "single"])
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
@@ -37,8 +38,9 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
     assert np.std(filtered) == pytest.approx(budget, rel=0.03)  # 40 000 samples of a band of a kilohertz: within 1 %
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
-    ("rate_hz", "cutoff_hz"), [(1000.0, 67.0), (2000.0, 30.0), pytest.param(20000.0, 150.0, marks=pytest.mark.slow)]
+    ("rate_hz", "cutoff_hz"), [(1000.0, 67.0), (2000.0, 30.0), pytest.param(20000.0, 150.0, marks=pytest.mark.full)]
 )
 def test_noise_budget_holds_at_every_rate_and_cutoff(rate_hz, cutoff_hz):
     design = article_design(

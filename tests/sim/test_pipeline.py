@@ -80,7 +80,7 @@ def test_omitted_stage_costs_nothing():
         assert (stage.states, stage.evaluations) == (full[name].states, full[name].evaluations), name
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_scene_with_true_slip_only_imports_no_heavy_package(tmp_path):
     code = (
         "import sys; from fingertip.design import Design; from fingertip.sim import *\n"

@@ -73,6 +73,7 @@ def test_bridge_of_the_design_gives_nearly_the_voltages_of_the_article():
     assert abs(other.columns["voltage_v"][-200:].mean() - voltages["board"]) > 1e-3  # other components, other voltage
 
 
+@pytest.mark.full
 def test_holding_force_of_a_grasp_lies_in_its_range():
     scene = load_scene("sliding_surface")
     forces = [run_scene(DESIGN, scene.model_copy(update={"outputs": ["force_n"]}), seed).force_n for seed in range(40)]
@@ -283,6 +284,7 @@ def test_amplifier_models_differ():
     assert 1e-5 < difference < 0.05
 
 
+@pytest.mark.full
 def test_command_runs_a_scene_and_writes_the_same_bytes_again(tmp_path):
     arguments = ["simulate", ROOT / "params/scenes/hard_tap.toml", "--design", ROOT / "params/fsr400.toml", "--json"]
     more = ["--set", "tap.count=1", "--set", "detector.noise_v=0.0", "--seed", "3", "-q", "--force-n", "1.5"]
@@ -307,6 +309,7 @@ def test_command_runs_a_scene_and_writes_the_same_bytes_again(tmp_path):
     assert archive["envelope_v"].max() > 0.1
 
 
+@pytest.mark.full
 def test_command_reports_all_issues_at_once(tmp_path):
     scene_file, design_file = ROOT / "params/scenes/contact.toml", ROOT / "params/fsr400.toml"
     done = run_fingertip(
@@ -314,7 +317,12 @@ def test_command_reports_all_issues_at_once(tmp_path):
         "--seed", "-1", "--out", tmp_path / "a.xyz",
     )  # fmt: skip
     assert done.returncode == 2
-    for message in ("'a.xyz' is not a known kind of trace file", "tap.rise_s: 9", "skin.width_mm: 1", "--seed: -1"):
+    for message in (
+        "'a.xyz' is of no format that is written; end it in .csv or .npz",
+        "tap.rise_s: 9",
+        "skin.width_mm: 1",
+        "--seed: -1",
+    ):
         assert message in done.stderr
     done = run_fingertip("simulate", design_file, "--set", "tap.force_n=1", "--out", tmp_path / "a.csv")
     assert done.returncode == 2
@@ -322,5 +330,3 @@ def test_command_reports_all_issues_at_once(tmp_path):
     assert not list(tmp_path.iterdir())
     done = run_fingertip("simulate", design_file, "--design", design_file, "--out", tmp_path / "a.csv")
     assert "is not a scene; leave --design out" in done.stderr
-    done = run_fingertip("simulate", design_file, "--out", tmp_path / "a.csv", "--plot", tmp_path / "a.csv")
-    assert "is also the name of the trace; choose another" in done.stderr

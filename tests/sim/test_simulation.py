@@ -29,6 +29,7 @@ from tests.designs import ARTICLE
 SCENES = ROOT / "params" / "scenes"
 
 
+@pytest.mark.full
 def test_design_alone_gives_a_trial_of_the_article():
     simulation = load_simulation(design_file("fsr402"), surface="smooth", speed_m_s=0.08, force_n=1.5, seed=3)
     assert simulation.scene == Trial("smooth", 0.08, 1.5, 3).scene
@@ -57,6 +58,7 @@ def test_changes_go_to_the_file_that_has_the_parameter():
     assert np.array_equal(result.columns["force_n"], expected.columns["force_n"])
 
 
+@pytest.mark.full
 def test_manipulation_file_gives_a_manipulation():
     simulation = load_simulation(
         SCENES / "real_manipulation.toml", changes=["grasp.kind=pinch", 'outputs=["object_m"]'], surface="plastic",
@@ -83,6 +85,7 @@ def test_speed_of_a_scene_without_slide_is_refused():
         load_simulation(SCENES / "contact.toml", speed_m_s=0.05)
 
 
+@pytest.mark.full
 def test_warnings_concern_the_recorded_voltage_only():
     changes = ["detector.adc_range_v=1.0"]
     assert list(load_simulation(SCENES / "contact.toml", changes=changes).find_warnings())

@@ -121,7 +121,6 @@ def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
     return PadMotion(motion.position_m[every], motion.velocity_m_s[every], motion.bristle_m[every])
 
 
-@pytest.mark.slow
 def test_halving_the_step_quarters_the_error():
     reference = slide_trial(64)
     errors = [float(np.abs(slide_trial(n).velocity_m_s - reference.velocity_m_s).max()) for n in (2, 4, 8, 16)]
@@ -130,7 +129,7 @@ def test_halving_the_step_quarters_the_error():
         assert 3.3 < coarse / fine < 5.0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_motion_agrees_with_scipy_radau():
     from scipy.integrate import solve_ivp
 
@@ -187,7 +186,7 @@ def random_contact(rng: random.Random) -> tuple[Friction, Mount, float, float]:
     return friction, mount, 10 ** rng.uniform(-0.7, 0.6), rng.choice([0.01, 0.04, 0.08])
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_error_up_to_the_longest_admissible_step():
     """Starts from rest, under a load that swings by 30 %, against steps 32 times shorter."""
     rng, errors = random.Random(5), []
@@ -266,6 +265,6 @@ def usual_cycle_j(phase: float, amplitude_m: float = 1e-5, frequency_hz: float =
     return -work
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_usual_friction_is_not_passive_and_the_check_sees_it():
     assert max(usual_cycle_j(phase) for phase in np.linspace(0, 2 * math.pi, 9)) > 1e-8

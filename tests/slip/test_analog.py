@@ -40,6 +40,7 @@ def test_on_outlasts_the_envelope_by_the_memory() -> None:
     assert on[100:].sum() == pytest.approx(detector.memory_s * 2000, abs=1)
 
 
+@pytest.mark.full
 def test_a_recorded_envelope_is_used(tmp_path):
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
@@ -71,6 +72,7 @@ def test_a_recorded_envelope_is_used(tmp_path):
     assert json.loads(lines.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
+@pytest.mark.full
 def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     words = ("--detector", "analog", "--json")
@@ -83,7 +85,7 @@ def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tm
     assert "names a force, whose thresholds require --calibrate and the whole recording" in force.stderr + force.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @settings(max_examples=10)
 @given(sizes=st.lists(st.integers(0, 400), max_size=6))
 def test_a_simulated_board_gives_the_same_bits_in_any_chunks_even_if_pickled(sizes):

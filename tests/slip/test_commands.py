@@ -66,6 +66,7 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
 CLIPPED = ("--set", "detector.adc_range_v=3.3", "--set", "board.supply=single", "--set", "board.supply_v=5")
 
 
+@pytest.mark.full
 def test_simulate_and_detect_warn_of_a_clipped_voltage(tmp_path):
     done = run("simulate", "--out", tmp_path / "t.csv", *CLIPPED)
     message = "warning: the tactile voltage, up to 4.36 V, is clipped: an ADC with a range of 0 to 3.3 V"
@@ -93,6 +94,7 @@ def test_detect_asks_for_the_sensor_of_a_dead_channel(trace):
     assert "limits of the ADC range" not in found.stderr
 
 
+@pytest.mark.full
 def test_an_adc_with_less_noise_detects_the_smoothest_surface_sooner(tmp_path):
     quiet = ["--set", "detector.noise_v=2e-5", "--set", "detector.adc_bits=24", "--set", "detector.threshold_v=0.005"]
     out = tmp_path / "trace.csv"
@@ -182,7 +184,7 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_outputs_that_cannot_be_written_give_an_error(tmp_path, trace):
     file = tmp_path / "file"
     file.write_text("mine")
@@ -203,7 +205,7 @@ def test_the_rule_for_the_sampling_rate_states_the_remedy():
     assert "detector.sample_rate_hz: 2000 Hz is too slow for board.cutoff_hz of 700 Hz; at least 2800 Hz" in done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_plot_is_a_reproducible_png_without_metadata(tmp_path):
     out = tmp_path / "t.csv"
     run("simulate", "--out", out)
@@ -223,7 +225,7 @@ def test_detect_warns_of_a_threshold_below_the_noise(trace):
     assert "warning" not in run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001", "--quiet").stderr
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_simulate_and_detect_import_no_optional_libraries(tmp_path):
     code = (
         "import sys; from fingertip.cli import app\n"
@@ -236,7 +238,7 @@ def test_simulate_and_detect_import_no_optional_libraries(tmp_path):
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_detection_never_imports_the_simulation():
     code = "import sys, fingertip.slip, fingertip.slip.plot; print([m for m in sys.modules if 'fingertip.sim' in m])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

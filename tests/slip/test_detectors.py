@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import signal as scipy_signal
 
 from fingertip import jit
 from fingertip.design import Design
@@ -50,7 +49,7 @@ def assert_equal_to_whole(name: str, parts: list) -> None:
         assert np.concatenate([getattr(part, field) for part in parts]).tobytes() == getattr(whole, field).tobytes()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=25)
 @given(sizes=st.lists(st.integers(0, 499), max_size=12))
@@ -64,6 +63,7 @@ def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(na
     assert_equal_to_whole(name, parts)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", NAMES)
 def test_sample_by_sample_gives_the_same_flags(name):
     whole, detector, stepping = make_full_input(name), make_detector(name, DESIGN), make_detector(name, DESIGN)
@@ -76,6 +76,7 @@ def test_sample_by_sample_gives_the_same_flags(name):
     assert head + mixed.process(whole[777:]).on.tolist() == flags
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", NAMES)
 @given(cut=st.integers(1, 1699))
 @settings(max_examples=25)
@@ -107,7 +108,7 @@ def test_a_burst_is_detected_at_any_sampling_rate(name, rate):
     assert on[t > 0.9].sum() == 0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["fft"])
 def test_false_alarms_in_noise_match_the_predicted_rate(name):
     """The threshold is lowered until noise crosses it often enough to be counted."""
@@ -143,9 +144,12 @@ def test_tail_probability_of_a_sum_of_squares():
     assert tail_probability(weights, 8.0) == pytest.approx(float(np.mean(drawn > 8.0)), rel=0.1)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("detector", ["digital", "fast", "fft"])
 @pytest.mark.parametrize("kind", ["white", "low-passed", "hum"])
 def test_a_quiet_part_sets_the_threshold_whatever_its_spectrum(detector, kind):
+    from scipy import signal as scipy_signal
+
     rng = np.random.default_rng(9)
     t = np.arange(40_000) / 2000
     signal_v = rng.normal(0, 3e-4, len(t))
@@ -182,6 +186,7 @@ def test_compiled_and_plain_give_the_same_bits(name, monkeypatch):
         assert getattr(compiled, field).tobytes() == getattr(plain, field).tobytes()
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not jit.available(), reason="numba is not installed")
 @pytest.mark.parametrize("name", ["digital", "analog", "fast"])
 def test_a_stream_that_switches_to_compiled_code_keeps_its_bits(name, monkeypatch):

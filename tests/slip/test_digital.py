@@ -87,6 +87,7 @@ def join(parts: list[ChainOutput]) -> dict[str, bytes]:
     return {name: np.concatenate([getattr(part, name) for part in parts]).tobytes() for name in FIELDS}
 
 
+@pytest.mark.full
 @given(
     st.lists(st.floats(-10, 10), max_size=400),
     st.lists(st.integers(0, 90), max_size=12),

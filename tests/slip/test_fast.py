@@ -9,7 +9,6 @@ import pickle
 
 import numpy as np
 import pytest
-from scipy import signal as scipy_signal
 
 from fingertip import jit
 from fingertip.design import Design
@@ -47,6 +46,8 @@ def times(volts: np.ndarray, rate: float = 2000.0) -> np.ndarray:
 
 def filter_edge(volts: np.ndarray, rate: float = 2000.0) -> np.ndarray:
     """Restored signal below the upper edge of the bands, by scipy's filters."""
+    from scipy import signal as scipy_signal
+
     restored = scipy_signal.sosfilt(scipy_signal.butter(3, RESTORED_HZ, "high", fs=rate, output="sos"), volts)
     return np.asarray(scipy_signal.sosfilt(scipy_signal.butter(2, HIGH_HZ, fs=rate, output="sos"), restored))
 
@@ -59,6 +60,8 @@ def smoothstep(x: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 20000.0])
 def test_filters_are_butterworth_filters(rate):
     """Impulse responses, and the loop's output, agree with scipy's filters."""
+    from scipy import signal as scipy_signal
+
     filters = design_filters(rate)
     impulse = np.zeros(1000)
     impulse[0] = 1.0
@@ -75,6 +78,8 @@ def test_filters_are_butterworth_filters(rate):
 
 
 def test_the_bands_pass_the_stated_energy_of_noise():
+    from scipy import signal as scipy_signal
+
     white = noise(100.0, 1.0)
     for hz, energy in zip((LOW_HZ, UPPER_HZ), noise_energies(2000.0), strict=True):
         edge = filter_edge(white)
@@ -86,6 +91,8 @@ def test_the_bands_pass_the_stated_energy_of_noise():
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 20000.0])
 def test_the_board_filter_and_its_restoration_are_one_high_pass(rate, cutoff_hz):
     """Both filters in series have the frequency response of the high-pass at `RESTORED_HZ`, as scipy designs it."""
+    from scipy import signal as scipy_signal
+
     f_hz = np.geomspace(1.0, 0.45 * rate, 50)
 
     def response(sections) -> np.ndarray:
@@ -104,8 +111,7 @@ def test_the_board_filter_and_its_restoration_are_one_high_pass(rate, cutoff_hz)
     assert np.abs(response((*board, *restore)) - expected[RESTORED_HZ]).max() < 1e-4
 
 
-@pytest.mark.parametrize("rate", [1000.0, 2000.0, 5000.0, 20000.0])
-@pytest.mark.parametrize("volts", [0.0, 4.3, -10.0])
+@pytest.mark.parametrize(("rate", "volts"), [(1000.0, 4.3), (2000.0, 0.0), (2000.0, -10.0), (20000.0, 4.3)])
 def test_a_constant_voltage_leaves_nothing_in_the_bands(rate, volts):
     output, rows = FastDetector(FastSettings(rate, NOISE_V)).compute_features(np.full(round(rate), volts))
     assert np.abs(output.filtered_v).max() < 1e-9
@@ -115,6 +121,8 @@ def test_a_constant_voltage_leaves_nothing_in_the_bands(rate, volts):
 
 def test_features_are_what_their_names_say():
     """Compare each feature of one tick with its definition, from the signal and scipy's filters."""
+    from scipy import signal as scipy_signal
+
     volts = 4.0 + noise(1.2)
     volts += 0.01 * np.sin(2 * math.pi * 100 * times(volts)) * (times(volts) > 1.0) - 0.05 * smoothstep(
         (times(volts) - 1.05) / 0.1
@@ -249,6 +257,8 @@ def test_floors_stand_still_while_on_and_while_the_force_changes():
 
 
 def band_noise(seconds: float, rms_v: float, low_hz: float = 60.0, high_hz: float = 140.0, seed: int = 5) -> np.ndarray:
+    from scipy import signal as scipy_signal
+
     sos = scipy_signal.butter(4, [low_hz, high_hz], "band", fs=2000.0, output="sos")
     raw = scipy_signal.sosfilt(sos, noise(seconds + 1.0, 1.0, seed))[2000:]
     return np.asarray(rms_v * raw / raw.std())
@@ -360,6 +370,7 @@ def test_any_sampling_rate_is_quiet_in_noise_and_finds_a_burst(rate):
     assert 7.0 < t[np.flatnonzero(on)[0]] < 7.015
 
 
+@pytest.mark.full
 def test_features_hardly_depend_on_the_sampling_rate():
     """A burst well above the noise has the same features at every rate, on average over the noise, but for filters."""
     found = []

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import signal as scipy_signal
 
 from fingertip import jit
 from fingertip.design import Design
@@ -32,11 +31,15 @@ def quantise(volts: np.ndarray, rng: np.random.Generator, noise_v: float = 4e-4)
 
 def board(volts: np.ndarray, cutoff_hz: float = 67.0, gain: float = GAIN) -> np.ndarray:
     """Filtered signal of an ideal board, around a rest of 1.47 V."""
+    from scipy import signal as scipy_signal
+
     sos = scipy_signal.butter(3, cutoff_hz, "high", fs=RATE, output="sos")
     return np.asarray(1.47 + gain * scipy_signal.sosfilt(sos, volts - volts[0]))
 
 
 def slip_from(seconds: float, rms_v: float, at_s: float, seed: int) -> np.ndarray:
+    from scipy import signal as scipy_signal
+
     t = np.arange(round(seconds * RATE)) / RATE
     sos = scipy_signal.butter(4, [60.0, 140.0], "band", fs=RATE, output="sos")
     raw = scipy_signal.sosfilt(sos, np.random.default_rng(seed).normal(0.0, 1.0, len(t) + 2000))[2000:]

@@ -56,6 +56,7 @@ SAVED = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", SAVED)
 def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
     (tmp_path / "t.csv").write_text(SAVED[name])
@@ -107,6 +108,7 @@ def test_two_names_that_differ_in_case_are_ambiguous(tmp_path):
     assert "there is no column voltage_v" in run("detect", tmp_path / "t.csv").stderr
 
 
+@pytest.mark.full
 def test_numpy_files_are_read(tmp_path):
     v = np.round(V, 6)
     np.savez(tmp_path / "a.npz", time_s=T, voltage_v=v, slip=(T >= 0.5) & (T < 0.7))
@@ -126,6 +128,7 @@ def test_numpy_files_are_read(tmp_path):
         assert single_onset(run("detect", tmp_path / words[0], *words[1:], "--json")) == ONSET, words
 
 
+@pytest.mark.full
 def test_output_of_simulate_is_read_from_every_format(tmp_path):
     onsets = []
     for end in ("csv", "npz"):
@@ -312,6 +315,7 @@ def test_an_empty_cell_is_reported_as_missing(tmp_path):
     )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)])
 def test_times_in_other_units_are_read_with_the_options_in_the_message(tmp_path, unit, per_s):
     text = csv(T * per_s, V)

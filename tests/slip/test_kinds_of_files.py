@@ -187,6 +187,7 @@ def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     assert "header" not in done.stderr
 
 
+@pytest.mark.full
 def test_a_file_may_begin_before_its_header_as_a_stream_may(tmp_path: Path) -> None:
     """Lines of a controller that ran already: the rest of a line, samples, the header with each second."""
     running = ["9948,2.3\n", *LINES[1:400], LINES[0], *LINES[1:701], LINES[0], *LINES[701:]]
@@ -209,6 +210,7 @@ def test_a_stream_in_other_units_and_by_number() -> None:
     assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
 
 
+@pytest.mark.full
 def test_a_file_without_a_header_is_answered_with_the_options_that_read_it(tmp_path: Path) -> None:
     for text in (rows(T), rows(T, " "), rows(iso("{0}"))):
         (tmp_path / "t.csv").write_text(text)
@@ -482,7 +484,7 @@ def test_damaged_files_are_refused_in_sentences(tmp_path: Path, name: str) -> No
     assert type(done.exception) is SystemExit
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_damage_at_any_place_is_refused_or_does_no_harm(tmp_path: Path) -> None:
     save_mat(tmp_path / "t.mat", time_s=T, voltage_v=V)
     save_parquet(tmp_path / "t.parquet", time_s=T, voltage_v=V)
@@ -509,7 +511,7 @@ app(["detect", *sys.argv[1:]])
 """
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.skipif(not hasattr(resource, "RLIMIT_AS"), reason="the system does not bound the memory of a process")
 def test_an_archive_that_unpacks_to_much_is_refused_within_little_memory(tmp_path: Path) -> None:
     """Sixteen gigabytes of zeros are a few megabytes in an archive; this one has the header of two."""
@@ -547,6 +549,7 @@ def test_bounds_of_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert message in run("detect", tmp_path / "t.csv").stderr
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("start_s", [0.0, 700.0, 3000.0, 5000.0, 10_000.0])
 @pytest.mark.parametrize("rate", [1000, 2000, 5000])
 def test_times_in_single_precision_are_restored(start_s: float, rate: int) -> None:
@@ -589,7 +592,7 @@ def minute_of_counts(path: Path, bits: int) -> float:
     return step
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("detector", ["digital", "fast", "fft"])
 def test_coarse_steps_are_warned_of_with_a_remedy_that_ends_the_false_alarms(tmp_path: Path, detector: str) -> None:
     words = ("detect", tmp_path / "t.npz", "--detector", detector, "--json")

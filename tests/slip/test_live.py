@@ -15,6 +15,7 @@ from tests.slip.recordings import T, V, burst, csv, run
 PLAIN = csv(T, V)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     (tmp_path / "t.csv").write_text(csv(T, V))
@@ -27,6 +28,7 @@ def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     assert text[0] == f"ON   {whole[0]['onset_s']:9.4f} s"
 
 
+@pytest.mark.full
 def test_an_invalid_line_ends_the_stream_after_the_transitions_before_it():
     lines = csv(T, V).splitlines()
     for invalid, message in (
@@ -91,6 +93,7 @@ def test_voltages_outside_the_adc_range_give_an_error():
     assert run("detect", "-", "--scale", 0.001, lines=csv(T, 1000 * V)).stdout.startswith("ON")
 
 
+@pytest.mark.full
 def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):
     whole = json.loads(run("detect", "-", "--json", lines=PLAIN).stdout)
     assert json.loads(run("detect", "-", "--json", lines=PLAIN + "\n \n").stdout) == whole

@@ -12,6 +12,7 @@ from fingertip.design import Design
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, single_onset
 
 
+@pytest.mark.full
 def test_invalid_options_give_an_error(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for words, message in (
@@ -43,6 +44,7 @@ def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     assert single_onset(run(*words, "--scale", 0.00080566406)) == pytest.approx(ONSET, abs=0.003)
 
 
+@pytest.mark.full
 def test_a_quiet_part_in_which_something_happens(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     for seconds in ("5", "1", "inf"):
@@ -64,21 +66,12 @@ def test_a_quiet_part_in_which_something_happens(tmp_path):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_slip_that_begins_while_the_detector_is_already_on(tmp_path):
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, slip=(T >= 0.6) & (T < 0.7))
     done = run("detect", tmp_path / "t.npz", "--plot", tmp_path / "p.png")
     assert f"already ON {round(1000 * (0.6 - ONSET), 1):g} ms before onset" in done.stdout
     assert "detected after -" not in done.stdout
-
-
-def test_a_plot_must_have_the_suffix_png(tmp_path):
-    (tmp_path / "t.csv").write_text(csv(T, V))
-    for words in (("detect", tmp_path / "t.csv"), ("simulate", "--out", tmp_path / "s.csv")):
-        done = run(*words, "--plot", tmp_path / "p.svg")
-        assert done.exit_code == 2
-        assert "'p.svg' is not the name of a PNG file, the only format written; end it in .png" in done.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
 
 
 def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
@@ -135,6 +128,7 @@ def test_a_quiet_part_without_noise_gives_no_threshold(tmp_path):
     assert f"constant up to 0.2995 s, within 0:0.4 s of --calibrate: {message}" in run(*words, "0:0.4").stderr
 
 
+@pytest.mark.full
 def test_calibration_on_any_interval(tmp_path):
     """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
     rng = np.random.default_rng(8)

@@ -62,6 +62,7 @@ def test_threshold_is_the_same_in_every_output(trace: Trace) -> None:
     assert as_data(constant, None)["threshold_range_v"] == [0.023, 0.023]
 
 
+@pytest.mark.full
 def test_files_of_a_set_are_simulated_unless_they_were_changed(tmp_path: Path) -> None:
     contents, made = simulate_and_detect(Design(), lambda message: None)
     folder = tmp_path / "signal"

@@ -14,8 +14,6 @@ from fingertip.slip.robot_motion import BAND_LABEL
 from fingertip.slip.traces.origin import Origin
 from tests.tools import require_module
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def trace() -> Trace:

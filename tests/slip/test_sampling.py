@@ -21,6 +21,7 @@ from tests.slip.recordings import T, burst, csv, run, single_onset
 DESIGN = design_file("fsr400")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("rate", [1000, 5000, 20000])
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_detectors_adapt_to_the_sampling_rate_of_a_file(tmp_path, rate, detector):
@@ -84,6 +85,7 @@ def test_a_stated_threshold_does_not_change_with_the_rate(tmp_path):
     assert "filters, window and threshold adapted to 5000 Hz; the window is 150 samples, 30 ms\n" in fast.stderr
 
 
+@pytest.mark.full
 def test_a_window_given_by_set_does_not_change_with_the_rate(tmp_path):
     t, v = burst(10_000)
     (tmp_path / "t.csv").write_text(csv(t, v))
@@ -110,7 +112,7 @@ def test_a_window_given_by_set_does_not_change_with_the_rate(tmp_path):
     assert json.loads(output)["intervals"][0]["onset_s"] == pytest.approx(expected)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("rate", [1200, 2000, 3000, 5000])
 @pytest.mark.parametrize("cut", [np.floor, np.round])
 def test_rounded_times_are_ignored_with_the_options_in_the_message(tmp_path, rate, cut):

@@ -16,8 +16,6 @@ from fingertip.studio.server import StudioServer
 from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.studio.test_server import list_bad_values
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
@@ -81,6 +79,7 @@ def find_refusals(driver: Any) -> dict[str, str]:
     return dict(driver.execute_script(script))
 
 
+@pytest.mark.full
 def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
     before = picture(opened)
     assert put(opened, "skin.width_mm", 21, by_slider=True) == WARNS.format(passed=62, all=64)
@@ -96,6 +95,7 @@ def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
     assert "changed" not in field.get_attribute("class")
 
 
+@pytest.mark.full
 def test_a_logarithmic_slider_and_a_whole_number(opened: Any) -> None:
     script = "return [...document.querySelectorAll('[data-log]')].map((e) => e.closest('.field').dataset.path)"
     (path, *_) = opened.execute_script(script)
@@ -105,6 +105,7 @@ def test_a_logarithmic_slider_and_a_whole_number(opened: Any) -> None:
     assert value_of(opened, "detector.adc_bits") == "12"
 
 
+@pytest.mark.full
 def test_a_choice_brings_other_parts(opened: Any) -> None:
     assert "core" not in opened.find_element("id", "boxes").text
     put(opened, "mold.method", "sleeve")
@@ -113,6 +114,7 @@ def test_a_choice_brings_other_parts(opened: Any) -> None:
     assert "core" in moved.split()
 
 
+@pytest.mark.full
 def test_what_is_hidden_stays_hidden(opened: Any) -> None:
     boxes = opened.find_elements("css selector", "#boxes input")
     for box in boxes:
@@ -123,6 +125,7 @@ def test_what_is_hidden_stays_hidden(opened: Any) -> None:
     assert not [box for box in opened.find_elements("css selector", "#boxes input") if box.is_selected()]
 
 
+@pytest.mark.full
 def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     before = picture(opened)
     verdict = put(opened, "skin.width_mm", 8)
@@ -149,6 +152,7 @@ def test_fifty_refusals_stand_beside_their_fields(opened: Any) -> None:
     assert sorted(find_refusals(opened)) == sorted("/" + path.replace(".", "/") for path in bad)
 
 
+@pytest.mark.full
 def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
     find = opened.find_element("id", "find")
     find.send_keys("nut depth")
@@ -160,6 +164,7 @@ def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
     assert not np.array_equal(picture(opened), before)
 
 
+@pytest.mark.full
 def test_files_of_the_changed_design_are_downloaded(opened: Any, design: Design) -> None:
     put(opened, "skin.width_mm", 18.5)
     put(opened, "name", "mine")
@@ -176,6 +181,7 @@ def test_files_of_the_changed_design_are_downloaded(opened: Any, design: Design)
         assert "bone.stl" in archive.namelist()
 
 
+@pytest.mark.full
 def test_all_checks_come_on_demand(opened: Any) -> None:
     before = int(opened.execute_script("return document.documentElement.dataset.checked"))
     click(opened, "#check-all")
@@ -183,6 +189,7 @@ def test_all_checks_come_on_demand(opened: Any) -> None:
     assert int(opened.execute_script("return document.documentElement.dataset.checked")) > before
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("scheme", "width"), [("light", 1300), ("dark", 390)])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     put(opened, "skin.width_mm", 8)

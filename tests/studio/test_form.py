@@ -22,38 +22,47 @@ def test_every_parameter_has_one_field_in_the_order_of_the_file() -> None:
     assert list(FIELDS) == list(PARAMETERS)
 
 
-@pytest.mark.parametrize("path", PARAMETERS)
-def test_field_says_what_the_declaration_says(path: str) -> None:
+def test_fields_say_what_the_declarations_say() -> None:
     """The form is made from the schema; the declarations are the second source."""
-    field, declared = FIELDS[path], PARAMETERS[path]
-    assert field.description == declared.description
-    assert field.unit == find_unit(declared)
-    assert field.default == declared.default
-    assert field.choices == list_choices(declared)
     kinds = {float: "number", int: "integer", str: "text"}
-    assert field.kind == ("choice" if field.choices else kinds[type(declared.default)])
-    bounds = find_bounds(declared)
-    if field.slider:
-        assert field.slider.maximum == bounds.maximum
-        low = bounds.minimum if bounds.minimum is not None else bounds.above
-        assert low is not None
-        assert field.slider.minimum == low if bounds.above is None else low < field.slider.minimum < declared.default
-    else:
-        assert field.kind in ("choice", "text")
+    wrong = []
+    for path, declared in PARAMETERS.items():
+        field, choices = FIELDS[path], list_choices(declared)
+        kind = "choice" if choices else kinds[type(declared.default)]
+        said = (field.description, field.unit, field.default, field.choices, field.kind)
+        declaration = (declared.description, find_unit(declared), declared.default, choices, kind)
+        if said != declaration or not slider_has_the_bounds(field):
+            wrong.append((path, said, declaration, field.slider))
+    assert wrong == []
 
 
-@pytest.mark.parametrize("field", [field for field in FIELDS.values() if field.slider], ids=lambda field: field.path)
-def test_slider_has_some_hundred_steps_of_round_size(field: Field) -> None:
-    slider = field.slider
-    assert slider
-    if slider.is_logarithmic:
-        assert slider.maximum / slider.minimum > 1000
-    elif field.kind == "integer":
-        assert slider.step >= 1
-    else:
-        assert (slider.maximum - slider.minimum) / slider.step + 1.001 >= 200
-        assert (slider.maximum - slider.minimum) / slider.step <= 2001
-        assert math.log10(slider.step) == pytest.approx(round(math.log10(slider.step)))
+def slider_has_the_bounds(field: Field) -> bool:
+    """Return whether the slider of a number ends at the declared bounds, and above the one that is excluded."""
+    declared = PARAMETERS[field.path]
+    bounds, slider = find_bounds(declared), field.slider
+    if not slider:
+        return field.kind in ("choice", "text")
+    if bounds.above is None:
+        return (slider.minimum, slider.maximum) == (bounds.minimum, bounds.maximum)
+    low = bounds.above if bounds.minimum is None else bounds.minimum
+    return slider.maximum == bounds.maximum and low < slider.minimum < declared.default
+
+
+def test_sliders_have_some_hundred_steps_of_round_size() -> None:
+    sliders = {field: field.slider for field in FIELDS.values() if field.slider}
+    assert len(sliders) > 100
+    wrong = []
+    for field, slider in sliders.items():
+        if slider.is_logarithmic:
+            right = slider.maximum / slider.minimum > 1000
+        elif field.kind == "integer":
+            right = slider.step >= 1
+        else:
+            exponent, count = math.log10(slider.step), (slider.maximum - slider.minimum) / slider.step
+            right = count + 1.001 >= 200 and count <= 2001 and exponent == pytest.approx(round(exponent))
+        if not right:
+            wrong.append((field.path, slider))
+    assert wrong == []
 
 
 def test_pointers_are_those_of_rfc_6901() -> None:
@@ -67,6 +76,7 @@ def test_a_type_without_field_is_refused() -> None:
         make_form({"properties": {"flags": {"properties": {"open": {"type": "boolean"}}}}})
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", DESIGNS)
 def test_page_holds_the_values_of_the_design(name: str) -> None:
     design = Design.load(name)

@@ -25,11 +25,15 @@ class Gate:
 
 
 def start(pool: ThreadPoolExecutor, worker: NewestWinsWorker, client: str, gate: Gate) -> Future[str]:
-    count = worker._count
-    future = pool.submit(worker.run, client, gate)
-    while worker._count == count:  # until it has joined the queue
+    newest = worker._newest.get(client)
+    future = pool.submit(worker.run, client, gate, never)
+    while worker._newest.get(client) is newest:  # until it has joined the queue
         pass
     return future
+
+
+def never() -> bool:
+    return False
 
 
 def test_newest_of_each_client_wins() -> None:
@@ -60,10 +64,27 @@ def test_an_error_goes_to_who_asked_and_the_worker_goes_on() -> None:
         raise ZeroDivisionError("here")
 
     with pytest.raises(ZeroDivisionError, match="here"):
-        worker.run("a", fail)
-    assert worker.run("a", lambda wanted: 2) == 2
+        worker.run("a", fail, never)
+    assert worker.run("a", lambda wanted: 2, never) == 2
     worker.close()
-    worker._thread.join(10)
-    assert not worker._thread.is_alive()
     with pytest.raises(SupersededError):
-        worker.run("a", lambda wanted: 2)
+        worker.run("a", lambda wanted: 2, never)
+
+
+def test_jobs_of_clients_that_have_gone_are_dropped() -> None:
+    """One runs and one waits; both end, and the next client is served, though the waiting one never began."""
+    worker, gates, gone = NewestWinsWorker(), {name: Gate(name) for name in "abc"}, threading.Event()
+    with ThreadPoolExecutor(3) as pool:
+        running = {name: pool.submit(worker.run, name, gates[name], gone.is_set) for name in "ab"}
+        assert gates["a"].started.wait(10)
+        gone.set()
+        with pytest.raises(SupersededError):
+            running["b"].result(10)
+        gates["a"].go.set()
+        with pytest.raises(SupersededError):
+            running["a"].result(10)
+        gates["c"].go.set()
+        assert worker.run("c", gates["c"], never) == "c"
+    assert not gates["b"].started.is_set()
+    assert not worker._newest
+    worker.close()

@@ -139,7 +139,7 @@ def run_sweep_command(*arguments: object) -> Result:
     return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_rows_equal_those_of_an_engine_without_processes(
     running_cluster: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,7 +165,6 @@ def assert_rows_complete(folder: Path, size: int) -> None:
         assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(row.point)[4])
 
 
-@pytest.mark.slow
 def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: Path) -> None:
     plan = make_plan(**LONG_SWEEP)
     done_at_loss: list[int] = []
@@ -183,7 +182,7 @@ def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: P
     assert_rows_complete(tmp_path / "out", plan.size)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
     dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -235,7 +234,6 @@ def test_malformed_address_is_refused(tmp_path: Path, address: str) -> None:
     assert f"--cluster: {address!r} is not an address; write it as tcp://HOST:8786" in run_refused(tmp_path, address)
 
 
-@pytest.mark.slow
 def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingertip.sweep.dask_engine._CONNECT_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -243,7 +241,7 @@ def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, mon
         assert f"the process listening at {address} is not a Dask scheduler" in run_refused(tmp_path, address)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_missing_workers_and_workers_of_another_version_are_refused(
     dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -275,7 +273,7 @@ def test_worker_with_another_python_or_numpy_is_refused(
         dask_engine._compare_versions("tcp://w:1", {"host": host, "packages": packages})
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_worker_that_hangs_is_refused_before_anything_is_written(
     dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -291,7 +289,7 @@ def test_worker_that_hangs_is_refused_before_anything_is_written(
         os.killpg(group, signal.SIGCONT)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_worker_that_hangs_later_is_reported_and_its_rows_come_in_the_end(
     dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sqlite3
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,23 @@ def test_second_sweep_in_a_folder_is_refused(tmp_path: Path) -> None:
     with SweepDatabase.create(tmp_path, plan), pytest.raises(SweepError, match="being written by another sweep"):
         SweepDatabase.resume(tmp_path, plan)
     SweepDatabase.resume(tmp_path, plan).close()
+
+
+def test_sweep_that_was_killed_within_a_commit_is_read_and_continued(tmp_path: Path) -> None:
+    plan = make_plan()
+    with SweepDatabase.create(tmp_path / "sweep", plan) as database:
+        database.add([(0, "ok", "", "", 20.0, 1.0, "E12", 1.0, 2.0, 3.0)])
+        database._connection.executescript("PRAGMA cache_size = 1; BEGIN IMMEDIATE")
+        many = [(i, "refused", "f", "r" * 9000, 20.0, 1.0, "E12", None, None, None) for i in range(1, 72)]
+        database._connection.executemany(f"INSERT INTO rows VALUES ({', '.join('?' * 10)})", many)
+        shutil.copytree(tmp_path / "sweep", tmp_path / "killed")
+        shutil.copytree(tmp_path / "sweep", tmp_path / "shown")
+        database._connection.execute("ROLLBACK")
+    assert SweepDatabase.exists(tmp_path / "killed")
+    for found in (SweepDatabase.resume(tmp_path / "killed", plan), SweepDatabase.open(tmp_path / "shown")):
+        with found:
+            assert [row.point for row in found.rows()] == [0]
+    assert [path.name for path in (tmp_path / "killed").iterdir()] == [FILE]
 
 
 def test_full_database_is_reported_and_a_batch_is_written_completely_or_not(tmp_path: Path) -> None:
@@ -59,6 +78,16 @@ def test_folder_that_cannot_be_created_is_refused(tmp_path: Path, below: str) ->
     with pytest.raises(OutputError, match=r"cannot be written.*--out"):
         SweepDatabase.create(tmp_path / below, make_plan())
     assert (tmp_path / "file").read_text() == "not a folder"
+
+
+def test_a_sweep_that_cannot_begin_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(database: SweepDatabase, plan: object) -> None:
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr(SweepDatabase, "_create_tables", fail)
+    with pytest.raises(OutputError, match="disk is full"):
+        SweepDatabase.create(tmp_path / "sweeps" / "board", make_plan())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_folder_without_write_permission_is_refused() -> None:

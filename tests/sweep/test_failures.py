@@ -59,12 +59,11 @@ def assert_only_failing_points_have(rows: dict[int, SweepRow], status: str, reas
             assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_crash_of_a_worker_fails_only_its_point(tmp_path: Path) -> None:
     assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.crash), "failed", "died")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("evaluate", "deaths"), [(worker_functions.crash_once, "xx"), (worker_functions.die_while_sending, "x")]
 )
@@ -81,7 +80,6 @@ def test_point_whose_worker_dies_once_is_computed_at_the_second_attempt(
     assert {row.status for row in rows.values()} == {"ok"}
 
 
-@pytest.mark.slow
 def test_a_pool_ends_although_a_worker_was_sending_a_result(tmp_path: Path) -> None:
     """Python waits for the pool's thread at its end: a sweep whose disk was full could never end."""
     engine = ProcessEngine(1)
@@ -95,19 +93,19 @@ def test_a_pool_ends_although_a_worker_was_sending_a_result(tmp_path: Path) -> N
     assert not thread.is_alive()
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_sleeping_point_times_out(tmp_path: Path) -> None:
     assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.sleep), "timeout", "longer than 0.4 s")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_endless_loop_in_c_times_out(tmp_path: Path) -> None:
     assert_only_failing_points_have(
         run_with(tmp_path / "out", worker_functions.loop_in_c), "timeout", "longer than 0.4 s"
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_workers_that_die_before_any_point_end_the_run_with_an_error(tmp_path: Path) -> None:
     plan = make_plan()
     with SweepDatabase.create(tmp_path, plan) as database:
@@ -117,7 +115,7 @@ def test_workers_that_die_before_any_point_end_the_run_with_an_error(tmp_path: P
         assert run_sweep(plan, database, ProcessEngine(1)).written == BOARD_POINTS
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_rows_do_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
     results = []
     for jobs in (1, 2):
@@ -187,7 +185,7 @@ def resume(file: Path, out: Path) -> int:
         return run_sweep(plan, database, InlineEngine()).written
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(tmp_path: Path, uninterrupted: list[str]) -> None:
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(LARGE_SWEEP)
@@ -204,7 +202,7 @@ def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(tmp_path: Pa
     assert after == uninterrupted
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(LARGE_SWEEP)
@@ -219,7 +217,7 @@ def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     assert len(read_rows(out)) > 0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_file_size_limit_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(LARGE_SWEEP)
@@ -238,7 +236,7 @@ def test_file_size_limit_is_reported_and_resume_completes_the_rows(tmp_path: Pat
     assert read_rows(out) == uninterrupted
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_full_disk_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
     """The disk is a small file system, mounted in a mount namespace of the test."""
     unshare = require_tool("unshare", "util-linux")

@@ -105,17 +105,18 @@ REFUSED_AXES: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "field", "message"), REFUSED_FILES)
-def test_invalid_file_is_refused_with_a_remedy(changes: dict[str, Any], field: str, message: str) -> None:
-    assert message in find_issues(**changes)[field]
+def test_invalid_files_are_refused_with_a_remedy() -> None:
+    found = [(field, message, find_issues(**changes)) for changes, field, message in REFUSED_FILES]
+    assert [case for case in found if case[1] not in case[2].get(case[0], "")] == []
 
 
-@pytest.mark.parametrize(("axes", "field", "message"), REFUSED_AXES)
-def test_invalid_axis_is_refused_with_a_remedy(axes: dict[str, Any], field: str, message: str) -> None:
-    found = find_issues(axes=axes)
-    assert message in found[field]
-    if field != "axes":
-        assert list(found) == [field]
+def test_invalid_axes_are_refused_with_a_remedy() -> None:
+    wrong = []
+    for axes, field, message in REFUSED_AXES:
+        found = find_issues(axes=axes)
+        if message not in found.get(field, "") or (field != "axes" and list(found) != [field]):
+            wrong.append((field, message, found))
+    assert wrong == []
 
 
 def test_all_issues_are_reported_at_once() -> None:
@@ -189,7 +190,7 @@ def test_broken_rule_of_the_base_design_is_accepted_if_an_axis_changes_it() -> N
     assert make_plan(design=design, outputs=[], axes={"skin.width_mm": [17.0, 18.0]}).size == 2
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["board", "delay", "geometry", "map"])
 def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / f"{name}.toml")

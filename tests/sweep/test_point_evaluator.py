@@ -57,19 +57,20 @@ print(*{{name.partition(".")[0] for name in sys.modules}})
     return set(result.stdout.split())
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_board_outputs_import_no_kernel_no_scipy_and_no_matplotlib() -> None:
     loaded = find_imported_packages('["q", "board.r2_ohm"]', '{"board.cutoff_hz": [60.0]}')
     assert not loaded & {"manifold3d", "cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
+@pytest.mark.full
 def test_volume_outputs_import_only_the_mesh_kernel() -> None:
     loaded = find_imported_packages('["skin_volume_mm3"]', '{"skin.width_mm": [17.0]}')
     assert "manifold3d" in loaded
     assert not loaded & {"cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_mesh_kernel_of_a_worker_uses_one_thread() -> None:
     program = """
 import os
@@ -131,7 +132,6 @@ def test_volume_of_the_skin_meshes_only_the_skin() -> None:
     assert evaluator.evaluated > 3 * solids_of_skin  # so an evaluation of the mold above would have been noticed
 
 
-@pytest.mark.slow
 def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
     import fingertip.cad.kernel.mesh as kernel
 
@@ -154,7 +154,7 @@ SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
 """Evaluator whose caches fill up from test to test."""
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(
     "changes",
     [
@@ -191,7 +191,7 @@ def test_cache_evicts_the_least_recently_used_entries() -> None:
     assert (cache.get("d"), cache.weight) == (5, 1)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_cached_solids_stay_within_the_triangle_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     evaluator = CachedEvaluator(COARSE_MM)
     evaluator._solids.max_weight = 20_000
@@ -233,7 +233,7 @@ ELECTRONIC_AXES: dict[str, Any] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
     plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
     fast, complete = DesignBuilder(plan), DesignBuilder(plan)
@@ -297,7 +297,7 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
     assert (values["false_alarms_per_min"], values["delay_ms"], values["found_share"]) == (4.0, 20.0, 1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_board_outputs_equal_those_of_board_values() -> None:
     names = ["board.r1_ohm", "board.r2_ohm", "board.r3_ohm", "board.r4_ohm", "board.r5_ohm", "board.r_lp_ohm"]
     plan = make_plan(
@@ -327,6 +327,7 @@ def test_board_outputs_equal_those_of_board_values() -> None:
     assert compared > 60
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("variant", "detector"), [("precision", "fast"), ("comparator", "analog")])
 def test_simulated_trials_are_shared_between_windows_and_thresholds(variant: str, detector: str) -> None:
     plan = make_plan(
@@ -352,6 +353,7 @@ SHORT_SLIDE: dict[str, Any] = {
 }
 
 
+@pytest.mark.full
 def test_realistic_effects_are_axes_of_a_sweep() -> None:
     plan = make_plan(
         outputs=["found_share", "slip_vibration_n", "slip_onset_ms"],
@@ -444,6 +446,7 @@ def test_computing_order_contains_every_point_and_varies_expensive_axes_slowest(
         assert sum(a[name] != b[name] for a, b in itertools.pairwise(points)) == changes
 
 
+@pytest.mark.full
 def test_plan_survives_a_round_trip_through_its_text() -> None:
     plan = make_plan(scene={"slide": {"distance_m": 0.04}}, minimise=["q"], design={"skin": {"width_mm": 18}})
     again = SweepPlan.from_toml(plan.to_toml())

@@ -99,7 +99,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Report]:
         yield database, folder / "out", write_report(database, folder / "out")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_report_contains_the_files_and_numbers_that_it_names(report: Report) -> None:
     _, out, data = report
     assert sorted(path.name for path in out.iterdir() if path.name != "manifest.json") == data["files"]
@@ -125,7 +125,7 @@ def test_report_contains_the_files_and_numbers_that_it_names(report: Report) -> 
     assert strongest["feasible"]["axis"] == "skin.width_mm"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_text_states_counts_limiting_rules_and_axes(report: Report) -> None:
     text = report[2]["text"]
     assert text.startswith("hand: 400 of 400 points: 297 ok, 100 refused, 3 failed; 297 feasible (74 %)")
@@ -134,6 +134,7 @@ def test_text_states_counts_limiting_rules_and_axes(report: Report) -> None:
     assert max(map(len, text.splitlines())) <= 200, text
 
 
+@pytest.mark.full
 def test_best_design_file_reproduces_its_row_and_the_front_is_not_dominated(report: Report) -> None:
     database, out, data = report
     best = data["best"]
@@ -165,6 +166,7 @@ def test_best_design_file_reproduces_its_row_and_the_front_is_not_dominated(repo
     ]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("goal", "pick"), [("minimise", min), ("maximise", max)])
 def test_best_point_of_one_objective_is_the_first_at_its_extreme(
     tmp_path: Path, goal: str, pick: Callable[[Any], float]
@@ -188,7 +190,7 @@ def test_failed_check_makes_a_point_infeasible(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_report_without_feasible_points_names_the_limiting_rule(tmp_path: Path) -> None:
     narrow = {**SWEEP["axes"], "skin.width_mm": {"low": 14.0, "high": 16.9}}
     with make_database(tmp_path / "sweep", axes=narrow, points=50) as database:
@@ -212,7 +214,7 @@ def test_objective_that_is_always_infinite_gives_no_best_point(tmp_path: Path) -
     assert f"None of 297 feasible points has a finite value of every objective ({goals})." in format_text(summary)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("row_count", [0, 1, 5])
 def test_report_works_with_few_rows(tmp_path: Path, row_count: int) -> None:
     with make_database(tmp_path / "sweep", row_count=row_count) as database:
@@ -222,7 +224,6 @@ def test_report_works_with_few_rows(tmp_path: Path, row_count: int) -> None:
     assert data["text"].startswith(f"hand: {row_count} of 400 points")
 
 
-@pytest.mark.slow
 def test_sweep_without_objectives_still_has_a_feasibility_plot(tmp_path: Path) -> None:
     with make_database(tmp_path / "sweep", outputs=["checks_failed"], minimise=[], maximise=[]) as database:
         data = write_report(database, tmp_path / "out")
@@ -230,13 +231,14 @@ def test_sweep_without_objectives_still_has_a_feasibility_plot(tmp_path: Path) -
     assert "has no objective" in data["best_summary"]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_same_rows_give_the_same_bytes(report: Report, tmp_path: Path) -> None:
     database, out, _ = report
     write_report(database, tmp_path / "again")
     assert compute_hashes(tmp_path / "again") == compute_hashes(out)
 
 
+@pytest.mark.full
 def test_unwritable_folder_is_reported(report: Report, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be written"):
@@ -263,7 +265,6 @@ def test_areas_of_the_feasibility_map_equal_the_shares_of_the_rules() -> None:
     assert total > 500_000
 
 
-@pytest.mark.slow
 def test_plots_of_many_points_draw_a_sample() -> None:
     rng = np.random.default_rng(0)
     columns = {name: rng.random(100_000) for name in ("skin.width_mm", "board.cutoff_hz", "delay_ms")}
@@ -273,6 +274,7 @@ def test_plots_of_many_points_draw_a_sample() -> None:
     assert draw_pareto_front(objectives, (x, y), np.arange(3), best=0).startswith(b"\x89PNG")
 
 
+@pytest.mark.full
 def test_csv_reads_back_as_the_rows(report: Report, tmp_path: Path) -> None:
     database, _, _ = report
     write_csv(database, tmp_path / "rows.csv")
@@ -293,6 +295,7 @@ def test_csv_reads_back_as_the_rows(report: Report, tmp_path: Path) -> None:
     assert b"\r" not in (tmp_path / "rows.csv").read_bytes()
 
 
+@pytest.mark.full
 def test_parquet_has_types_groups_and_the_same_rows(
     report: Report, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -360,6 +363,7 @@ def test_failed_export_leaves_the_existing_file_unchanged(
         export(GeneratedRows(1), tmp_path / "folder")
 
 
+@pytest.mark.full
 def test_parquet_without_pyarrow_is_refused_before_the_sweep(
     report: Report, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -373,6 +377,7 @@ def test_parquet_without_pyarrow_is_refused_before_the_sweep(
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.full
 def test_only_drawing_imports_matplotlib() -> None:
     code = (
         "import sys, fingertip.sweep.report, fingertip.sweep.report.summary, fingertip.sweep.report.export\n"
@@ -390,7 +395,7 @@ board.cutoff_hz = [60, 67, 75]
 """
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_show_uses_the_objectives_of_the_file_and_refuses_a_different_sweep(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,8 +12,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy import stats
-from scipy.stats import qmc
 
 from fingertip.cad.verification.check import Check
 from fingertip.sweep.point_evaluator import PointEvaluator
@@ -41,7 +39,6 @@ from tests.sweep.examples import make_plan, make_table
 COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.floats(-50, 50), min_size=1, max_size=60)
 
 
-@pytest.mark.slow
 @settings(max_examples=60)
 @given(COLUMNS, st.integers(2, 9), st.sampled_from([bin_by_count, bin_by_value]))
 def test_bins_cover_a_column_without_overlap(
@@ -76,6 +73,8 @@ def test_logarithmic_scale_is_chosen_by_the_distribution_of_the_values() -> None
 @settings(max_examples=40)
 @given(COLUMNS)
 def test_ranks_equal_those_of_scipy(values: list[float]) -> None:
+    from scipy import stats
+
     assert compute_ranks(np.array(values)).tolist() == stats.rankdata(values).tolist()
 
 
@@ -84,6 +83,8 @@ def get_indices(sensitivity: OutputSensitivity) -> dict[str, float]:
 
 
 def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients() -> None:
+    from scipy.stats import qmc
+
     u = qmc.Sobol(4, rng=0).random(2**13)
     axes = {name: u[:, i] for i, name in enumerate("abcd")}
     sensitivity = compute_sensitivity("y", 3 * u[:, 0] - 2 * u[:, 1] + u[:, 2], axes)
@@ -100,6 +101,8 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
 
 def test_first_order_indices_of_the_ishigami_function() -> None:
     """Function of Homma and Saltelli 1996; its third axis acts only together with the first."""
+    from scipy.stats import qmc
+
     x = np.pi * (2 * qmc.Sobol(3, rng=1).random(2**14) - 1)
     y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
     sensitivity = compute_sensitivity("y", y, dict(zip("abc", x.T, strict=True)))
@@ -111,6 +114,8 @@ def test_first_order_indices_of_the_ishigami_function() -> None:
 
 
 def test_rank_correlation_equals_spearmans_of_scipy() -> None:
+    from scipy import stats
+
     rng = np.random.default_rng(5)
     x, y = rng.integers(0, 9, 200).astype(float), rng.normal(size=200)
     sensitivity = compute_sensitivity("y", y + 0.3 * x, {"x": x})

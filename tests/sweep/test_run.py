@@ -56,7 +56,7 @@ def inline(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_each_row_equals_a_single_evaluation_of_its_design(finished: Path) -> None:
     rows = read_rows(finished / "out")
     assert [row.point for row in rows] == list(range(24))
@@ -81,6 +81,7 @@ def test_each_row_equals_a_single_evaluation_of_its_design(finished: Path) -> No
             )
 
 
+@pytest.mark.full
 def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> None:
     before = (finished / "out" / "sweep.sqlite").read_bytes()
     result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out")
@@ -90,12 +91,14 @@ def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> No
     assert [path.name for path in (finished / "out").iterdir()] == ["sweep.sqlite"]
 
 
+@pytest.mark.full
 def test_resume_of_a_finished_sweep_computes_nothing(finished: Path, inline: None) -> None:
     result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out", "--resume", "--json")
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["computed_now"] == 0
 
 
+@pytest.mark.full
 def test_resume_of_a_different_sweep_is_refused_with_the_lines_that_differ(finished: Path, tmp_path: Path) -> None:
     (tmp_path / "other.toml").write_text(FILE.replace("0.0001, 1.0", "0.0001, 1.5"))
     result = run_sweep_command(tmp_path / "other.toml", "--out", finished / "out", "--resume")
@@ -105,7 +108,7 @@ def test_resume_of_a_different_sweep_is_refused_with_the_lines_that_differ(finis
     assert len(read_rows(finished / "out")) == 24
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_finished_sweep_is_reported_on_and_exported(finished: Path, tmp_path: Path) -> None:
     folder = tmp_path / "copy"
     folder.mkdir()
@@ -121,6 +124,7 @@ def test_finished_sweep_is_reported_on_and_exported(finished: Path, tmp_path: Pa
     assert (folder / "sweep.sqlite").read_bytes() == (finished / "out" / "sweep.sqlite").read_bytes()
 
 
+@pytest.mark.full
 def test_same_sweep_gives_the_same_rows(finished: Path, tmp_path: Path, inline: None) -> None:
     result = run_sweep_command(
         finished / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "rows.csv"
@@ -136,7 +140,7 @@ def test_outputs_are_listed_with_group_and_description() -> None:
     assert "min_skin_thickness_mm" in run_sweep_command("--outputs").stdout
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_points_beyond_the_time_limit_make_the_exit_code_one(tmp_path: Path) -> None:
     text = FILE.replace('name = "boards"', 'name = "boards"\ntime_limit_s = 0.05\ntrials = 50\nscene = "slow.toml"')
     text = text.replace('outputs = ["q",', 'outputs = ["delay_ms", "q",').replace("steps = 6", "steps = 2")

@@ -153,6 +153,7 @@ def test_only_missing_points_are_computed(clock: Clock) -> None:
     assert (state.existing, state.written, state.done) == (POINTS - 5, 5, POINTS)
 
 
+@pytest.mark.full
 def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
     clock: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:

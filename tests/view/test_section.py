@@ -143,7 +143,7 @@ def test_a_feature_far_from_all_outlines_is_not_named() -> None:
     assert not is_near((-3.0, -3.0), [square])
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_picture_is_drawn_and_reproducible(name: str) -> None:
     from PIL import Image

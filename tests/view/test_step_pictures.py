@@ -46,6 +46,7 @@ def scenes(name: str, *changes: str) -> dict[str, Scene]:
     return {step.picture: SCENES[step.picture](bench, data) for step in steps(data)}
 
 
+@pytest.mark.full
 def test_every_scene_is_used_and_no_step_shows_the_picture_of_another() -> None:
     used = set[str]()
     for name, method in DESIGNS:
@@ -56,7 +57,7 @@ def test_every_scene_is_used_and_no_step_shows_the_picture_of_another() -> None:
     assert used == set(SCENES)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", some_of([name for name, _ in DESIGNS[::2]], "fsr400", "fsr402", "adult_finger"))
 def test_labels_stand_apart_inside_the_picture(name: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,6 +103,7 @@ def test_labels_state_numbers_of_the_sheet(name: str, changes: tuple[str, ...]) 
     assert checked > 5
 
 
+@pytest.mark.full
 def test_pictures_are_reproducible_and_show_the_design() -> None:
     design, data = load("fsr400")
     again = Design.load(design_file("fsr400"))
@@ -154,6 +156,7 @@ def test_arrow_points_along_its_motion() -> None:
     assert columns[at[-15:]].max() > 1.5 * columns[at[:15]].max()
 
 
+@pytest.mark.full
 def test_sheet_command_writes_the_pictures_that_the_page_links(tmp_path: Any) -> None:
     done = run_fingertip("sheet", "fsr400", "--pictures", "--out", str(tmp_path / "sheet.md"), "--quiet")
     assert done.returncode == 0, done.stderr

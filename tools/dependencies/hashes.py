@@ -1,11 +1,9 @@
 """Command `python -m tools.dependencies.hashes`: write constraints-hashes.txt from constraints.txt.
 
-    pip install --require-hashes -r constraints-hashes.txt
-    pip install --no-deps fingertip-0.1.0-py3-none-any.whl
-
-installs the pinned versions and nothing whose bytes changed since. The list has the SHA-256 of each wheel that the
-package index offers for the supported Python versions, on every platform, and of the source archive where a package has
-no wheel. It names no index: pip takes the user's own. This command asks the index that pip is set to.
+Run it in the .venv of `sh install.sh test`, again whenever constraints.txt changes. The list has the SHA-256 of each
+wheel of the pinned versions for the supported Python versions on the platforms of `needs.PLATFORMS`, in the order of
+the levels of install.sh, which installs its part of the list with `pip install --require-hashes`. The list names no
+index: pip takes the user's own. This command asks the index that pip is set to.
 """
 
 from __future__ import annotations
@@ -15,18 +13,23 @@ import re
 import subprocess
 import sys
 import urllib.request
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from html import unescape
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
-from tools.dependencies.pins import CONSTRAINTS, ROOT, canonical, read_pins, read_project, supported_pythons
+from packaging.tags import Tag
+from packaging.utils import InvalidWheelFilename, parse_wheel_filename
+from packaging.version import Version
+
+from tools.dependencies.needs import Need, Target, format_marker, list_levels, list_needs, list_targets, wheel_tags
+from tools.dependencies.pins import CONSTRAINTS, ROOT, canonical, read_back_end, read_pins, read_project
 
 HASHES = ROOT / "constraints-hashes.txt"
 _HEADING = """\
-# SHA-256 of the wheels of constraints.txt, for pip install --require-hashes -r constraints-hashes.txt.
+# SHA-256 of the wheels of constraints.txt. install.sh reads this file up to the end of its level.
 # Made by python -m tools.dependencies.hashes; do not edit. Renew it whenever constraints.txt changes.
 """
 _ACCEPT = "application/vnd.pypi.simple.v1+json, text/html;q=0.5"
@@ -44,18 +47,24 @@ class IndexFile:
 
 def main() -> None:
     """Write the list."""
-    pins, index = read_pins(CONSTRAINTS.read_text(encoding="utf-8")), find_index()
-    pythons = supported_pythons(read_project())
+    pins, index, project = read_pins(CONSTRAINTS.read_text(encoding="utf-8")), find_index(), read_project()
+    targets = list_targets(project)
+    levels = list_levels(project, read_back_end())
+    needs = list_needs(levels, targets)
+    names = {canonical(name) for name in pins}
+    if needs.keys() != names:
+        lacking, idle = sorted(needs.keys() - names), sorted(names - needs.keys())
+        sys.exit(
+            f"hashes: constraints.txt lacks {lacking or 'nothing'}, and nothing needs {idle or 'what it has more'}"
+        )
     with ThreadPoolExecutor(_CONNECTIONS) as pool:
         offered = list(pool.map(lambda name: list(list_files(index, name)), pins))
-    blocks = []
-    for (name, version), files in zip(pins.items(), offered, strict=True):
-        chosen = choose_files(files, name, version, pythons)
-        if not chosen:
-            sys.exit(f"hashes: the index has no file of {name} {version}; set pip to one that has, or pin another")
-        blocks.append(format_pin(name, version, chosen))
-    HASHES.write_text(_HEADING + "".join(blocks), encoding="utf-8")
-    print(f"{HASHES.name}: {len(blocks)} packages")
+    chosen = {
+        name: choose_wheels(files, name, version, needs[canonical(name)].targets)
+        for (name, version), files in zip(pins.items(), offered, strict=True)
+    }
+    HASHES.write_text(format_list(pins, needs, levels, targets, chosen), encoding="utf-8")
+    print(f"{HASHES.name}: {len(pins)} packages, {sum(map(len, chosen.values()))} wheels")
 
 
 def find_index() -> str:
@@ -100,48 +109,50 @@ def read_html_page(text: str) -> Iterator[IndexFile]:
             yield IndexFile(unquote(address.rsplit("/", 1)[-1]), fragment)
 
 
-def choose_files(
-    files: Iterable[IndexFile], name: str, version: str, pythons: Iterable[tuple[int, int]]
-) -> list[IndexFile]:
-    """Select the wheels of a version that one of the Python versions can install; without any, the source archive."""
-    files, pythons = list(files), list(pythons)
-    wheels = [file for file in files if _fits(file.name, name, version, pythons)]
-    stem = f"{canonical(name)}-{version}"
-    archives = [file for file in files if canonical_archive(file.name) == stem]
-    return sorted(wheels or archives, key=lambda file: file.sha256)
+def choose_wheels(files: Iterable[IndexFile], name: str, version: str, targets: Iterable[Target]) -> list[IndexFile]:
+    """Select the wheels of a version that a target can install; a target without any is an error."""
+    wheels = {file: tags for file in files if (tags := _tags_of(file.name, name, version))}
+    chosen = set()
+    for target in targets:
+        fitting = {file for file, tags in wheels.items() if not tags.isdisjoint(wheel_tags(target))}
+        if not fitting:
+            sys.exit(f"hashes: the index has no wheel of {name} {version} for {target.name}; pin another version")
+        chosen |= fitting
+    return sorted(chosen, key=lambda file: file.sha256)
 
 
-def canonical_archive(filename: str) -> str:
-    """Name and version of a source archive, such as `numpy-2.4.6`; empty if it is none."""
-    found = re.fullmatch(r"(.+)-([^-]+)\.(?:tar\.gz|zip)", filename)
-    return f"{canonical(found[1])}-{found[2]}" if found else ""
+def _tags_of(filename: str, name: str, version: str) -> frozenset[Tag]:
+    """Tags of a wheel of this version; none if the file is something else."""
+    try:
+        found, release, _, tags = parse_wheel_filename(filename)
+    except InvalidWheelFilename:
+        return frozenset()
+    return tags if found == canonical(name) and release == Version(version) else frozenset()
 
 
-def _fits(filename: str, name: str, version: str, pythons: list[tuple[int, int]]) -> bool:
-    """Tell whether a file is a wheel of this version for one of the Python versions (PEP 427)."""
-    if not filename.endswith(".whl"):
-        return False
-    parts = filename.removesuffix(".whl").split("-")
-    tags, abis = parts[-3].split("."), parts[-2].split(".")
-    if canonical(parts[0]) != canonical(name) or parts[1] != version:
-        return False
-    return any(_tag_fits(tag, abi, pythons) for tag in tags for abi in abis)
+def format_list(
+    pins: Mapping[str, str],
+    needs: Mapping[str, Need],
+    levels: Iterable[str],
+    targets: Iterable[Target],
+    wheels: Mapping[str, Iterable[IndexFile]],
+) -> str:
+    """Format the targets, and each level's pins with their hashes, as pip reads them."""
+    targets = list(targets)
+    lines = [_HEADING, *(f"# covers {target.name}\n" for target in targets)]
+    for level in levels:
+        for name, version in pins.items():
+            need = needs[canonical(name)]
+            if need.level == level:
+                lines.append(format_pin(name, version, format_marker(need, targets), wheels[name]))
+        lines.append(f"# end of {level}\n")
+    return "".join(lines)
 
 
-def _tag_fits(tag: str, abi: str, pythons: list[tuple[int, int]]) -> bool:
-    """Tell whether a Python tag with its ABI, such as cp311-cp311, cp39-abi3 or py3-none, suits a Python version."""
-    found = re.fullmatch(r"(py|cp)(\d)(\d*)", tag)
-    if not found:
-        return False
-    needed = (int(found[2]), int(found[3] or 0))
-    if abi in ("none", "abi3"):
-        return any(needed[0] == python[0] and needed <= python for python in pythons)
-    return abi == tag and needed in pythons
-
-
-def format_pin(name: str, version: str, files: Iterable[IndexFile]) -> str:
+def format_pin(name: str, version: str, marker: str, files: Iterable[IndexFile]) -> str:
     """Format a pin with its hashes, as pip reads it."""
-    return " \\\n".join([f"{name}=={version}", *(f"    --hash=sha256:{file.sha256}" for file in files)]) + "\n"
+    pin = f"{name}=={version}" + (f" ; {marker}" if marker else "")
+    return " \\\n".join([pin, *(f"    --hash=sha256:{file.sha256}" for file in files)]) + "\n"
 
 
 if __name__ == "__main__":

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from packaging.requirements import Requirement
-
+from tools.dependencies.needs import collect
 from tools.dependencies.pins import ROOT, canonical, names_of, read_project, users_packages
 
 PAGE = ROOT / "docs" / "licences.md"
@@ -71,7 +70,11 @@ class Licence:
 
 def main() -> None:
     """Write the page."""
-    PAGE.write_text(format_page(list_licences()), encoding="utf-8")
+    try:
+        PAGE.write_text(format_page(list_licences()), encoding="utf-8")
+    except metadata.PackageNotFoundError as fault:
+        remedy = 'run "sh install.sh test" and use the Python of its .venv'
+        sys.exit(f"licences: {fault.name} is not installed; {remedy}")
     print(PAGE.relative_to(ROOT))
 
 
@@ -86,31 +89,6 @@ def list_licences() -> list[Licence]:
             for name in collect(names):
                 found.setdefault(name, group)
     return [Licence(metadata.metadata(name)["Name"], read_licence(name), found[name]) for name in sorted(found)]
-
-
-def collect(names: Iterable[str]) -> set[str]:
-    """Collect packages with everything that they ask for, in canonical form."""
-    waiting = [(canonical(name), frozenset[str]()) for name in names]
-    done: set[tuple[str, frozenset[str]]] = set()
-    while waiting:
-        one = waiting.pop()
-        if one in done:
-            continue
-        done.add(one)
-        try:
-            waiting += _requirements(*one)
-        except metadata.PackageNotFoundError:
-            sys.exit(f'licences: {one[0]} is not installed; run "sh install.sh test" and use the Python of its .venv')
-    return {name for name, _ in done}
-
-
-def _requirements(name: str, extras: frozenset[str]) -> Iterator[tuple[str, frozenset[str]]]:
-    """Yield what a package with some extras asks for on this machine."""
-    for line in metadata.distribution(name).requires or ():
-        requirement = Requirement(line)
-        marker = requirement.marker
-        if marker is None or any(marker.evaluate({"extra": extra}) for extra in extras or {""}):
-            yield canonical(requirement.name), frozenset(requirement.extras)
 
 
 def read_licence(name: str) -> str:

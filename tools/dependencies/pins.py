@@ -25,8 +25,17 @@ def read_pins(text: str) -> dict[str, str]:
 
 def read_project() -> dict[str, Any]:
     """Read the table `project` of pyproject.toml."""
-    table: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    table: dict[str, Any] = _read_pyproject()["project"]
     return table
+
+
+def read_back_end() -> list[str]:
+    """List the packages that pyproject.toml names for building, in canonical form."""
+    return names_of(_read_pyproject()["build-system"]["requires"])
+
+
+def _read_pyproject() -> dict[str, Any]:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
 def supported_pythons(project: dict[str, Any]) -> list[tuple[int, int]]:

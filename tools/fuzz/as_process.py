@@ -11,9 +11,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from tools.fuzz.cases import Case
-from tools.fuzz.in_process import write_files
-from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, TIME_LIMIT_S, WAIT_LIMIT_S, Outcome, read_delay_s
+from tools.fuzz.cases import PARSED_S, Case
+from tools.fuzz.outcome import MEMORY_LIMIT_BYTES, WAIT_LIMIT_S, Outcome, read_delay_s
 
 ADDRESS_SPACE_BYTES = 4 * MEMORY_LIMIT_BYTES
 """Limit of the address space, of which libraries take more than they use."""
@@ -22,7 +21,7 @@ START_S = 5
 
 
 def _limit() -> None:
-    seconds = int(TIME_LIMIT_S) + START_S
+    seconds = int(PARSED_S) + START_S
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE_BYTES, ADDRESS_SPACE_BYTES))
     resource.setrlimit(resource.RLIMIT_FSIZE, (MEMORY_LIMIT_BYTES, MEMORY_LIMIT_BYTES))
@@ -30,7 +29,6 @@ def _limit() -> None:
 
 def run(case: Case, folder: Path) -> Outcome:
     """Run a case in a folder as `python -m fingertip`."""
-    write_files(case.files, folder)
     words = [word.encode("utf-8", "surrogateescape")[:100_000] for word in case.words]
     command = [os.fsencode(sys.executable), b"-m", b"fingertip", *words]
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:

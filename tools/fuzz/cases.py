@@ -1,4 +1,4 @@
-"""Cases: a command with its words, the files that it is given, and what its success promises."""
+"""Cases: commands with their words, the files that they are given, and what their success promises."""
 
 from __future__ import annotations
 
@@ -24,10 +24,13 @@ from tools.fuzz.values import (
     values_of,
 )
 
+PARSED_S = 10.0
+"""Limit of the processor time of a case that computes next to nothing [s]."""
+
 
 @dataclass(frozen=True)
 class Case:
-    """One run of the program."""
+    """A run of the program, or some in one folder."""
 
     family: str
     """Kind of the case in the report."""
@@ -35,9 +38,15 @@ class Case:
     files: Mapping[str, bytes] = field(default_factory=dict)
     """Files in the working folder by relative path."""
     promise: str = ""
-    """Promise of exit code 0: "design", "detection" or nothing."""
+    """Promise of exit code 0: "design", "detection", "files" or nothing."""
     may_fail: bool = False
     """True if exit code 1 is documented for the command: it checks something."""
+    then: tuple[tuple[str, ...], ...] = ()
+    """Words of further commands, in the same folder."""
+    is_accepted: bool = False
+    """True if the input is known to be valid, so that no command may refuse it."""
+    limit_s: float = PARSED_S
+    """Limit of the processor time of each command, which does not depend on what else the machine does [s]."""
 
 
 def _no_nul(words: list[str]) -> tuple[str, ...]:

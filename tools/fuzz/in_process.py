@@ -8,12 +8,12 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
 from tools.fuzz.cases import Case
-from tools.fuzz.outcome import TIME_LIMIT_S, WAIT_LIMIT_S, Outcome, read_delay_s
+from tools.fuzz.outcome import WAIT_LIMIT_S, Outcome, read_delay_s
 
 
 class TimeIsUpError(BaseException):
@@ -21,7 +21,7 @@ class TimeIsUpError(BaseException):
 
 
 @contextlib.contextmanager
-def _time_limit() -> Iterator[None]:
+def _time_limit(limit_s: float) -> Iterator[None]:
     start_s, delay_s = time.monotonic(), read_delay_s()
 
     def stop(number: int, frame: FrameType | None) -> None:
@@ -32,7 +32,7 @@ def _time_limit() -> Iterator[None]:
         else:
             raise TimeIsUpError
 
-    timers = ((signal.ITIMER_PROF, signal.SIGPROF, TIME_LIMIT_S), (signal.ITIMER_REAL, signal.SIGALRM, WAIT_LIMIT_S))
+    timers = ((signal.ITIMER_PROF, signal.SIGPROF, limit_s), (signal.ITIMER_REAL, signal.SIGALRM, WAIT_LIMIT_S))
     before = [signal.signal(number, stop) for _, number, _ in timers]
     for timer, _, seconds in timers:
         signal.setitimer(timer, seconds)
@@ -59,19 +59,10 @@ def _read_peak() -> int:
     return 0
 
 
-def write_files(files: Mapping[str, bytes], folder: Path) -> None:
-    """Write the files of a case."""
-    for name, data in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
-
-
 def run(case: Case, folder: Path) -> Outcome:
     """Run a case in a folder."""
     from fingertip.cli import app
 
-    write_files(case.files, folder)
     streams = [io.TextIOWrapper(io.BytesIO(), "utf-8", errors=how) for how in ("strict", "backslashreplace")]
     code: int | None = None
     before = sys.stdout, sys.stderr, sys.stdin, os.getcwd()
@@ -81,7 +72,7 @@ def run(case: Case, folder: Path) -> Outcome:
         _forget_peak()
         start_s = time.process_time()
         try:
-            with _time_limit():
+            with _time_limit(case.limit_s):
                 app(list(case.words), prog_name="fingertip")
             code = 0
         except SystemExit as end:

@@ -201,7 +201,7 @@ def _look(command: Command, reference: Reference, place: Place, seed: int, tally
     for folder in {path.parent for path in place.work.rglob("*")}:
         hidden = any(part.startswith(".") for part in folder.relative_to(place.work).parts)
         if hidden or (folder / ".fingertip-commit").exists():
-            continue  # unfinished: the next run, or `check`, removes or completes it
+            continue  # unfinished: the next run removes or completes it
         tree = {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.iterdir() if path.is_file()}
         name = folder.relative_to(place.work).as_posix()
         for file, digest in tree.items():

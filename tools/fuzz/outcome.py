@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tools.fuzz import promises
 from tools.fuzz.cases import Case
 
-TIME_LIMIT_S = 10.0
-"""Processor time of a case, which does not depend on what else the machine does [s]."""
 WAIT_LIMIT_S = 60.0
 """Time of a case that waits for something other than a processor [s]."""
 MEMORY_LIMIT_BYTES = 2**30
@@ -45,7 +47,7 @@ class Outcome:
 
 
 def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
-    """Yield the faults of a run: kind and detail."""
+    """Yield the faults of the run of one command: kind and detail."""
     if outcome.code is None:
         yield f"hang: no end after {outcome.seconds:.0f} s"
         return
@@ -54,20 +56,73 @@ def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
     if outcome.code == 70 or "Traceback (most recent call last)" in outcome.stderr:
         yield f"traceback: {outcome.stderr[-600:]}"
     elif outcome.code not in EXIT_CODES or (outcome.code == 1 and not case.may_fail):
-        yield f"exit code: {outcome.code}"
+        yield f"exit code: {outcome.code}: {outcome.stderr[-300:]}"
     if outcome.code == 2 and "rror" not in outcome.stderr:
         yield "silent: refused without a message"
+    if outcome.code == 2 and case.is_accepted:
+        yield f"refused: {outcome.stderr[-600:]}"
     for name, text in (("stdout", outcome.stdout), ("stderr", _ANSI_STYLE.sub("", outcome.stderr))):
         if found := _CONTROL.search(text):
             yield f"control: {found[0]!r} on {name}"
     longest = max(map(len, outcome.stderr.splitlines()), default=0)
     if longest > MAX_LINE:
         yield f"length: a line of {longest} characters on stderr"
-    if outcome.code == 0 and case.promise:
-        try:
+    try:
+        if outcome.code in (0, 1) and "--json" in case.words:
+            promises.read_json(outcome.stdout)
+        if outcome.code == 0 and case.promise in _PROMISES:
             _PROMISES[case.promise](outcome, folder)
-        except Exception as error:
-            yield f"invalid: {type(error).__name__}: {str(error)[:300]}"
+    except Exception as error:
+        yield f"invalid: {type(error).__name__}: {str(error)[:300]}"
+
+
+def judge(case: Case, top: Path, run: Callable[[Case, Path], Outcome]) -> tuple[Outcome, list[str]]:
+    """Run the commands of a case in a folder within another, one after the other, and find the faults of all.
+
+    The case ends at the first command that is refused, and at the first fault. A command that is refused writes
+    nothing, and none leaves temporary files, which stand beside the folder, or processes.
+    """
+    folder, temporary = top / "case", top / "tmp"
+    for path in (folder, temporary):
+        path.mkdir()
+    outcomes, faults = [], list[str]()
+    before_tempdir, tempfile.tempdir = tempfile.tempdir, str(temporary)
+    os.environ["TMPDIR"] = str(temporary)
+    try:
+        write_files(case.files, folder)
+        for words in (case.words, *case.then):
+            before = sorted(folder.rglob("*"))
+            outcomes.append(run(replace(case, words=words), folder))
+            faults += find_faults(replace(case, words=words), outcomes[-1], folder)
+            if outcomes[-1].code == 2 and sorted(folder.rglob("*")) != before and case.promise == "files":
+                faults.append("litter: refused, and yet written")
+            if left := [
+                path for place in (temporary, folder) for path in place.rglob("[.]*" if place == folder else "*")
+            ]:
+                faults.append(f"litter: {[read_end(path) for path in left]}")
+            if faults or outcomes[-1].code == 2:
+                break
+        if case.promise == "files" and not faults:
+            faults += (f"promise: {broken}" for broken in promises.check_folder(folder))
+    finally:
+        tempfile.tempdir = before_tempdir
+        shutil.rmtree(folder)
+        shutil.rmtree(temporary)
+    seconds, peak = sum(outcome.seconds for outcome in outcomes), max(outcome.peak_bytes for outcome in outcomes)
+    return replace(outcomes[-1], seconds=seconds, peak_bytes=peak), faults
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write the files of a case."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, data in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+
+
+def read_end(path: Path) -> str:
+    """Read name and end of what a command left: of a fault of the program, its details."""
+    return f"{path.name}: {path.read_bytes()[-1500:].decode(errors='replace')}" if path.is_file() else path.name
 
 
 def _check_design(outcome: Outcome, folder: Path) -> None:

@@ -1,6 +1,6 @@
-"""Mutation testing: changes in the source, one at a time, that the tests of a module must notice.
+"""Mutation testing: changes in the source, one at a time, that the tests must notice.
 
-cosmic-ray finds what can be changed (`tools/mutation/changes.py`, run by the Python it is installed in), and
-`python -m tools.mutation.run` runs the tests on each changed module. `modules.toml` names modules and their tests,
-`equivalent.toml` the changes that no test can notice, each with its reason.
+`changes.py` draws them over all lines of src with cosmic-ray, by the Python it is installed in. `reach.py` records
+which tests enter which blocks of the source, and `run.py` runs these tests on each changed module. `equivalent.toml`
+lists the changes that no test can notice, each with its reason.
 """

@@ -1,13 +1,11 @@
-"""Command `python -m tools.mutation.run`: run the tests of some modules on their mutants, and list the survivors.
+"""Command `python -m tools.mutation.run`: change the source in one place at a time, and list what no test notices.
 
-    python -m tools.mutation.run --cosmic-ray VENV/bin/python                   all modules of modules.toml
-    python -m tools.mutation.run --cosmic-ray VENV/bin/python --count 60 NAME   at most 60 mutants of such modules
+    python -m tools.mutation.reach -n 2                                   once: which tests enter which blocks
+    python -m tools.mutation.run --cosmic-ray PYTHON --count 400 --seed 1
 
-Each mutant runs in a fork of this process, which has imported what does not depend on the module. An import hook gives
-the fork the changed module, and no file is edited. The tests that noticed most mutants run first. Loops run plain,
-because numba caches compiled ones by file. A mutant whose tests ran before, unchanged, is not run again: out/mutation
-has the results. Exit code 1: in one of the modules, fewer than `MIN_KILLED` of the mutants that are not listed as
-equivalent were noticed.
+The mutants are drawn over all lines of src (`tools/mutation/changes.py`). With FINGERTIP_FULL=1 the whole suite judges,
+without it the first set. A command that is stopped goes on where it was: out/mutation has the results. The exit
+code is 1 if less than `MIN_KILLED` of all mutants, or `MIN_KILLED_GROUP` of those of a group of packages, were noticed.
 """
 
 from __future__ import annotations
@@ -16,144 +14,123 @@ import argparse
 import hashlib
 import json
 import os
-import re
-import subprocess
+import random
 import sys
 import time
-import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from tools.mutation.forks import ROOT, Target, import_early, run_tests
+import pytest
 
-FOLDER = Path(__file__).resolve().parent
+from tools.mutation.mutants import ROOT, Mutant, Reach, draw_mutants
+from tools.mutation.server import Job, Outcome, Server
+
 RESULTS = ROOT / "out" / "mutation"
-MIN_KILLED = 0.95
-"""Share of a module's mutants that the tests must notice."""
-MAX_MUTANTS = 100
-"""Number of mutants of a module that are run, evenly spread over it."""
-_PATIENCE, _MIN_LIMIT_S = 4.0, 4.0
-"""CPU time limit of a mutant, as a multiple of the time of the unchanged module and at least [s]."""
-
-Results = dict[str, tuple[str, bool]]
-"""Tests that were run on each mutant, and whether they noticed it."""
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """Module with one change."""
-
-    line: int
-    column: int
-    operator: str
-    before: str
-    after: str
-    code: str
+MIN_KILLED, MIN_KILLED_GROUP, GROUP = 0.85, 0.75, 40
+"""Shares that the tests must notice, and the number of mutants that a group of packages has at least."""
 
 
 def main() -> None:
     """Run the mutants and report."""
-    parser = argparse.ArgumentParser(description="Mutation testing of the modules of modules.toml.")
-    parser.add_argument("modules", nargs="*", help="words of the paths of modules; all by default")
+    parser = argparse.ArgumentParser(description="Mutation testing of src.")
+    parser.add_argument("packages", nargs="*", help="folders of src/fingertip; all by default")
     parser.add_argument("--cosmic-ray", default=sys.executable, help="Python that has cosmic-ray")
-    parser.add_argument("--count", type=int, default=MAX_MUTANTS, help="largest number of mutants of a module")
-    parser.add_argument(
-        "--trust", action="store_true", help="run no mutant again that other versions of the tests noticed"
-    )
+    parser.add_argument("--count", type=int, default=400, help="number of mutants")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the draw")
+    parser.add_argument("--cpu-s", type=float, default=120.0, help="CPU time of the tests of one mutant [s]")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="number of mutants at once")
     options = parser.parse_args()
-    os.environ["NUMBA_DISABLE_JIT"] = "1"
-    targets = [
-        one for one in read_targets() if not options.modules or any(word in str(one.path) for word in options.modules)
-    ]
-    poor = [
-        target.name
-        for target in targets
-        if not test_module(target, options.cosmic_ray, options.count, trusting=options.trust)
-    ]
-    if poor:
-        sys.exit(f"mutation: below {MIN_KILLED:.0%} are {', '.join(poor)}; add tests, or list what no test can notice")
+    full = bool(os.environ.get("FINGERTIP_FULL"))
+    mutants = draw_mutants(options.cosmic_ray, options.count, options.seed, options.packages)
+    file = RESULTS / f"{'full' if full else 'first'}-{options.seed}.json"
+    known: dict[str, str] = json.loads(file.read_text("utf-8")) if file.exists() else {}
+    todo = [mutant for mutant in mutants if not known.get(key_of(mutant))]
+    random.Random(options.seed).shuffle(todo)  # what a stopped command has done is a sample too
+    begun_s, done = time.monotonic(), 0
+    reach = Reach.read()
+
+    def make(kills: Counter[str]) -> Iterator[Job]:
+        for mutant in todo:
+            yield plan_job(mutant, reach, kills, options.cpu_s)
+
+    def report(job: Job, outcome: Outcome) -> None:
+        nonlocal done
+        known[key_of(job.mutant)] = (outcome.test or "a limit or a fault of the process") if outcome.noticed else ""
+        file.write_text(json.dumps(known, indent=1), "utf-8")
+        done += 1
+        left_s = (time.monotonic() - begun_s) / done * (len(todo) - done)
+        print(
+            f"{done} of {len(todo)}, {left_s / 60:.0f} min left: {'' if outcome.noticed else 'NOT '}noticed", flush=True
+        )
+
+    if todo:
+        RESULTS.mkdir(parents=True, exist_ok=True)
+        words = ["-q", "-s", "-p", "no:cacheprovider", "-p", "no:randomly", "--tb=no", "-o", "addopts="]
+        os.chdir(ROOT)
+        pytest.main(words, plugins=[Server(make, report, options.jobs)])
+    sys.exit(print_scores(mutants, [bool(known.get(key_of(mutant))) for mutant in mutants]))
 
 
-def read_targets() -> list[Target]:
-    """Read the modules and their tests."""
-    table = tomllib.loads((FOLDER / "modules.toml").read_text(encoding="utf-8"))
-    return [Target(Path(path), tuple(arguments)) for path, arguments in table["modules"].items()]
+def key_of(mutant: Mutant) -> str:
+    """Return the key under which the result of a mutant is kept."""
+    return hashlib.sha256(f"{mutant.path}\n{mutant.code}".encode()).hexdigest()
 
 
-def read_equivalent() -> list[dict[str, str]]:
-    """Read the changes that no test can notice."""
-    table = tomllib.loads((FOLDER / "equivalent.toml").read_text(encoding="utf-8"))
-    found: list[dict[str, str]] = table["mutant"]
-    return found
+def plan_job(mutant: Mutant, reach: Reach, kills: Counter[str], cpu_s: float) -> Job:
+    """Select the tests of a mutant: those that noticed most first, then the cheapest, as long as time allows."""
+    words = set(Path(mutant.path).stem.split("_")) | {mutant.package}
+
+    def rank(test: str) -> tuple[int, bool, float]:
+        return -kills[test], words.isdisjoint(test.partition("::")[0].replace("/", "_").split("_")), reach.cost_s[test]
+
+    chosen, fixtures, spent_s = [], set[str](), 0.0
+    for test in sorted(reach.candidates(mutant), key=rank):
+        new = set(reach.fixtures[test]) - fixtures
+        cost_s = reach.cost_s[test] + sum(reach.fixture_cost_s.get(one, 0.0) for one in new)
+        if spent_s + cost_s <= cpu_s:
+            chosen.append(test)
+            fixtures |= new
+            spent_s += cost_s
+    return Job(mutant, chosen, spent_s, is_fresh=not reach.is_in_function(mutant))
 
 
-def is_equivalent(path: Path, mutant: Mutant, listed: Iterable[dict[str, str]]) -> bool:
-    """Tell whether a mutant is listed, by the text of its line before and after the change."""
-    return any(
-        one["module"] == str(path)
-        and re.fullmatch(one["before"], mutant.before)
-        and re.fullmatch(one["after"], mutant.after)
-        for one in listed
-    )
+def print_scores(mutants: Sequence[Mutant], noticed: Sequence[bool]) -> int:
+    """Print survivors and scores with 95 % intervals, and return the exit status."""
+    for mutant, was in zip(mutants, noticed, strict=True):
+        if not was:
+            print(mutant)
+    status = 0
+    for names in group_packages(Counter(mutant.package for mutant in mutants)):
+        of_group = [was for mutant, was in zip(mutants, noticed, strict=True) if mutant.package in names]
+        status |= print_score(", ".join(names), of_group, MIN_KILLED_GROUP)
+    return status | print_score("all", noticed, MIN_KILLED)
 
 
-def test_module(target: Target, cosmic_ray: str, count: int, *, trusting: bool) -> bool:
-    """Run the mutants of a module, print the survivors, and return whether enough were noticed."""
-    mutants = [
-        one for one in list_mutants(target.path, cosmic_ray) if not is_equivalent(target.path, one, read_equivalent())
-    ]
-    total = len(mutants)
-    mutants = [mutants[i * total // count] for i in range(count)] if total > count else mutants
-    from_s = time.monotonic()
-    first = run_tests(target, target.source, 600.0)
-    if not first.passed:
-        print(f"{target.name}: its tests fail without any change")
-        return False
-    import_early(target, first.imported)
-    limit_s = max(_MIN_LIMIT_S, _PATIENCE * run_tests(target, target.source, 600.0).cpu_s)
-    known, survivors, kills = read_results(target), [], Counter[str]()
-    texts = b"".join((ROOT / word).read_bytes() for word in target.arguments if word.endswith(".py"))
-    tests = hashlib.sha256(repr(target.arguments).encode() + texts).hexdigest()
-    for mutant in mutants:
-        key = hashlib.sha256(mutant.code.encode()).hexdigest()
-        tests_then, noticed = known.get(key, ("", False))
-        if tests_then != tests and not (noticed and trusting):
-            outcome = run_tests(target, mutant.code, limit_s, kills)
-            kills[outcome.failed] += bool(outcome.failed)
-            noticed = not outcome.passed
-            known[key] = (tests, noticed)
-            write_results(target, known)
-        if not noticed:
-            survivors.append(mutant)
-    share = 1 - len(survivors) / max(1, len(mutants))
-    took_s = time.monotonic() - from_s
-    print(f"{target.name}: {share:.1%} of {len(mutants)} mutants noticed ({total} in all), {took_s:.0f} s", flush=True)
-    for one in survivors:
-        print(f"  {target.path}:{one.line} {one.operator}\n    - {one.before}\n    + {one.after}", flush=True)
-    return share >= MIN_KILLED
+def group_packages(counts: Counter[str]) -> list[list[str]]:
+    """Group packages by name until each group has enough mutants; a large package stands alone."""
+    groups: list[list[str]] = [[name] for name in sorted(counts) if counts[name] >= GROUP]
+    pooled: list[list[str]] = [[]]
+    for name in sorted(set(counts) - {name for (name,) in groups}):
+        if sum(counts[one] for one in pooled[-1]) >= GROUP:
+            pooled.append([])
+        pooled[-1].append(name)
+    if len(pooled) > 1 and sum(counts[one] for one in pooled[-1]) < GROUP:
+        pooled[-2] += pooled.pop()
+    return groups + [names for names in pooled if names]
 
 
-def read_results(target: Target) -> Results:
-    """Read the results of earlier runs."""
-    path = RESULTS / f"{target.name}.json"
-    found: Results = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    return found
+def print_score(name: str, noticed: Sequence[bool], wanted: float) -> int:
+    """Print one score, and return 1 if it is below what is wanted."""
+    from scipy.stats import binomtest
 
-
-def write_results(target: Target, known: Results) -> None:
-    """Keep the results for later runs."""
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    (RESULTS / f"{target.name}.json").write_text(json.dumps(known), encoding="utf-8")
-
-
-def list_mutants(path: Path, cosmic_ray: str) -> Iterator[Mutant]:
-    """List all mutants of a module."""
-    command = [cosmic_ray, str(FOLDER / "changes.py"), str(ROOT / path)]
-    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
-    for line in lines:
-        yield Mutant(**json.loads(line))
+    count, killed = len(noticed), sum(noticed)
+    if not count:
+        return 0
+    interval = binomtest(killed, count).proportion_ci(method="wilson")
+    verdict = "" if killed >= wanted * count else f"   BELOW {wanted:.0%}"
+    print(f"{killed / count:6.1%} [{interval.low:.1%}, {interval.high:.1%}] of {count:4} noticed: {name}{verdict}")
+    return int(bool(verdict))
 
 
 if __name__ == "__main__":

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
 from fingertip.errors import Issue, OutputError
-from fingertip.input_files import OUTPUT_LIMIT, read_input
-from fingertip.output_set import Manifest, Revision, read_manifest
-from fingertip.output_set.manifest import hash_file
+from fingertip.input_files import PARSED_LIMIT, read_input
+from fingertip.output_set import Revision, read_manifest
+from fingertip.output_set.manifest import has_hash
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
 _MAX_NAMES = 6
@@ -71,7 +71,7 @@ def find_edited(folder: Path, names: EditableNames) -> list[str]:
     return [
         name
         for name in (names.layout, names.schematic, names.project)
-        if name in manifest.files and (folder / name).is_file() and not _is_as_written(folder / name, manifest)
+        if name in manifest.files and (folder / name).is_file() and not has_hash(folder / name, manifest.files[name])
     ]
 
 
@@ -95,9 +95,9 @@ def refuse_other_circuit(folder: Path, netlist: bytes, names: EditableNames, bes
         If the circuits differ in more than values.
     """
     manifest, path = read_manifest(folder), folder / names.netlist
-    if manifest is None or manifest.kind != "board" or not path.is_file() or not _is_as_written(path, manifest):
+    if manifest is None or manifest.kind != "board" or not has_hash(path, manifest.files.get(path.name)):
         return
-    old = read_netlist(read_input(path, OUTPUT_LIMIT))
+    old = _read_circuit(path)
     if not find_edited(folder, names) and (found := list(describe_structure_changes(old, read_netlist(netlist)))):
         message = (
             f"holds a board of {manifest.design!r} with another circuit, and this one changes more than values "
@@ -132,7 +132,7 @@ def revise_edited(
         by both, or if a file cannot be read. All issues are raised at once.
     """
     manifest = read_manifest(folder)
-    present = {name: read_input(folder / name, OUTPUT_LIMIT) for name in find_edited(folder, names)}
+    present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder, names)}
     present = {name: data for name, data in present.items() if data != contents[name]}
     revisions, notes, issues = {}, [], []
     if names.project in present:
@@ -141,10 +141,10 @@ def revise_edited(
         notes.append(f"{folder / names.project}: was changed in KiCad, and is kept as it is.")
     if present and manifest is not None:
         old_path = folder / names.netlist
-        if not old_path.is_file() or not _is_as_written(old_path, manifest):
+        if not has_hash(old_path, manifest.files.get(names.netlist)):
             message = f"was edited, and {names.netlist}, which states its circuit, is missing or was changed; {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
-        old, new = (read_netlist(data) for data in (read_input(old_path, OUTPUT_LIMIT), contents[names.netlist]))
+        old, new = _read_circuit(old_path), read_netlist(contents[names.netlist])
         if found := list(describe_structure_changes(old, new)):
             message = f"was edited, and this design changes more than values ({'; '.join(found)}); {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
@@ -167,6 +167,13 @@ def revise_edited(
     if issues:
         raise OutputError(issues)
     return EditedFiles(revisions, tuple(notes))
+
+
+def _read_circuit(path: Path) -> CircuitRecord:
+    try:
+        return read_netlist(read_input(path, PARSED_LIMIT, below=path.parent))
+    except (ValueError, StopIteration):
+        raise OutputError(Issue(str(path), f"states no circuit; {_REMEDY}")) from None
 
 
 def read_netlist(data: bytes) -> CircuitRecord:
@@ -304,10 +311,6 @@ def _properties(item: Node) -> Iterator[tuple[str, list[Word]]]:
         words = [word for word in entry.items if isinstance(word, Word)]
         if len(words) > 2:
             yield words[1].text, words
-
-
-def _is_as_written(path: Path, manifest: Manifest) -> bool:
-    return hash_file(path) == manifest.files.get(path.name)
 
 
 def _join(names: list[str]) -> str:

@@ -33,7 +33,7 @@ from fingertip.design import Design
 from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
 from fingertip.errors import InputFileError, Issue, OutputError, escape_control, shorten
 from fingertip.input_files import OUTPUT_LIMIT, read_input
-from fingertip.output_set import SetWriter, hash_parameters
+from fingertip.output_set import SetWriter, finish_interrupted, hash_parameters
 
 NETLIST = "slip_filter.net"
 VALUES = "values.json"
@@ -91,12 +91,12 @@ def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[
 
     They hold the packages of all boards and follow from no parameter, so they are the same for every design.
     """
-    sets: dict[str, dict[str, bytes]] = {}
+    parameters, sets = hash_parameters({}), dict[str, dict[str, bytes]]()
     for path, data in model_files().items():
         library, name = path.split("/")
         sets.setdefault(library, {})[name] = data
     return [
-        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", hash_parameters({}), force=force), files)
+        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", parameters, force=force, top=folder), files)
         for library, files in sets.items()
     ]
 
@@ -115,6 +115,7 @@ def refuse_other_board(design: Design) -> None:
         If the board there has other parts, footprints or nets.
     """
     folder, name = board_folder(design), find_configuration(board_values(design)).name
+    finish_interrupted(folder)
     netlist = kicad_netlist_file(board_circuit(board_values(design)))
     refuse_other_circuit(folder, netlist, _EDITABLE, folder.with_name(f"board_{name}"))
 
@@ -157,6 +158,7 @@ def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: b
             circuit = circuit.replace(reference, value)
         return _make_layout(circuit, find_configuration(values))
 
+    finish_interrupted(folder)
     edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE, make_layout)
     if bring_up:
         from fingertip.board.bringup.files import bring_up_files
@@ -202,13 +204,14 @@ def write_board(
     return paths
 
 
-def board_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
-    """Writer of the files of a design's board, in a folder."""
-    return _writer(design, folder, "board", force)
+def board_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
+    """Writer of the files of a design's board, in a folder; `top` as for `SetWriter`."""
+    return _writer(design, folder, "board", force, top)
 
 
-def _writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
-    return SetWriter(folder, kind, design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+def _writer(design: Design, folder: Path, kind: str, force: bool, top: Path | None) -> SetWriter:
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder, kind, design.name, parameters, force=force, top=top)
 
 
 def write_fabrication(
@@ -234,28 +237,42 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files
 
-    if not force:
-        refuse_edited(board_folder(design) if out is None else Path(out))
+    folder = board_folder(design) if out is None else Path(out)
+    writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     placement, sources = find_configuration(values).placement, board_files(design)
     models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     files = fabrication_files(sources | models, board_circuit(values), placement, progress)
     files[PROVENANCE] = provenance_record(sources, files)
-    folder = (board_folder(design) if out is None else Path(out)) / FAB_FOLDER
-    _writer(design, folder, "fabrication", force).write(files)
-    return tuple(folder / name for name in files)
+    writer.write(files)
+    return tuple(writer.folder / name for name in files)
 
 
-def refuse_edited(folder: Path) -> None:
-    """Refuse to make fabrication files beside a schematic or layout that was edited in KiCad.
+def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> SetWriter:
+    """Refuse to make fabrication files beside a board, before work starts; return the writer that they need.
 
-    They follow from the design, so they would be those of another board.
+    They follow from the design: beside a schematic or layout that was edited in KiCad, they would be those of another
+    board.
 
     Raises
     ------
+    MissingLibraryError
+        If KiCad is not installed.
     OutputError
-        If one was edited.
+        If a schematic or layout was edited, or the folder of the files cannot be written.
     """
+    from fingertip.board.fabrication.fabrication_files import find_kicad
+
+    if not force:
+        _refuse_edited(folder)
+    writer = _writer(design, folder / FAB_FOLDER, "fabrication", force, folder)
+    writer.check((PROVENANCE,))
+    find_kicad()
+    return writer
+
+
+def _refuse_edited(folder: Path) -> None:
+    finish_interrupted(folder)
     issues = [
         Issue(
             str(folder / name),
@@ -281,7 +298,7 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
     for name, data in expected.items():
         path = Path(folder) / name
         try:
-            existing = read_input(path, OUTPUT_LIMIT, "a file of the board")
+            existing = read_input(path, OUTPUT_LIMIT, below=Path(folder))
         except InputFileError as error:
             found += map(str, error.issues)
             continue

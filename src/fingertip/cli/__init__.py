@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
+from collections.abc import Sequence
 
 import typer
 
@@ -17,7 +19,7 @@ from fingertip.cli.calibrate import calibrate
 from fingertip.cli.calibrate_sensor import sensor
 from fingertip.cli.check import check
 from fingertip.cli.completion import completion
-from fingertip.cli.console import Console, command
+from fingertip.cli.console import BAD_INPUT, Console, command
 from fingertip.cli.coupon import coupon
 from fingertip.cli.detect import detect
 from fingertip.cli.drawing import drawing
@@ -35,6 +37,7 @@ from fingertip.cli.simulate import simulate
 from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import validate
+from fingertip.errors import FingertipError, Issue
 
 app = typer.Typer(
     name="fingertip",
@@ -78,6 +81,15 @@ def _version(version: bool = typer.Option(False, "--version", help="Print the ve
         raise typer.Exit()
 
 
+def _refuse_empty_words(words: Sequence[str]) -> None:
+    """Refuse an empty word, which is a variable of the shell that is not set: as a folder it would be this one."""
+    for before, word in zip(["", *words], words, strict=False):
+        option, sign, value = word.partition("=")
+        if not word or (sign and not value and option.startswith("--")):
+            name = option or (before if before.startswith("-") else "argument")
+            raise FingertipError(Issue(name, "is empty, perhaps a variable that is not set; give a value, or omit it."))
+
+
 def main() -> None:
     """Entry point of the `fingertip` command."""
     # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
@@ -85,7 +97,11 @@ def main() -> None:
     # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
     gc.freeze()
     try:
+        _refuse_empty_words(sys.argv[1:])
         app()
+    except FingertipError as error:
+        Console(False, False).print_issues(error)
+        raise SystemExit(BAD_INPUT) from None
     except Exception as error:  # outside of a command, such as in the parsing of its options
         if interruption.find_signal(error) is not None:
             raise SystemExit(interruption.report(error)) from None

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command
 from fingertip.cli.options import DesignArgument
+from fingertip.cli.output_files import find_file_issues
 
 
 @command
@@ -29,12 +30,12 @@ def acceptance(
     from fingertip.make_files import ACCEPTANCE, simulate_and_detect
 
     console = Console(as_json, quiet)
-    if issues := list(find_suffix_issues("--out", out, ".md", "Markdown")):
+    if issues := list(find_file_issues("--out", out, ".md")):
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     path = out or Path("out") / loaded.name / ACCEPTANCE
     if out is None:
-        parts_writer(loaded, path.parent, force).check((ACCEPTANCE,))
+        parts_writer(loaded, path.parent, force).check_addition((ACCEPTANCE,))
     _, found = simulate_and_detect(loaded, console.progress)
     data = acceptance_data(loaded, found.detection)
     page = render_acceptance(data).encode()

@@ -20,6 +20,8 @@ STAGES = {
     "fresh process": 30.0,
 }
 """Stages with their durations relative to each other, measured with all solvers."""
+FILES = ("work_precision.png", "trial_accuracy.png", "work_precision.json", "work_precision.txt")
+"""Files that the command writes."""
 
 
 @command
@@ -59,6 +61,8 @@ def bench(
         issues.append(Issue("--boards", f"{boards} is out of bounds; choose 1 to 1000000."))
     if issues:
         raise FingertipError(issues)
+    writer = SetWriter(out, "benchmark", "", hash_parameters([]))
+    writer.check(FILES)
     require_libraries()
 
     from fingertip.jit import compiled
@@ -150,14 +154,8 @@ def bench(
             f"{first['full_cache_cpu_s']:.1f} s with a full one"
         )
     text = "\n".join([*verdict, "", *lines])
-    files = {
-        "work_precision.png": picture,
-        "trial_accuracy.png": trial_picture,
-        "work_precision.json": whole.encode(),
-        "work_precision.txt": f"{text}\n".encode(),
-    }
-    SetWriter(out, "benchmark", "", hash_parameters([])).write(files)
-    console.progress(f"wrote {', '.join(files)} to {out}")
+    writer.write(dict(zip(FILES, (picture, trial_picture, whole.encode(), f"{text}\n".encode()), strict=True)))
+    console.progress(f"wrote {', '.join(FILES)} to {out}")
     details = f"details: {out / 'work_precision.txt'}, or --verbose"
     console.result(data, text if verbose else "\n".join([*verdict, details]))
     if misses:

@@ -18,10 +18,9 @@ from fingertip.cli.console import (
     SetOption,
     VerboseOption,
     command,
-    find_suffix_issues,
 )
 from fingertip.cli.options import OptionalDesignArgument
-from fingertip.errors import Issue
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 
 if TYPE_CHECKING:
     from fingertip.board.board_values import BoardValues
@@ -96,12 +95,18 @@ def board(
         write_board,
         write_fabrication,
     )
-    from fingertip.board.output import board_folder, refuse_edited, refuse_other_board
+    from fingertip.board.output import board_folder, check_fabrication, refuse_other_board
     from fingertip.cli.load import load_design
     from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
-    if issues := [*find_suffix_issues("--bode", bode, ".csv", "CSV"), *_find_plot_issues(plot)]:
+    issues = [*find_file_issues("--bode", bode, ".csv"), *find_file_issues("--plot", plot, ".png", ".svg")]
+    written = {"--bode": bode, "--plot": plot, "--bringup": bring_up}
+    if readings:
+        issues += find_idle_issues("--readings", {"--check": check, "--fab": fab, **written})
+    elif check:
+        issues += find_idle_issues("--check", written)
+    if issues:
         raise OutputError(issues)
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
@@ -128,11 +133,10 @@ def board(
             raise typer.Exit(CHECK_FAILED)
         return
     values = board_values(loaded)
-    if not force:
-        if not is_named:
-            refuse_other_board(loaded)
-        if fab:
-            refuse_edited(out)
+    if not force and not is_named:
+        refuse_other_board(loaded)
+    if fab:
+        check_fabrication(loaded, out, force=force)
     edits: list[str] = []
     paths = write_board(loaded, out, force=force, bring_up=bring_up, progress=edits.append)
     for path in paths:
@@ -194,13 +198,6 @@ def board(
         "warnings": warnings,
     }
     console.result(data, text)
-
-
-def _find_plot_issues(path: Path | None) -> Iterator[Issue]:
-    """Find a plot whose name does not end in the suffix of a format that is written."""
-    if path is not None and path.suffix.lower() not in (".png", ".svg") and not path.is_dir():
-        problem = f"{path.name!r} is not the name of a PNG or SVG file, the only formats written"
-        yield Issue("--plot", f"{problem}; end it in .png or .svg.")
 
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:

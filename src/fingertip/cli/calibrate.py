@@ -16,10 +16,9 @@ from fingertip.cli.console import (
     QuietOption,
     SetOption,
     command,
-    find_existing_issues,
-    find_suffix_issues,
 )
 from fingertip.cli.options import CalibratedDesignOption, ForceCalibratedOption
+from fingertip.cli.output_files import find_file_issues
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate import Calibration
@@ -79,11 +78,8 @@ def printer(
     from fingertip.files import write_file
 
     console, kept = Console(as_json, quiet), keep or []
-    issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
-    if out is not None and out.exists() and any(given.exists() and out.samefile(given) for given in (design, readings)):
-        issues.append(Issue("--out", f"{out} is an input of this command; give another name."))
-    elif not issues:
-        issues += find_existing_issues(out, force)
+    remedy = "" if force else "overwrite it with --force"
+    issues = list(find_file_issues("--out", out, ".toml", inputs=(design, readings), kept=remedy))
     known = list(list_calibrated())
     issues += (
         Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}")

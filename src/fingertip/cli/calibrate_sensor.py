@@ -14,10 +14,9 @@ from fingertip.cli.console import (
     QuietOption,
     SetOption,
     command,
-    find_existing_issues,
-    find_suffix_issues,
 )
 from fingertip.cli.options import CalibratedDesignOption, ForceCalibratedOption
+from fingertip.cli.output_files import find_file_issues
 
 if TYPE_CHECKING:
     from fingertip.calibration.calibrate_sensor import SensorCalibration
@@ -56,16 +55,12 @@ def sensor(
     from fingertip.calibration.weighings import read_weighings
     from fingertip.cli.load import load_design
     from fingertip.design.export import to_toml
-    from fingertip.errors import FingertipError, Issue
+    from fingertip.errors import FingertipError
     from fingertip.files import write_file
 
     console = Console(as_json, quiet)
-    issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
-    inputs = [given for given in (readings, design) if given is not None and given.exists()]
-    if out is not None and out.exists() and any(out.samefile(given) for given in inputs):
-        issues.append(Issue("--out", f"{out} is an input of this command; give another name."))
-    elif not issues:
-        issues += find_existing_issues(out, force)
+    remedy = "" if force else "overwrite it with --force"
+    issues = list(find_file_issues("--out", out, ".toml", inputs=(readings, design), kept=remedy))
     loaded = weighings = None
     try:
         loaded, _ = load_design(design, changes, console.progress)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, VerboseOption, command
+from fingertip.cli.output_files import find_file_issues
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
@@ -46,10 +47,18 @@ def check(
     If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
+    Nothing in it is changed.
     """
+    from fingertip.errors import Issue, OutputError
+
     console = Console(as_json, quiet)
     folders = [path for path in designs if path.is_dir()]
     files = [path for path in designs if not path.is_dir()]
+    issues = list(find_file_issues("--junit", junit, ".xml"))
+    if junit and not files:
+        issues.append(Issue("--junit", "reports on designs, but only folders are given; give a design too."))
+    if issues:
+        raise OutputError(issues)
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
@@ -73,7 +82,9 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
         results.append(
             {"folder": folder.as_posix(), "passed": not differences, "files": count, "differences": differences}
         )
-        summary = f"{folder}: {count - len(differences)} of {count} files are as written"
+        number = len(differences)
+        verdict = f"{number} difference{'s' if number > 1 else ''}" if differences else "all are as written"
+        summary = f"{folder}: {count} files compared, {verdict}"
         texts.append("\n".join([*differences, summary]))
     return results, texts
 

@@ -15,8 +15,7 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NoReturn, ParamSpec
 
 import typer
@@ -134,35 +133,6 @@ class Console:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
                 self.write(json.dumps({**(partial_result or {}), "issues": issues}, indent=2))
-
-
-def find_png_path_issues(option: str, path: Path | None) -> Iterator[Issue]:
-    """Find a path of a plot that does not end in .png: plots are written as PNG only."""
-    yield from find_suffix_issues(option, path, ".png", "PNG")
-
-
-def find_suffix_issues(option: str, path: Path | None, suffix: str, file_format: str) -> Iterator[Issue]:
-    """Find a path that does not end in the suffix of the only format that an option writes."""
-    if path is not None and path.suffix.lower() != suffix and not path.is_dir():
-        problem = f"{path.name!r} is not the name of a {file_format} file, the only format written"
-        yield Issue(option, f"{problem}; end it in {suffix}.")
-
-
-def describe_existing(path: Path) -> str:
-    """Say why a design file cannot be written: somebody may have written the one that exists. Empty if none does."""
-    if not os.path.lexists(path):
-        return ""
-    return "is a folder" if path.is_dir() else "exists and is not overwritten"
-
-
-def find_existing_issues(out: Path | None, force: bool) -> Iterator[Issue]:
-    """Find a design file that exists and that nobody permitted to overwrite."""
-    if out is None or not (problem := describe_existing(out)):
-        return
-    if out.is_dir():
-        yield Issue(str(out), f"{problem}; give another file with --out.")
-    elif not force:
-        yield Issue(str(out), f"{problem}; give another file with --out, or overwrite it with --force.")
 
 
 MIN_WIDTH = 40

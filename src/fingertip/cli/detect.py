@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_png_path_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.output_files import find_file_issues
 
 
 @command
@@ -76,12 +77,14 @@ def detect(
     from fingertip.design.load import load_tables
     from fingertip.detect_trace import detect_file
     from fingertip.errors import TraceError
+    from fingertip.output_set import add_to_set, check_set
     from fingertip.slip.format import as_data, as_text
 
     console = Console(as_json, quiet)
-    if issues := list(find_png_path_issues("--plot", plot)):
+    if issues := list(find_file_issues("--plot", plot, ".png")):
         raise TraceError(issues)
     if plot is not None and str(trace) != "-":
+        check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded, _ = load_design(design, changes)
     names, seconds = _parse_columns(columns or []), _parse_time_scale(time_scale)
@@ -106,7 +109,6 @@ def detect(
     for warning in found.warnings:
         console.progress(f"warning: {warning}")
     if plot is not None:
-        from fingertip.output_set import add_to_set
         from fingertip.slip.plot import draw
 
         console.progress(f"drawing {plot}")

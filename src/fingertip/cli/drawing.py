@@ -30,8 +30,7 @@ def drawing(
     loaded, _ = load_design(design, changes, console.progress)
     folder = out or Path("out") / loaded.name
     writer = parts_writer(loaded, folder, force)
-    writer.check(file_names(loaded))
-    writer.check_parameters()
+    writer.check_addition(file_names(loaded))
     files = draw_files(loaded, console.progress)
     writer.add(files)
     paths = [str(folder / name) for name in files]

@@ -14,9 +14,8 @@ from fingertip.cli.console import (
     QuietOption,
     SetOption,
     command,
-    describe_existing,
-    find_suffix_issues,
 )
+from fingertip.cli.output_files import find_file_issues
 
 _TOLERANCE_MM = 0.05
 """Tolerance of the mesh on which the strength is assessed [mm]."""
@@ -67,7 +66,7 @@ def new(
     from fingertip.toml_files import DESIGN
 
     console = Console(as_json, quiet)
-    issues = list(find_suffix_issues("--out", out, ".toml", "TOML"))
+    issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     if name in list_bundled_files(DESIGN):
         issues.append(Issue("NAME", f"{name} is the name of a bundled design; choose another, such as my_{name}."))
     made = None
@@ -77,12 +76,11 @@ def new(
         options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
         issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)
     path = out or Path(f"{name}.toml")
-    if made and (problem := describe_existing(path)):
-        issues.append(Issue(str(path), f"{problem}; give another name, or another file with --out."))
+    if made and out is None:
+        issues += find_file_issues("--out", path, ".toml", kept="give another name")
     if issues:
         raise FingertipError(issues)
     assert made
-    write_file(path, made.text.encode())
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data: dict[str, Any] = {
         "design": path.as_posix(), "name": name, "sensor": made.design.sensor.model, "base": made.base,
@@ -101,4 +99,5 @@ def new(
         data["strength"] = strength_data(strength)
         lines += describe_strength(strength)
         lines += (f"warning: {text}" for text in list_warnings(check_strength(made.design, strength)))
+    write_file(path, made.text.encode())
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))

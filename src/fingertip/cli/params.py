@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
 from fingertip.cli.options import OptionalDesignArgument
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 
 
 @command
@@ -36,7 +37,10 @@ def params(
     from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
-    if issues := list(find_suffix_issues("--html", html, ".html", "HTML")):
+    issues = list(find_file_issues("--html", html, ".html"))
+    if schema or toml:
+        issues += find_idle_issues("--schema" if schema else "--toml", {"--html": html, "--toml": schema and toml})
+    if issues:
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     if schema:  # The schema is JSON with and without --json.

@@ -14,9 +14,9 @@ from fingertip.cli.console import (
     QuietOption,
     SetOption,
     command,
-    find_png_path_issues,
 )
 from fingertip.cli.options import DesignArgument
+from fingertip.cli.output_files import find_file_issues
 
 MIN_WIDTH_PX = 400
 MAX_WIDTH_PX = 6000
@@ -47,7 +47,7 @@ def picture(
     from fingertip.view.picture import draw
 
     console = Console(as_json, quiet)
-    issues = list(find_png_path_issues("--out", out))
+    issues = list(find_file_issues("--out", out, ".png"))
     if not MIN_WIDTH_PX <= width_px <= MAX_WIDTH_PX:
         issues.append(Issue("--width-px", f"{width_px} is out of range; choose {MIN_WIDTH_PX} to {MAX_WIDTH_PX}."))
     if issues:
@@ -55,7 +55,7 @@ def picture(
     loaded, _ = load_design(design, changes, console.progress)
     path = out or Path("out") / loaded.name / ("filling.png" if filling else "exploded.png")
     if out is None:
-        parts_writer(loaded, path.parent, force).check((path.name,))
+        parts_writer(loaded, path.parent, force).check_addition((path.name,))
     data = draw_mold_filling(loaded) if filling else draw(loaded, width_px, console.progress)
     if out is None:
         parts_writer(loaded, path.parent, force).add({path.name: data})

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command, find_suffix_issues
+from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, SetOption, command
 from fingertip.cli.options import DesignArgument, MaterialOption
+from fingertip.cli.output_files import find_file_issues
 
 _MESH_TOLERANCE_MM = 0.01
 _SLICED_MESH_TOLERANCE_MM = 0.02
@@ -49,11 +50,16 @@ def sheet(
     from fingertip.files import write_file
 
     console = Console(as_json, quiet)
-    if issues := list(find_suffix_issues("--out", out, ".md", "Markdown")):
+    if issues := list(find_file_issues("--out", out, ".md")):
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
     loaded = replace_silicone(loaded, material)
     silicone = select_silicone(loaded)
+    path = out or Path("out") / loaded.name / SHEET
+    if out is None:
+        parts_writer(loaded, path.parent, force).check_addition((SHEET,))
+    if pictures:
+        steps_writer(loaded, path.parent, force).check(())
     prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
@@ -70,7 +76,6 @@ def sheet(
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     strength = check_strength(loaded, assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM)))
     data = casting_sheet_data(loaded, volumes, silicone, prints, list_warnings(strength))
-    path = out or Path("out") / loaded.name / SHEET
     drawn: dict[str, bytes] = {}
     if pictures:
         from fingertip.view.steps.pictures import draw_steps

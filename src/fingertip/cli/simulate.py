@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
-from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command, find_png_path_issues
+from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 from fingertip.temporary import TemporaryFolder
 
 if TYPE_CHECKING:
@@ -65,16 +66,16 @@ def simulate(
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip import extras
     from fingertip.design.force_curve import describe_force_curve
-    from fingertip.errors import FingertipError, Issue
+    from fingertip.errors import FingertipError
     from fingertip.files import open_atomic, write_file
     from fingertip.sim import load_simulation, summary
-    from fingertip.sim.trace_export import find_path_issues, signal_writer, write_trace
+    from fingertip.sim.trace_export import SUFFIXES, signal_writer, write_trace
     from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
     console = Console(as_json, quiet)
-    issues = [*(find_path_issues(out) if out else ()), *find_png_path_issues("--plot", plot)]
-    if plot is not None and plot == out:
-        issues.append(Issue("--plot", f"{plot} is also the name of the trace; choose another, such as trace.png."))
+    issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
+    if parameters:
+        issues += find_idle_issues("--parameters", {"--out": out, "--plot": plot})
     simulation: Simulation | None = None
     try:
         simulation = load_simulation(

@@ -28,6 +28,7 @@ def studio(
     from fingertip.cli.load import load_design
     from fingertip.interruption import INTERRUPTIONS
     from fingertip.studio.server import DEFAULT_PORT, StudioServer
+    from fingertip.temporary import TemporaryFolder
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes, console.progress)
@@ -35,7 +36,10 @@ def studio(
         with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
             console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
             console.progress("Ctrl-C ends it")
-            if not no_browser and not webbrowser.open(server.url):
-                console.progress("no browser was found; open the address above in one of this machine")
-            server.serve_forever()
+            with contextlib.ExitStack() as stack:
+                if not no_browser:
+                    way_in = server.write_way_in(stack.enter_context(TemporaryFolder()))
+                    if not webbrowser.open(way_in.as_uri()):
+                        console.progress("no browser was found; open the address above in one of this machine")
+                server.serve_forever()
         console.progress("studio ended")

@@ -16,8 +16,8 @@ from fingertip.cli.console import (
     JsonOption,
     QuietOption,
     command,
-    find_suffix_issues,
 )
+from fingertip.cli.output_files import find_file_issues, find_idle_issues
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -79,15 +79,14 @@ def sweep(
     from fingertip.sweep.report import export
 
     console = Console(as_json, quiet)
+    issues = [*find_file_issues("--csv", csv, ".csv"), *find_file_issues("--parquet", parquet, ".parquet")]
+    if outputs:
+        issues += find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet})
+    if issues:
+        raise SweepError(issues)
     if outputs:
         _list_outputs(console)
         return
-    issues = [
-        *find_suffix_issues("--csv", csv, ".csv", "CSV"),
-        *find_suffix_issues("--parquet", parquet, ".parquet", "Parquet"),
-    ]
-    if issues:
-        raise SweepError(issues)
     if parquet is not None:
         export.load_pyarrow()  # a missing package is reported before the sweep, not after it
     if show:

@@ -52,6 +52,8 @@ _POSE_STEP_MM = 0.01
 """Step of the slopes at a vent [mm]."""
 _BESIDE_HEAD_MM = 0.1
 """Wall between a vent and the head of the chaplet's screw, beyond the least one [mm]."""
+_CLEAR_DIAMETERS = 2.0
+"""Least height above the collar's vented edge of a vent that is there to be looked at, in diameters."""
 _GROOVE_WIDTHS = 2.0
 """Width of a vent in the parting plane over the diameter of the others; it is half as deep as wide."""
 _POINT_DECIMALS = 6
@@ -82,37 +84,55 @@ def _openings(vents: Iterable[Vent]) -> list[Opening]:
     return [Opening(vent.point_mm, vent.diameter_mm) for vent in vents]
 
 
-@lru_cache(maxsize=32)
 def place_vents(design: Design) -> tuple[Vent, ...]:
     """Place the vents of a design's mold.
 
     A mold that is filled by gravity has one at the apex and one opposite the gate. A mold that is filled by syringe has
-    one at each place where air would be trapped without it, the largest first.
+    one at each place where air would be trapped without it, the largest first, and one in any case.
     """
+    return _vent(design)[0]
+
+
+@lru_cache(maxsize=32)
+def _vent(design: Design) -> tuple[tuple[Vent, ...], tuple[Opening, ...]]:
+    """Place the vents, and find where the gap at the collar lets out air that they do not."""
     diameter, layout = design.mold.vent_diameter_mm, design.mold_layout
     if layout.inlet is None:
-        return tuple(Vent("tip", (x, 0.0, layout.inlet_z), diameter) for x in (0.0, -layout.gate_x))
-    course, vents = follow_design_front(design), tuple[Vent, ...]()
+        return tuple(Vent("tip", (x, 0.0, layout.inlet_z), diameter) for x in (0.0, -layout.gate_x)), ()
+    course, vents, gaps = follow_design_front(design), tuple[Vent, ...](), tuple[Opening, ...]()
     for _ in range(_MAX_ROUNDS):
-        # A vent can leave another pocket behind, which had been part of the one that it empties.
-        points = (place_of(course, air.node) for air in find_last_points(course, _openings(vents))[1])
-        before = len(vents)
+        # An opening can leave another pocket behind, which had been part of the one that it empties.
+        points = (place_of(course, air.node) for air in find_last_points(course, [*_openings(vents), *gaps])[1])
+        before = len(vents) + len(gaps)
         for found in points:
             if _is_at_collar(found):
-                continue
-            point = _clear_of_chaplet(design, found)
-            if all(math.dist(point, vent.point_mm) > _APART_DIAMETERS * diameter for vent in vents):
-                kind = _choose_kind(design, point)
-                for _ in range(_MOVES if kind == "dorsal" else 0):
-                    point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
-                if kind == "dorsal" and not _is_apart(design, point, vents):
-                    continue  # no wall would be left to the hole beside it, which is near enough
-                x, y, z = (round(value, _POINT_DECIMALS) for value in point)
-                # A groove is twice as wide as deep, because pockets at the side are long.
-                vents += (Vent(kind, (x, y, z), diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter),)
-        if len(vents) == before:
+                gaps += (Opening(found, diameter),)
+            elif vent := _make_vent(design, found, vents):
+                vents += (vent,)
+        if len(vents) + len(gaps) == before:
             break
-    return vents
+    if not vents:  # the gap at the collar lets out all air, but nobody sees there that the mold is full
+        arrival, height = course.filling.arrival_mm3, course.grid.layer.points_mm[:, 2]
+        is_clear = np.isfinite(arrival) & (height > _AT_COLLAR_MM + _CLEAR_DIAMETERS * diameter)
+        sign = _make_vent(design, place_of(course, int(np.argmax(np.where(is_clear, arrival, 0.0)))), ())
+        vents = (sign,) if sign else ()
+    return vents, gaps
+
+
+def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent | None:
+    """Make a vent at a place, or beside it where others and the chaplet need room; None if it is near enough to one."""
+    diameter = design.mold.vent_diameter_mm
+    point = _clear_of_chaplet(design, place)
+    if any(math.dist(point, vent.point_mm) <= _APART_DIAMETERS * diameter for vent in vents):
+        return None
+    kind = _choose_kind(design, point)
+    for _ in range(_MOVES if kind == "dorsal" else 0):
+        point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
+    if kind == "dorsal" and not _is_apart(design, point, vents):
+        return None  # no wall would be left to the hole beside it
+    x, y, z = (round(value, _POINT_DECIMALS) for value in point)
+    # A groove is twice as wide as deep, because pockets at the side are long.
+    return Vent(kind, (x, y, z), diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter)
 
 
 def _spacing_mm(design: Design) -> float:
@@ -157,10 +177,10 @@ def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
 @lru_cache(maxsize=32)
 def predict_mold_filling(design: Design) -> FillingPrediction:
     """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
-    silicone = select_silicone(design)
+    silicone, (vents, gaps) = select_silicone(design), _vent(design)
     viscosity, pressure = silicone.viscosity_pa_s.high, _pressure_pa(design, silicone)
     prediction = predict_filling(
-        follow_design_front(design), _openings(place_vents(design)), list_ducts(design),
+        follow_design_front(design), [*_openings(vents), *gaps], list_ducts(design),
         viscosity_pa_s=viscosity, pressure_pa=pressure,
     )  # fmt: skip
     trapped = tuple(pocket for pocket in prediction.air_pockets if not _is_at_collar(pocket.point_mm))

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.design import Design
+from fingertip.errors import InputFileError
 from fingertip.firmware.packaging import MANIFEST, PROPERTIES, library_manifest, library_properties
 from fingertip.firmware.readme import render_readme
 from fingertip.firmware.sources import library_sources, read_template
+from fingertip.input_files import OUTPUT_LIMIT, read_input
 from fingertip.output_set import SetWriter, hash_parameters
 
 KIND = "firmware"
@@ -59,7 +61,7 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
         written then.
     """
     folder = firmware_folder(design) if out is None else Path(out)
-    sets = [(_writer(design, folder / place, force), contents) for place, contents in firmware_files(design).items()]
+    sets = [(_writer(design, folder, place, force), contents) for place, contents in firmware_files(design).items()]
     for writer, contents in sets:
         writer.check(contents)
     for writer, contents in sets:
@@ -72,21 +74,22 @@ def firmware_differences(design: Design, folder: str | Path) -> list[str]:
     return [
         difference
         for place, contents in firmware_files(design).items()
-        for difference in _compare(Path(folder) / place, contents)
+        for difference in _compare(Path(folder), place, contents)
     ]
 
 
-def _writer(design: Design, folder: Path, force: bool) -> SetWriter:
-    return SetWriter(folder, KIND, design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+def _writer(design: Design, folder: Path, place: str, force: bool) -> SetWriter:
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder / place, KIND, design.name, parameters, force=force, top=folder)
 
 
-def _compare(folder: Path, contents: Mapping[str, bytes]) -> list[str]:
+def _compare(folder: Path, place: str, contents: Mapping[str, bytes]) -> list[str]:
     found = []
     for name, data in contents.items():
-        path = folder / name
+        path = folder / place / name
         try:
-            if path.read_bytes() != data:
+            if read_input(path, OUTPUT_LIMIT, below=folder) != data:
                 found.append(f"{path}: differs from what this design gives.")
-        except OSError as error:
-            found.append(f"{path}: cannot be read ({error.strerror}).")
+        except InputFileError as error:
+            found += map(str, error.issues)
     return found

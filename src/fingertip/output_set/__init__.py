@@ -8,7 +8,7 @@ removed unless that is asked for.
 
 from fingertip.output_set.manifest import MANIFEST, Manifest, hash_parameters, read_manifest
 from fingertip.output_set.verification import verify_sets
-from fingertip.output_set.writer import Revision, SetWriter, add_to_set
+from fingertip.output_set.writer import Revision, SetWriter, add_to_set, check_set, finish_interrupted
 
 __all__ = [
     "MANIFEST",
@@ -16,6 +16,8 @@ __all__ = [
     "Revision",
     "SetWriter",
     "add_to_set",
+    "check_set",
+    "finish_interrupted",
     "hash_parameters",
     "read_manifest",
     "verify_sets",

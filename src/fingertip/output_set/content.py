@@ -6,15 +6,14 @@ import hashlib
 import shutil
 from pathlib import Path
 
-from fingertip.output_set.manifest import hash_file
-
 Content = bytes | Path
 
 
 def hash_content(content: Content) -> str:
     """Return the SHA-256 hash."""
     if isinstance(content, Path):
-        return hash_file(content)
+        with content.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
     return hashlib.sha256(content).hexdigest()
 
 
@@ -24,10 +23,3 @@ def write_content(content: Content, path: Path) -> None:
         shutil.copyfile(content, path)
     else:
         path.write_bytes(content)
-
-
-def equals_file(content: Content, path: Path) -> bool:
-    """Return whether a file has this content."""
-    if isinstance(content, Path):
-        return hash_file(content) == hash_file(path)
-    return path.stat().st_size == len(content) and path.read_bytes() == content

@@ -16,8 +16,11 @@ LOCK_S = 60.0
 
 
 @contextlib.contextmanager
-def lock(folder: Path) -> Iterator[None]:
-    """Hold a lock on a folder while a set in it is replaced. The lock ends with the process, however it ends."""
+def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
+    """Hold a lock on a folder while a set in it is replaced, or a shared one while it is read.
+
+    The lock ends with the process, however it ends.
+    """
     try:
         import fcntl
     except ImportError:  # Windows: sets are not locked there
@@ -32,7 +35,7 @@ def lock(folder: Path) -> Iterator[None]:
         deadline = time.monotonic() + LOCK_S
         while True:
             try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
                 break
             except OSError as error:
                 if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fingertip.errors import InputFileError
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import PARSED_LIMIT, RECORDING_LIMIT, find_unsafe_names, open_input, read_input
 
 MANIFEST = "manifest.json"
+_SHA256 = re.compile("[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
@@ -35,20 +36,21 @@ class Manifest:
         return (json.dumps(asdict(self) | {"files": dict(sorted(self.files.items()))}, indent=2) + "\n").encode()
 
 
-def read_manifest(folder: Path) -> Manifest | None:
-    """Read the manifest of a folder; None if it has none, or one that is not of this program."""
+def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
+    """Read the manifest of a folder; None if it has none, or one that is not of this program.
+
+    A set is the files of one folder: a manifest that names a file elsewhere is not of this program. `below` is the
+    folder that the user has named, if that is another one above.
+    """
     try:
-        data = json.loads(read_input(folder / MANIFEST, OUTPUT_LIMIT, "a manifest"))
+        data = json.loads(read_input(folder / MANIFEST, PARSED_LIMIT, below=below or folder))
         manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
-        # A set is the files of one folder: a manifest that names a file elsewhere is not of this program.
-        is_own = all(_is_file_name(name) and isinstance(digest, str) for name, digest in manifest.files.items())
+        texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters)
+        is_own = all(isinstance(text, str) for text in texts) and not find_unsafe_names(manifest.files)
+        is_own &= all(_SHA256.fullmatch(digest) for digest in manifest.files.values())
     except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return manifest if is_own else None
-
-
-def _is_file_name(name: str) -> bool:
-    return name == os.path.basename(name) and name not in ("", ".", "..") and "\0" not in name
 
 
 def hash_parameters(data: object) -> str:
@@ -57,6 +59,20 @@ def hash_parameters(data: object) -> str:
 
 
 def hash_file(path: Path) -> str:
-    """Hash the content of a file."""
-    with path.open("rb") as file:
+    """Hash the content of a file in a folder that may be a stranger's.
+
+    Raises
+    ------
+    InputFileError
+        If it is a link or no regular file, or is too large.
+    """
+    with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def has_hash(path: Path, *digests: str | None) -> bool:
+    """Return whether a file is a regular one with one of these hashes."""
+    try:
+        return hash_file(path) in digests
+    except InputFileError:
+        return False

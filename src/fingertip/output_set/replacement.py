@@ -3,7 +3,10 @@
 The new files are put in place in a single step: a folder with them is made beside the old one, with hard links to all
 that stays, and both folders then swap their names. Whoever is killed in between leaves the old files or the new ones.
 Where folders cannot be swapped (another file system, Windows, the current folder of this process), the files are
-renamed one after the other, and the next command that writes to the folder or checks it completes what was begun.
+renamed one after the other, and the next command that writes to the folder completes what was begun.
+
+What a killed command seems to have left may be a stranger's. Only folders are taken for it, no links, and a plan of
+renames counts if it names files of its folder.
 """
 
 from __future__ import annotations
@@ -17,10 +20,14 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
+from fingertip.errors import InputFileError, Issue, OutputError
+from fingertip.input_files import PARSED_LIMIT, find_unsafe_names, is_safe_name, read_input
 from fingertip.output_set.content import Content, write_content
 
 _COMMIT = ".fingertip-commit"
 """Folder, within the output folder, of files that are renamed one after the other."""
+_TRIAL = ".fingertip-trial"
+"""Folder, within an output folder or one above it, of a file that is written to find out whether that is possible."""
 _PLAN, _COMPLETE = "plan.json", "complete.json"
 """Name of the list of renames before and after all files were written."""
 _STAGING_SUFFIX = ".fingertip"
@@ -47,47 +54,104 @@ def replace_files(
 
 
 def find_unfinished(folder: Path) -> Iterator[Path]:
-    """Find the folders that `recover` has to complete: this one, and those within it."""
-    if _staging(folder).is_dir() or next(folder.glob(".fingertip-*"), None):
-        yield folder
-    for path in sorted(folder.rglob(f".?*{_STAGING_SUFFIX}")):
-        yield path.with_name(path.name[1:].removesuffix(_STAGING_SUFFIX))
-    for path in sorted(folder.rglob(_COMMIT)):
-        if path.parent != folder:
-            yield path.parent
+    """Find the folders that a killed command has left in and beside an output folder."""
+    candidates = [staging_folder(folder), folder / _COMMIT, folder / _TRIAL]
+    if folder.is_dir():
+        candidates += folder.glob(".fingertip-????????")  # temporary folders of version 0.1
+    return (path for path in candidates if is_folder(path))
+
+
+def find_output_folder(path: Path) -> Path | None:
+    """Find the output folder of a folder that a killed command may have left; None for any other folder."""
+    if path.name == _COMMIT:
+        return path.parent
+    name = path.name[1:].removesuffix(_STAGING_SUFFIX)
+    return path.with_name(name) if path.name == f".{name}{_STAGING_SUFFIX}" and is_safe_name(name) else None
 
 
 def recover(folder: Path) -> None:
-    """Complete or undo what a command that was killed has left in or beside a folder."""
-    staging = _staging(folder)
-    if staging.is_dir():
+    """Complete or undo what a command that was killed has left in or beside a folder.
+
+    Raises
+    ------
+    OutputError
+        If a plan of renames is damaged, and neither is possible.
+    """
+    staging, commit = staging_folder(folder), folder / _COMMIT
+    if is_folder(staging):
         staging.chmod(0o700)  # it may have the mode of a folder that was made read-only
-    if staging.is_dir() and not folder.exists():
-        shutil.rmtree(staging)  # of a set that was never put in place
-    if staging.is_dir():
         # After a swap the subfolders may still be in the old folder. Before one there are none in it.
-        for path in staging.iterdir():
-            if path.is_dir() and not path.is_symlink():
+        for path in staging.iterdir() if folder.exists() else ():
+            if is_folder(path) and not path.name.startswith(_COMMIT):
                 os.rename(path, _free_name(folder / path.name))
-        shutil.rmtree(staging)
-    commit = folder / _COMMIT
-    if (commit / _COMPLETE).is_file():
+        _remove_folder(staging)
+    if is_folder(commit):
         _finish_renames(folder)
-    elif commit.is_dir():
-        shutil.rmtree(commit)
-    if folder.is_dir():
-        for path in folder.glob(".fingertip-????????"):  # temporary folders of version 0.1
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path, ignore_errors=True)
+    for path in find_unfinished(folder):
+        _remove_folder(path)
 
 
-def _staging(folder: Path) -> Path:
+def try_to_write(folder: Path, path: Path) -> None:
+    """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
+
+    Raises
+    ------
+    OSError
+        If that is not possible.
+    """
+    made = folder / _TRIAL
+    if is_folder(made):  # a command was killed here
+        _remove_folder(made)
+    with contextlib.ExitStack() as undo:
+        for name in (*path.parent.parts, ""):
+            made.mkdir()
+            undo.callback(made.rmdir)
+            made /= name
+        undo.callback((made / path.name).unlink, missing_ok=True)
+        (made / path.name).write_bytes(b"?")
+
+
+def read_plan(commit: Path) -> tuple[list[str], list[str]]:
+    """Read a complete plan of renames: the names of files to put in place, and of files to remove; none without a plan.
+
+    Raises
+    ------
+    OutputError
+        If it is damaged, or names anything but files of its folder.
+    """
+    if not os.path.lexists(commit / _COMPLETE):
+        return [], []
+    try:
+        plan = json.loads(read_input(commit / _COMPLETE, PARSED_LIMIT, below=commit))
+        files, removed = plan["files"], plan["removed"]
+        is_sound = isinstance(files, list) and isinstance(removed, list) and not find_unsafe_names(files + removed)
+        if is_sound and not any(is_folder(commit.parent / name) for name in files + removed):
+            return files, removed
+    except (InputFileError, ValueError, KeyError, TypeError, RecursionError):
+        pass
+    remedy = "remove this folder, then write the set again"
+    raise OutputError(Issue(str(commit), f"holds a damaged {_COMPLETE}, so that nothing can complete it; {remedy}."))
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether a path is a folder and no link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def _remove_folder(path: Path) -> None:
+    try:
+        shutil.rmtree(path)
+    except RecursionError:
+        raise OutputError(Issue(str(path), "holds folders within folders, too deep to remove; remove it.")) from None
+
+
+def staging_folder(folder: Path) -> Path:
     """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
-    return folder.with_name(f".{folder.name}{_STAGING_SUFFIX}")
+    return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
 
 
 def _free_name(path: Path) -> Path:
-    while path.exists():
+    while os.path.lexists(path):
         path = path.with_name(path.name + ".recovered")
     return path
 
@@ -96,7 +160,7 @@ def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str
     """Put files in place by swapping folders; False if that is not possible here, and nothing has changed then."""
     if _is_current(folder):
         return False
-    staging = _staging(folder)
+    staging = staging_folder(folder)
     try:
         staging.mkdir()
     except OSError:
@@ -127,7 +191,7 @@ def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str
         shutil.rmtree(staging)
         return True
     except BaseException:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, OutputError):
             recover(folder)
         raise
 
@@ -145,6 +209,8 @@ def _link(source: str, target: Path) -> None:
     try:
         os.link(source, target, follow_symlinks=False)
     except OSError:  # a file system without hard links
+        if not os.path.isfile(source):  # a copy of a pipe or device may never end
+            raise
         shutil.copy2(source, target, follow_symlinks=False)
 
 
@@ -181,10 +247,10 @@ def _rename_in(folder: Path, files: Mapping[str, Content], removed: Collection[s
 def _finish_renames(folder: Path) -> None:
     """Carry out a complete plan, or the rest of it. The manifest comes last."""
     commit = folder / _COMMIT
-    plan = json.loads((commit / _COMPLETE).read_bytes())
-    for name in plan["removed"]:
+    files, removed = read_plan(commit)
+    for name in removed:
         (folder / name).unlink(missing_ok=True)
-    for name in plan["files"]:
-        if (commit / f"new-{name}").exists():
+    for name in files:
+        if os.path.lexists(commit / f"new-{name}"):
             os.replace(commit / f"new-{name}", folder / name)
-    shutil.rmtree(commit)
+    _remove_folder(commit)

@@ -11,10 +11,12 @@ from pathlib import Path
 from fingertip._version import __version__
 from fingertip.errors import Issue, OutputError
 from fingertip.files import write_file
-from fingertip.output_set.content import Content, equals_file, hash_content
+from fingertip.input_files import find_link, find_unsafe_names
+from fingertip.output_set.content import Content, hash_content
 from fingertip.output_set.lock import lock, output_errors
-from fingertip.output_set.manifest import MANIFEST, Manifest, hash_file, read_manifest
-from fingertip.output_set.replacement import recover, replace_files
+from fingertip.output_set.manifest import MANIFEST, Manifest, has_hash, read_manifest
+from fingertip.output_set.replacement import find_unfinished, is_folder, recover, replace_files
+from fingertip.output_set.trial import find_place_issues
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,8 @@ class SetWriter:
     """True if files that are somebody's own may be overwritten."""
     in_place: bool = False
     """True if the folder must not be swapped, because a file in it is open."""
+    top: Path | None = None
+    """Folder that the user has named, if this one is below it: no link in between is followed."""
 
     def check(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
         """Refuse to write these names if the folder cannot take them, before work starts.
@@ -59,29 +63,42 @@ class SetWriter:
             If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
             folder or of a file that is somebody's own.
         """
+        names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
+        link = self._find_link()
+        if link is None:
+            finish_interrupted(self.folder)
         try:
             self._refuse(names, revisions)
         except OutputError:
-            parent = self.folder.resolve().parent
-            if not parent.is_dir():
+            parent = Path(os.path.realpath(self.folder)).parent
+            if link or not parent.is_dir():
                 raise
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):
                 self._refuse(names, revisions)
+        if issues := list(find_place_issues(self.folder, "choose another folder with --out")):
+            raise OutputError(issues)
 
     def _refuse(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
         with output_errors(self.folder):
             if issues := list(self._find_issues(names, revisions or {})):
                 raise OutputError(issues)
 
+    def _find_link(self) -> Path | None:
+        return find_link(self.top or self.folder, self.folder)
+
+    def _read_manifest(self) -> Manifest | None:
+        return read_manifest(self.folder, self.top)
+
     def _find_issues(self, names: Collection[str], revisions: Mapping[str, Revision]) -> Iterator[Issue]:
+        if link := self._find_link():
+            yield Issue(str(link), "is a link, which may lead to the files of others; remove it, or name its target.")
+            return
         place = next((path for path in (self.folder, *self.folder.parents) if path.exists()), self.folder)
         if not place.is_dir():
             yield Issue(str(place), "is a file; choose another folder with --out.")
             return
-        if not os.access(place, os.W_OK):
-            yield Issue(str(place), "may not be written; change its mode, or choose another folder with --out.")
-        manifest = read_manifest(self.folder)
+        manifest = self._read_manifest()
         if manifest and manifest.kind != self.kind:
             message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"
             yield Issue(str(self.folder), f"{message} {self.folder / self.kind}.")
@@ -89,12 +106,17 @@ class SetWriter:
         yield from (
             Issue(str(self.folder / name), "is a folder; move it away, or choose another folder with --out.")
             for name in names
-            if (self.folder / name).is_dir()
+            if is_folder(self.folder / name)
+        )
+        known = manifest.files if manifest else {}
+        yield from (
+            Issue(str(self.folder / str(name)), "has a name that not every system can store there; choose another one.")
+            for name in find_unsafe_names(dict.fromkeys([*known, *names]))
         )
         foreign = [] if self.force else sorted(self._foreign(names) - set(revisions))
         for name, revision in revisions.items():
             path = self.folder / name
-            if not path.is_file() or path.read_bytes() != revision.before:
+            if not has_hash(path, hash_content(revision.before)):
                 yield Issue(str(path), "was changed while this command was running; run it again.")
         remedy = "move it away, choose another place with --out, or add --force to overwrite it."
         if len(foreign) > 1 and manifest is None:
@@ -138,7 +160,7 @@ class SetWriter:
             As `check` does, or if a file cannot be written. Nothing has changed then.
         """
         self.check(())
-        folder = self.folder.resolve()
+        folder = Path(os.path.realpath(self.folder))
         created = [path for path in (folder, *folder.parents) if not path.exists()]
         try:
             with output_errors(self.folder):
@@ -161,18 +183,19 @@ class SetWriter:
         OutputError
             As `write` does, and if the folder holds a set of other parameters.
         """
-        self.check_parameters()
+        self.check_addition(contents)
         self.write(contents)
 
-    def check_parameters(self) -> None:
-        """Refuse to add to a folder that holds a set of other parameters, before work starts.
+    def check_addition(self, names: Collection[str]) -> None:
+        """Refuse to add these names to a folder, before work starts.
 
         Raises
         ------
         OutputError
-            If the folder holds one.
+            As `check` does, and if the folder holds a set of other parameters.
         """
-        manifest = read_manifest(self.folder)
+        self.check(names)
+        manifest = self._read_manifest()
         if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
             message = (
                 f"holds the {manifest.kind} of another design, or of other parameters of {manifest.design!r}; build "
@@ -205,18 +228,42 @@ class SetWriter:
 
     def _foreign(self, names: Collection[str]) -> set[str]:
         """Names of existing files that are somebody's own."""
-        manifest, foreign = read_manifest(self.folder), set()
+        manifest, foreign = self._read_manifest(), set()
         for name in names:
             path = self.folder / name
+            if not os.path.lexists(path) or is_folder(path):
+                continue
+            equal = hash_content(names[name]) if isinstance(names, Mapping) else None
             if name == MANIFEST:
-                is_own = manifest is not None or not path.exists()
-            elif not path.is_file() or (isinstance(names, Mapping) and equals_file(names[name], path)):
-                is_own = True
+                is_own = manifest is not None
+            elif manifest:
+                is_own = has_hash(path, equal, manifest.files.get(name))
             else:
-                is_own = hash_file(path) == manifest.files.get(name) if manifest else name in self.adopted
+                is_own = name in self.adopted or has_hash(path, equal)
             if not is_own:
                 foreign.add(name)
         return foreign
+
+
+def check_set(path: Path) -> None:
+    """Refuse to write one file if `add_to_set` would refuse it for the set in its folder, before work starts."""
+    if manifest := read_manifest(path.parent):
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).check([path.name])
+
+
+def finish_interrupted(folder: Path) -> None:
+    """Complete or undo what a command that was killed has left in or beside a folder that a command is to write.
+
+    Raises
+    ------
+    OutputError
+        If that cannot be done.
+    """
+    folder = Path(os.path.realpath(folder))
+    with output_errors(folder):
+        if any(find_unfinished(folder)):
+            with lock(folder.parent):
+                recover(folder)
 
 
 def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:

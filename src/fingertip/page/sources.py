@@ -6,6 +6,7 @@ Parts and casting sheet must be there. Whatever else is missing or old leaves a 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,7 +83,7 @@ def read_sources(design: Design, folder: Path) -> Sources:
         raise OutputError(issues)
     remarks = {}
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
-        found = _read_current_set(folder / kind, wanted)
+        found = _read_current_set(folder, kind, wanted)
         if isinstance(found, str):
             remedy = f"{COMMANDS[kind]} --force" if found.endswith(_CHANGED) else COMMANDS[kind]
             remarks[kind] = f"{found}; in the folder of the page, {remedy} makes them."
@@ -92,22 +93,28 @@ def read_sources(design: Design, folder: Path) -> Sources:
     return Sources(design, report, files, remarks)
 
 
-def _read_current_set(folder: Path, parameters: str) -> dict[str, bytes] | str:
+def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes] | str:
     """Read a set below the parts; a string says why it cannot be shown."""
-    manifest = read_manifest(folder)
-    name = f"The files in {folder.name}/"
+    manifest = read_manifest(top / kind, top)
+    name = f"The files in {kind}/"
     if manifest is None:
         return f"{name} are missing"
     if manifest.parameters != parameters:
         return f"{name} were made from other parameters"
-    files = dict(_read_set(folder, manifest))
+    files = dict(_read_set(top / kind, manifest))
     if any(hash_content(data) != manifest.files[name] for name, data in files.items()):
         return f"{name} {_CHANGED}"
     return files
 
 
 def _read_set(folder: Path, manifest: Manifest) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a set that a page may show and that are there."""
+    """Yield the files of a set that a page may show and that are there, within a limit of their sum."""
+    left = OUTPUT_LIMIT.value
     for name in sorted(manifest.files):
-        if name.endswith(_SHOWN) and (folder / name).is_file():
-            yield name, read_input(folder / name, OUTPUT_LIMIT)
+        if name.endswith(_SHOWN) and os.path.lexists(folder / name):
+            data = read_input(folder / name, OUTPUT_LIMIT, below=folder)
+            left -= len(data)
+            if left < 0:
+                message = f"holds files that are too large together to be shown; raise {OUTPUT_LIMIT.variable}."
+                raise OutputError(Issue(str(folder), message))
+            yield name, data

@@ -147,7 +147,7 @@ def load_simulation(
     given, (file, design_file) = file, _find_files(file, design_file)
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)
-    scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [SCENE, MANIPULATION])
+    scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [])
     issues: list[Issue] = []
     if not is_scene:
         if design_file:

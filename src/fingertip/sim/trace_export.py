@@ -16,17 +16,21 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.errors import Issue, TraceError
 from fingertip.output_set import SetWriter, hash_parameters
-from fingertip.output_set.manifest import hash_file
+from fingertip.output_set.content import hash_content
+from fingertip.output_set.manifest import has_hash
 from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 
+SUFFIXES = (".csv", ".npz")
+"""Suffixes of the files that are written."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
 bytes."""
 
 
-def signal_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
-    """Writer of simulated traces of a design, and of what is made from them."""
-    return SetWriter(folder, SIGNAL_FOLDER, design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+def signal_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
+    """Writer of simulated traces of a design, and of what is made from them; `top` as for `SetWriter`."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder, SIGNAL_FOLDER, design.name, parameters, force=force, top=top)
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
@@ -45,15 +49,8 @@ def write_trace(design: Design, path: Path, trace: Path, force: bool = False) ->
     force
         Whether a file that is somebody's own may be overwritten.
     """
-    is_new = path.name == TRACE and not (path.is_file() and hash_file(path) == hash_file(trace))
+    is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
     return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
-
-
-def find_path_issues(path: Path, option: str = "--out") -> list[Issue]:
-    """Report a path whose suffix is not that of a trace file."""
-    if path.suffix.lower() in (".csv", ".npz"):
-        return []
-    return [Issue(option, f"{path.name!r} is not a known kind of trace file; end it in .csv or .npz.")]
 
 
 class TraceWriter(Protocol):
@@ -144,8 +141,8 @@ def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> TraceWriter:
     TraceError
         If the path has another suffix.
     """
-    if issues := find_path_issues(path):
-        raise TraceError(issues)
+    if path.suffix.lower() not in SUFFIXES:
+        raise TraceError(Issue(str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."))
     return NpzTraceWriter(file, names) if path.suffix.lower() == ".npz" else CsvTraceWriter(file, names)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
@@ -23,12 +23,28 @@ from fingertip.page.scene import Item, place_items, scene_data
 from fingertip.studio.form import make_pointer
 from fingertip.studio.worker import StillWanted
 
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
 VIEW_TOLERANCE_MM = 0.05
 """Tolerance of the meshes that are shown, and of the checks that follow each change [mm]: as fine as a screen shows."""
 FILE_TOLERANCE_MM = 0.01
 """Tolerance of the files and of all checks [mm], that of `fingertip build`."""
 _MESHES_KEPT = 64
 """Number of meshes that are kept, of solids that the next change may leave as they are."""
+
+
+class AskingEvaluator(MeshEvaluator):
+    """Mesh kernel that asks before each solid whether somebody still waits for what is made of it."""
+
+    def __init__(self, tolerance_mm: float, still_wanted: StillWanted) -> None:
+        super().__init__(tolerance_mm)
+        self._still_wanted = still_wanted
+
+    def manifold(self, solid: Solid) -> Manifold:
+        """Evaluate a solid, unless nobody waits any more."""
+        self._still_wanted()
+        return super().manifold(solid)
 
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
@@ -75,16 +91,10 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
 
 def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     """Check the parts at the tolerance of the view, and find what each parameter shapes."""
-    evaluator, checks = MeshEvaluator(VIEW_TOLERANCE_MM), []
+    evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
-    meshes = {}
-    for name, solid in solids.items():
-        still_wanted()
-        meshes[name] = evaluator.mesh(solid)
-    for source in (check_assembly(design, evaluator, solids), check_parts(design, evaluator, meshes)):
-        for check in source:
-            still_wanted()
-            checks.append(check)
+    meshes = {name: evaluator.mesh(solid) for name, solid in solids.items()}
+    checks = [*check_assembly(design, evaluator, solids), *check_parts(design, evaluator, meshes)]
     strength = assess_strength(design, evaluator)
     checks += check_strength(design, strength)
     still_wanted()
@@ -100,12 +110,8 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
 
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
-
-    def go_on(message: str) -> None:
-        still_wanted()
-
-    evaluator = MeshEvaluator(FILE_TOLERANCE_MM)
-    found = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator, go_on)
+    evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
+    found = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator)
     strength = None if found.strength is None else strength_data(found.strength)
     return _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
 

@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 from fingertip.build_result import DESIGN, DESIGN_HEADING
 from fingertip.cad.files import stl, threemf
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.plates import FDM, SLA, PlateKind
 from fingertip.cad.printing.print_files import PRINT_FOLDER, make_print_files
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.solids import scaled
 from fingertip.design import Design
 from fingertip.design.export import to_toml
-from fingertip.studio.answers import FILE_TOLERANCE_MM
+from fingertip.studio.answers import FILE_TOLERANCE_MM, AskingEvaluator
 from fingertip.studio.worker import StillWanted
 
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
@@ -80,11 +80,11 @@ def _download_plates(design: Design, kind: PlateKind, still_wanted: StillWanted)
 
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:
     """Make the meshes of the files, with the printer's compensation."""
-    evaluator, meshes = MeshEvaluator(FILE_TOLERANCE_MM), {}
-    for name, part in parts_by_name(design).items():
-        still_wanted()
-        meshes[name] = evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
-    return meshes
+    evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
+    return {
+        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        for name, part in parts_by_name(design).items()
+    }
 
 
 def _pack(files: Mapping[str, bytes]) -> bytes:

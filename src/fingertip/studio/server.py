@@ -7,24 +7,29 @@ and program that has not been given the address.
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import hmac
 import json
 import os
 import secrets
+import socket
+import sys
 import traceback
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from pathlib import Path
+from typing import Any, NamedTuple
+from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from fingertip.design import Design
 from fingertip.errors import FingertipError, Issue, StudioError
 from fingertip.studio.answers import answer_all_checks, answer_checks, answer_parts, describe_issues, read_design
 from fingertip.studio.downloads import DOWNLOADS
-from fingertip.studio.page import render_locked, render_studio
+from fingertip.studio.page import render_locked, render_studio, render_way_in
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
+from fingertip.toml_files import UnusableTomlError, check_values
 
 ADDRESS = "127.0.0.1"
 """Address that the studio listens on."""
@@ -41,6 +46,12 @@ _ANSWERS: Mapping[str, Callable[[Design, StillWanted], dict[str, Any]]] = {
     "all-checks": answer_all_checks,
 }
 """Name in the address -> function that answers."""
+_HTML = "text/html; charset=utf-8"
+_STATUS_OF_REFUSAL = {
+    HTTPStatus.NOT_IMPLEMENTED: HTTPStatus.METHOD_NOT_ALLOWED,
+    HTTPStatus.HTTP_VERSION_NOT_SUPPORTED: HTTPStatus.BAD_REQUEST,
+}
+"""Status that Python gives a request, as if the server were to blame -> status that blames the request."""
 _HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "frame-ancestors 'none'",
@@ -68,10 +79,12 @@ class StudioServer(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = 128  # a connection beyond them waits a second before it tries again
     allow_reuse_address = os.name == "posix"  # elsewhere it would allow two servers on one port
 
     def __init__(self, design: Design, port: int = DEFAULT_PORT) -> None:
         self.design = design
+        self._way_in: Path | None = None
         self.token = secrets.token_urlsafe(24)
         if not 0 <= port <= MAX_PORT:
             message = f"{port} is no port; choose 1024 to {MAX_PORT}, or 0 for any free one."
@@ -94,6 +107,27 @@ class StudioServer(ThreadingHTTPServer):
         """Address of the page, with the token."""
         return f"http://{self.hosts[0]}/?token={self.token}"
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Print an exception that nobody expected; not that of a connection, which ends where its page is closed."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
+
+    def write_way_in(self, folder: Path) -> Path:
+        """Write a page of this user alone that leads the browser to the studio, until the first page was asked for.
+
+        A browser is started with the name of that file: everybody on this machine can read the words of a command.
+        """
+        path = folder / "studio.html"
+        path.touch(0o600)
+        path.write_text(render_way_in(self.url), encoding="utf-8")
+        self._way_in = path
+        return path
+
+    def forget_way_in(self) -> None:
+        """Remove that page, which has been used."""
+        if self._way_in:
+            self._way_in.unlink(missing_ok=True)
+
     def server_close(self) -> None:
         """Close the socket and end the worker."""
         super().server_close()
@@ -109,68 +143,85 @@ class _RefusedRequestError(Exception):
         self.status = status
 
 
+class _Reply(NamedTuple):
+    """Answer to a request."""
+
+    status: HTTPStatus
+    content_type: str
+    data: bytes
+    headers: Mapping[str, str] = {}
+
+
 class _Handler(BaseHTTPRequestHandler):
     """Answers one connection."""
 
     server: StudioServer
     protocol_version = "HTTP/1.1"
+    default_request_version = "HTTP/1.0"  # a request line that cannot be read gets a reply with a status
     timeout = _TIMEOUT_S
 
     def do_GET(self) -> None:
         """Send the page."""
-        try:
-            self._check_host()
-            address = urlsplit(self.path)
-            if address.path != "/":
-                raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
-            given = parse_qs(address.query).get("token", [""])[0]
-            is_allowed = self._is_token(given)
-            status = HTTPStatus.OK if is_allowed else HTTPStatus.FORBIDDEN
-            self._send(status, "text/html; charset=utf-8", self.server.page if is_allowed else render_locked())
-        except _RefusedRequestError as refused:
-            self._send_json(refused.status, {"error": str(refused)})
+        self._reply(self._show_page)
 
     def do_POST(self) -> None:
         """Answer a request of the page."""
-        try:
-            self._check_host()
-            if not self._is_token(self.headers.get(TOKEN_HEADER, "")):
-                raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
-            self._answer()
-        except _RefusedRequestError as refused:
-            self.close_connection = True  # its body may not have been read
-            self._send_json(refused.status, {"error": str(refused)})
-        except SupersededError:
-            self._send_json(HTTPStatus.OK, {"superseded": True})
-        except FingertipError as error:  # a result like any other: browsers log other statuses as errors
-            self._send_json(HTTPStatus.OK, {"issues": describe_issues(error)})
-        except Exception:
-            traceback.print_exc()
-            message = "The studio failed at this request; its terminal shows where. This is a bug in fingertip."
-            self._send_json(HTTPStatus.INTERNAL_SERVER_ERROR, {"error": message})
+        self._reply(self._answer)
 
     def log_message(self, format: str, *args: Any) -> None:
         """Print nothing: the terminal is for messages to people."""
 
-    def _answer(self) -> None:
-        content = self._read_body()
-        tables, client = content.get("tables"), content.get("client")
-        if not isinstance(tables, dict) or not isinstance(client, str):
-            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client.")
-        _, api, name, *rest = [*urlsplit(self.path).path.split("/"), "", ""]
-        kind, answer, download = name, _ANSWERS.get(name), DOWNLOADS.get(rest[0])
-        if api != "api" or (answer is None and (kind != "download" or download is None)):
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Refuse what is no request of HTTP, or one of a method that no page of this server uses."""
+        status = _STATUS_OF_REFUSAL.get(HTTPStatus(code), HTTPStatus(code))
+        self._send(_make_json({"error": f"This is no request that the studio answers ({status.phrase})."}, status))
+        self.close_connection = True
+
+    def _reply(self, answer: Callable[[], _Reply]) -> None:
+        try:
+            self._check_host()
+            reply = answer()
+        except _RefusedRequestError as refused:
+            self.close_connection = True  # its body may not have been read
+            reply = _make_json({"error": str(refused)}, refused.status)
+        except SupersededError:
+            reply = _make_json({"superseded": True})
+        except FingertipError as error:  # a result like any other: browsers log other statuses as errors
+            reply = _make_json({"issues": describe_issues(error)})
+        except Exception:
+            traceback.print_exc()
+            message = "The studio failed at this request; its terminal shows where. This is a bug in fingertip."
+            reply = _make_json({"error": message}, HTTPStatus.INTERNAL_SERVER_ERROR)
+        self._send(reply)
+
+    def _show_page(self) -> _Reply:
+        address = self._split_address()
+        if address.path != "/":
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
-        design = read_design(tables, self.server.design)
+        if not self._is_token(parse_qs(address.query).get("token", [""])[0]):
+            return _Reply(HTTPStatus.FORBIDDEN, _HTML, render_locked())
+        self.server.forget_way_in()
+        return _Reply(HTTPStatus.OK, _HTML, self.server.page)
+
+    def _answer(self) -> _Reply:
+        if not self._is_token(self.headers.get(TOKEN_HEADER, "")):
+            raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
+        tables, client = self._read_content()
+        _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
+        answer, download = _ANSWERS.get(name), DOWNLOADS.get(rest[0]) if name == "download" else None
+        if api != "api" or (answer is None and download is None):
+            raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+        run, before = self.server.worker.run, self.server.design
         if answer:
             job = answer
-            self._send_json(HTTPStatus.OK, self.server.worker.run(client, lambda wanted: job(design, wanted)))
-        elif download:
-            make_file = download[1]
-            # A download is never superseded: it is a client of its own.
-            made = self.server.worker.run(f"{client} {secrets.token_hex(8)}", lambda wanted: make_file(design, wanted))
-            shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
-            self._send(HTTPStatus.OK, made.content_type, made.data, shown)
+            return _make_json(run(client, lambda wanted: job(read_design(tables, before), wanted), self._has_gone))
+        assert download
+        make_file = download[1]
+        # A download is never superseded: it is a client of its own.
+        client = f"{client} {secrets.token_hex(8)}"
+        made = run(client, lambda wanted: make_file(read_design(tables, before), wanted), self._has_gone)
+        shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
+        return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
 
     def _check_host(self) -> None:
         if self.headers.get("Host", "") not in self.server.hosts:
@@ -183,40 +234,70 @@ class _Handler(BaseHTTPRequestHandler):
     def _is_token(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self.server.token.encode())
 
-    def _read_body(self) -> dict[str, Any]:
+    def _split_address(self) -> SplitResult:
+        try:
+            return urlsplit(self.path)
+        except ValueError:
+            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The address of the request is none.") from None
+
+    def _read_content(self) -> tuple[dict[str, Any], str]:
+        """Read tables of a design and the name of the client that asks."""
         if self.headers.get_content_type() != "application/json":
             raise _RefusedRequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json.")
-        text = self.headers.get("Content-Length", "")
-        if not (text.isascii() and text.isdigit()):
+        length = self.headers.get("Content-Length", "")
+        if not (length.isascii() and length.isdigit()):
             raise _RefusedRequestError(HTTPStatus.LENGTH_REQUIRED, "The request states not its length.")
-        if int(text) > _MAX_BODY_BYTES:
+        if len(length) > len(str(_MAX_BODY_BYTES)) or int(length) > _MAX_BODY_BYTES:
             message = f"The request is longer than {_MAX_BODY_BYTES} bytes."
             raise _RefusedRequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, message)
-        try:
-            data = self.rfile.read(int(text))
-        except OSError:  # time is up, or the page was closed
-            raise _RefusedRequestError(HTTPStatus.REQUEST_TIMEOUT, "The request did not come to its end.") from None
+        data = b""
+        with contextlib.suppress(OSError):  # time is up, or the page was closed
+            data = self.rfile.read(int(length))
+        if len(data) < int(length):
+            raise _RefusedRequestError(HTTPStatus.REQUEST_TIMEOUT, "The request did not come to its end.")
         try:
             content = json.loads(data)
+            json.dumps(content, ensure_ascii=False).encode()  # not every text of JSON can be written
         except (ValueError, RecursionError):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is not valid JSON.") from None
         if not isinstance(content, dict):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is no JSON object.")
-        return content
-
-    def _send_json(self, status: HTTPStatus, content: Mapping[str, Any]) -> None:
-        self._send(status, "application/json", json.dumps(content, separators=(",", ":")).encode())
-
-    def _send(self, status: HTTPStatus, content_type: str, data: bytes, more: Mapping[str, str] | None = None) -> None:
-        headers = {**_HEADERS, **(more or {}), "Content-Type": content_type, "Content-Length": str(len(data))}
+        tables, client = content.get("tables"), content.get("client")
+        if not isinstance(tables, dict) or not isinstance(client, str):
+            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client.")
         try:
-            self.send_response(status)
+            check_values(tables)
+        except UnusableTomlError as error:
+            raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, f"The request {error}.") from None
+        return tables, client
+
+    def _has_gone(self) -> bool:
+        """Return whether the page was closed, or has given this request up."""
+        self.connection.settimeout(0)
+        try:
+            return not self.connection.recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+        finally:
+            self.connection.settimeout(self.timeout)
+
+    def _send(self, reply: _Reply) -> None:
+        headers = {**_HEADERS, **reply.headers, "Content-Type": reply.content_type}
+        try:
+            self.send_response(reply.status)
             for name, value in headers.items():
                 self.send_header(name, value)
+            self.send_header("Content-Length", str(len(reply.data)))
             self.end_headers()
-            self.wfile.write(data)
-        except (BrokenPipeError, ConnectionResetError):  # the page was closed
+            self.wfile.write(reply.data)
+        except OSError:  # the page was closed
             self.close_connection = True
+
+
+def _make_json(content: Mapping[str, Any], status: HTTPStatus = HTTPStatus.OK) -> _Reply:
+    return _Reply(status, "application/json", json.dumps(content, separators=(",", ":")).encode())
 
 
 def _describe_bind_error(port: int, error: OSError) -> str:

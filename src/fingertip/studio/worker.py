@@ -1,93 +1,96 @@
-"""Worker: one thread that makes parts and checks. Of each client's requests only the newest counts."""
+"""Worker: one thread that makes parts and checks for those who still wait. Of each client the newest job counts."""
 
 from __future__ import annotations
 
+import contextlib
 import threading
-from collections import OrderedDict
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 
 StillWanted = Callable[[], None]
 """Raises `SupersededError` if the result is no longer wanted."""
+_LOOK_S = 0.1
+"""Time after which a job that is not done looks whether somebody still waits for it [s]."""
 
 
 class SupersededError(Exception):
-    """A newer request of the same client came before this one was answered."""
+    """Nobody waits for the result: a newer request of the same client came, or the client has gone."""
 
 
 class NewestWinsWorker:
     """Thread that runs jobs one at a time.
 
-    A job that waits is dropped when a newer one of the same client comes. One that runs learns of it where it asks.
+    A job is dropped when a newer one of the same client comes, or when its client has gone. One that runs learns of it
+    where it asks.
     """
 
     def __init__(self) -> None:
-        self._changed = threading.Condition()
-        self._waiting: OrderedDict[str, tuple[int, Callable[[StillWanted], Any], Future[Any]]] = OrderedDict()
-        self._newest: dict[str, int] = {}
-        self._count = 0
-        self._is_closed = False
-        self._thread = threading.Thread(target=self._run, name="studio worker", daemon=True)
-        self._thread.start()
+        self._thread = ThreadPoolExecutor(1, "studio worker")
+        self._lock = threading.Lock()
+        self._newest: dict[str, _Job] = {}
 
-    def run(self, client: str, job: Callable[[StillWanted], T]) -> T:
-        """Run a job after those that wait, and return its result.
+    def run(self, client: str, function: Callable[[StillWanted], T], has_gone: Callable[[], bool]) -> T:
+        """Run a function after those that wait, and return its result.
 
         Parameters
         ----------
         client
             Name of who asks; an earlier job of the same client is superseded.
-        job
+        function
             Function to run in the worker's thread. It is given a function to call between its steps.
+        has_gone
+            Returns whether nobody waits for the result any more.
 
         Raises
         ------
         SupersededError
-            If a newer job of the same client came, or the worker was closed.
+            If a newer job of the same client came, the client has gone, or the worker was closed.
         """
-        result: Future[T] = Future()
-        with self._changed:
-            if self._is_closed:
-                raise SupersededError
-            self._count += 1
-            self._newest[client] = self._count
-            dropped = self._waiting.pop(client, None)
-            self._waiting[client] = (self._count, job, result)
-            self._changed.notify()
-        if dropped:
-            dropped[2].set_exception(SupersededError())
-        return result.result()
+        job = _Job()
+        with self._lock:
+            try:
+                result: Future[T] = self._thread.submit(function, job.ask)
+            except RuntimeError:  # it was closed
+                raise SupersededError from None
+            job.result = result
+            if older := self._newest.get(client):
+                older.drop()
+            self._newest[client] = job
+        try:
+            while not result.done():
+                with contextlib.suppress(TimeoutError):
+                    result.exception(_LOOK_S)
+                if has_gone():
+                    job.drop()
+            return result.result()
+        except CancelledError:
+            raise SupersededError from None
+        finally:
+            with self._lock:
+                if self._newest.get(client) is job:  # so that the names of clients do not pile up
+                    del self._newest[client]
 
     def close(self) -> None:
         """Drop what waits, and end after the running job's present step."""
-        with self._changed:
-            self._is_closed = True
-            waiting, self._waiting = self._waiting, OrderedDict()
-            self._newest.clear()
-            self._changed.notify()
-        for _, _, result in waiting.values():
-            result.set_exception(SupersededError())
+        with self._lock:
+            for job in self._newest.values():
+                job.drop()
+            self._thread.shutdown(wait=False)
 
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                while not self._waiting and not self._is_closed:
-                    self._changed.wait()
-                if self._is_closed:
-                    return
-                client, (number, job, result) = self._waiting.popitem(last=False)
 
-            def still_wanted(client: str = client, number: int = number) -> None:
-                if self._newest.get(client) != number:
-                    raise SupersededError
+class _Job:
+    """Job that may be dropped."""
 
-            try:
-                result.set_result(job(still_wanted))
-            except BaseException as error:  # it belongs to who asked
-                result.set_exception(error)
-            with self._changed:
-                if self._newest.get(client) == number:  # so that the names of clients do not pile up
-                    del self._newest[client]
+    result: Future[Any]
+    is_dropped = False
+
+    def ask(self) -> None:
+        if self.is_dropped:
+            raise SupersededError
+
+    def drop(self) -> None:
+        self.is_dropped = True
+        self.result.cancel()

@@ -3,6 +3,9 @@
 There is one writer, the sweep itself; anyone may read at the same time. The journal is SQLite's rollback journal, not
 its write-ahead log, so that the folder may be on a network drive, and holds a single file while no sweep runs.
 Whatever was committed survives a kill -9; the rest is computed again.
+
+A folder may come from a stranger, and SQLite does what a database says: its tables may be views that never end, and a
+journal may name a file that is removed once it was read. A sweep has neither, so both are refused.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ import contextlib
 import itertools
 import math
 import os
+import re
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
@@ -20,7 +24,9 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Issue, OutputError, SweepError
+from fingertip.errors import InputFileError, Issue, OutputError, SweepError
+from fingertip.input_files import check_regular
+from fingertip.output_set.trial import find_place_issues
 from fingertip.sweep import sweep_file
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.rows import STATUSES, SweepRow, SweepTable
@@ -29,6 +35,13 @@ FILE = "sweep.sqlite"
 """Name of the database in the folder of a sweep."""
 FORMAT = "2"
 """Version of the tables, and of the parameter and output names in them."""
+_META_TABLE = "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
+_ROWS_TABLE = (
+    "CREATE TABLE rows (point INTEGER PRIMARY KEY, status TEXT NOT NULL, field TEXT NOT NULL, reason TEXT NOT NULL"
+)
+_COLUMNS = re.compile(r'(, "([^"]|"")*")+\)')
+_JOURNAL_MARK = bytes.fromhex("d9d505f920a163d7")
+"""End of a journal that names another file: the journals of several databases that were written at once."""
 _BUSY_TIMEOUT_S = 30.0
 """Time for which a reader and the writer wait for each other [s]."""
 _PAGE_ROWS = 20_000
@@ -55,9 +68,9 @@ class SweepDatabase:
     def exists(folder: Path) -> bool:
         """Return whether a folder holds a sweep."""
         path = folder / FILE
-        if not path.is_file():
+        if not os.path.lexists(path):
             return False
-        with contextlib.closing(_connect(path, "ro")) as connection:
+        with contextlib.closing(_connect(path, "rw")) as connection:
             query = "SELECT 1 FROM sqlite_master"
             return bool(_translate_errors(folder, lambda: connection.execute(query).fetchone()))
 
@@ -80,16 +93,19 @@ class SweepDatabase:
                     "folder with --out. Nothing was changed.",
                 )
             )
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise _make_write_error(folder, error.strerror or str(error)) from error
+        if issues := list(find_place_issues(folder, "choose another folder with --out")):
+            raise OutputError(issues)
+        created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rwc"), lock)
         try:
             _translate_errors(folder, lambda: database._create_tables(plan))
         except BaseException:
             database.close()
+            for path in created:
+                with contextlib.suppress(OSError):
+                    path.unlink() if path.name == FILE else path.rmdir()
             raise
         return database
 
@@ -125,7 +141,7 @@ class SweepDatabase:
             raise SweepError(
                 Issue(str(folder), "holds no sweep; give the folder of a sweep with --out, or run the sweep first.")
             )
-        return cls(folder, _connect(folder / FILE, "ro"))
+        return cls(folder, _connect(folder / FILE, "rw"))  # what a killed sweep has begun is undone before it is read
 
     def close(self) -> None:
         """Close the file and release the folder."""
@@ -143,6 +159,12 @@ class SweepDatabase:
     @property
     def text(self) -> str:
         """Canonical text of the sweep."""
+        query = "SELECT name, sql FROM sqlite_master"
+        tables = dict(_translate_errors(self.folder, partial(self._fetch, query)))
+        rows_table = str(tables.pop("rows", ""))
+        is_sound = rows_table.startswith(_ROWS_TABLE) and _COLUMNS.fullmatch(rows_table, len(_ROWS_TABLE))
+        if not is_sound or tables != {"meta": _META_TABLE, "sqlite_autoindex_meta_1": None}:
+            raise self._make_damage_error("it holds other tables than a sweep")
         rows = _translate_errors(self.folder, partial(self._fetch, "SELECT key, value FROM meta"))
         meta = dict(rows)
         if meta.get("format") != FORMAT:
@@ -277,14 +299,11 @@ class SweepDatabase:
 
     def _create_tables(self, plan: SweepPlan) -> None:
         names = [axis.name for axis in plan.axes] + list(plan.outputs)
-        columns = ", ".join('"' + name.replace('"', '""') + '"' for name in names)
+        columns = "".join(', "' + name.replace('"', '""') + '"' for name in names)
         with self._connection:  # one transaction: a sweep exists completely or not at all
             self._connection.execute("BEGIN IMMEDIATE")
-            self._connection.execute("CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)")
-            self._connection.execute(
-                "CREATE TABLE rows (point INTEGER PRIMARY KEY, status TEXT NOT NULL, field TEXT NOT NULL, "
-                f"reason TEXT NOT NULL, {columns})"
-            )
+            self._connection.execute(_META_TABLE)
+            self._connection.execute(f"{_ROWS_TABLE}{columns})")
             meta = [("format", FORMAT), ("plan", plan.to_toml())]
             self._connection.executemany("INSERT INTO meta VALUES (?, ?)", meta)
 
@@ -297,6 +316,7 @@ class SweepDatabase:
 
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
+    _refuse_odd_files(path)
     try:
         uri = path.absolute().as_posix().replace("%", "%25").replace("?", "%3f").replace("#", "%23")
         connection = sqlite3.connect(f"file:{uri}?mode={mode}", uri=True, timeout=_BUSY_TIMEOUT_S, isolation_level=None)
@@ -304,6 +324,22 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
         raise _make_write_error(path.parent, str(error)) from error
     _translate_errors(path.parent, lambda: connection.execute("PRAGMA synchronous = FULL"))
     return connection
+
+
+def _refuse_odd_files(path: Path) -> None:
+    """Refuse a database that is a link or no file, and a journal that would remove another file."""
+    journal = path.with_name(f"{path.name}-journal")
+    for side in (path, journal, path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")):
+        try:
+            check_regular(side, below=path.parent)
+        except InputFileError:
+            if os.path.lexists(side):
+                raise
+    with contextlib.suppress(FileNotFoundError), journal.open("rb") as file:  # a running sweep may remove it meanwhile
+        file.seek(max(0, file.seek(0, os.SEEK_END) - len(_JOURNAL_MARK)))
+        if file.read() == _JOURNAL_MARK:
+            remedy = "restore the folder from a copy, or run the sweep in another folder"
+            raise SweepError(Issue(str(journal), f"names another file, which would be removed; {remedy}."))
 
 
 def _lock_folder(folder: Path) -> int | None:

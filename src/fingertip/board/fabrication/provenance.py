@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.errors import InputFileError
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_input
 
 _SOURCES = (".kicad_pcb", ".kicad_sch", "bom.csv")
 """Endings of the names of the board files that the fabrication files depend on."""
@@ -41,7 +41,8 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
     """
     remedy = "write it again with --fab"
     try:
-        lines = [line.split("  ", 1) for line in read_input(folder / record, OUTPUT_LIMIT).decode().splitlines()]
+        text = read_input(folder / record, PARSED_LIMIT, below=folder.parent).decode()
+        lines = [line.split("  ", 1) for line in text.splitlines()]
         recorded = {name: digest for digest, name in lines}
     except (InputFileError, ValueError):  # a UnicodeDecodeError is a ValueError
         return [f"{folder}: has no valid {record} that names the board its files were made from; {remedy}."]
@@ -53,13 +54,14 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
     ]
     for name, digest in recorded.items():
         if not name.startswith(_PARENT):
-            differences += _compare_file(folder / name, digest)
+            differences += _compare_file(folder, name, digest)
     return differences
 
 
-def _compare_file(path: Path, digest: str) -> list[str]:
+def _compare_file(folder: Path, name: str, digest: str) -> list[str]:
+    path = folder / name
     try:
-        is_unchanged = _sha256(read_input(path, OUTPUT_LIMIT)) == digest
+        is_unchanged = _sha256(read_input(path, OUTPUT_LIMIT, below=folder)) == digest
     except InputFileError as error:
         return [str(issue) for issue in error.issues]
     return [] if is_unchanged else [f"{path}: was changed after it was made."]

@@ -25,6 +25,8 @@ PLANE_OFFSET_MM = 0.02
 
 _REACH_GROWTH = 1.25
 """Factor from one search for a distance to the next. The time of a search grows with about the cube of its reach."""
+_MIN_REACH_MM = 0.1
+"""Reach of a search for a distance of nothing or less, which a coarse mesh leaves of a limit [mm]."""
 _MAX_REACH_MM = 500.0
 """Reach of a search that exceeds the size of every design [mm]."""
 
@@ -118,10 +120,10 @@ def search_distance(measure: Callable[[float], float], first_reach_mm: float) ->
     measure
         Function that searches up to a reach [mm] and returns the distance, or the reach if the distance is larger.
     first_reach_mm
-        Reach of the first search [mm]. It grows until the distance is found, or exceeds every design, as happens if a
-        solid is empty.
+        Reach of the first search [mm], or less than nothing. It grows until the distance is found, or exceeds every
+        design, as happens if a solid is empty.
     """
-    reach_mm = first_reach_mm
+    reach_mm = max(first_reach_mm, _MIN_REACH_MM)
     while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:
         reach_mm *= _REACH_GROWTH
     return distance

@@ -77,7 +77,8 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
 def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator, wall: float) -> Check:
     """Check the walls around the tendon's anchor along its first millimetres in each cheek."""
     inner = anchor.inner_half_width
-    hole = cylinder("x", (anchor.y, anchor.z), inner, inner + wall, anchor.radius)
+    length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
+    hole = cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius)
     outside = complement(evaluator, filled_bone(design))
     return check_min_distance("bone.wall.anchor_to_outside", evaluator.manifold(hole), outside, wall)
 

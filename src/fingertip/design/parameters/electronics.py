@@ -102,7 +102,7 @@ class Detector(ParameterTable):
         verified=False,
     )
     adc_bits: int = quantity(12, "bit", "Resolution of the ADC.", minimum=8, maximum=24)
-    adc_range_v: float = quantity(3.3, "V", "Upper end of the ADC's input range.", above=0, maximum=100)
+    adc_range_v: float = quantity(3.3, "V", "Upper end of the ADC's input range.", minimum=0.01, maximum=100)
     adc_polarity: Literal["bipolar", "unipolar"] = choice(
         "unipolar", "Input range of the ADC: plus and minus adc_range_v, or from 0 to it as in most microcontrollers."
     )

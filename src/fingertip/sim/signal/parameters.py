@@ -13,6 +13,8 @@ from fingertip.errors import Issue
 
 MIN_BITS = 8
 """Smallest resolution of a converter."""
+MIN_RANGE_V = 0.01
+"""Smallest range of a converter [V]."""
 
 
 class Drift(ParameterTable):
@@ -89,17 +91,18 @@ class ConverterInput(ParameterTable):
     """Converter that samples in place of the design's ADC; 0 bits mean the design's."""
 
     bits: int = Field(0, ge=0, le=24, description="Resolution: 10 or 12 in most microcontrollers; 0: the design's ADC.")
-    low_v: float = quantity(0.0, "V", "Lower end of its range.", minimum=-100, maximum=100)
+    low_v: float = quantity(0.0, "V", "Lower end of its range.", minimum=-100, maximum=100 - MIN_RANGE_V)
     high_v: float = quantity(
-        5.0, "V", "Upper end of its range: 3.3 or 5 in most microcontrollers.", minimum=-100, maximum=100
+        5.0, "V", "Upper end of its range: 3.3 or 5 in most microcontrollers.", minimum=-100 + MIN_RANGE_V, maximum=100
     )
 
 
 def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:
     """Yield each broken rule of a converter, with the names of the parameters it reads."""
     fields = {"converter.bits", "converter.low_v", "converter.high_v"}
-    if converter.bits and converter.high_v <= converter.low_v:
-        message = f"{converter.high_v:g} V is not above converter.low_v; more than {converter.low_v:g} V."
+    min_v = round(converter.low_v + MIN_RANGE_V, 6)
+    if converter.bits and converter.high_v < min_v:
+        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {min_v!r} V."
         yield Issue("converter.high_v", message), fields
     if 0 < converter.bits < MIN_BITS:
         yield Issue("converter.bits", f"{converter.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields

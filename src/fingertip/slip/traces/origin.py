@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.input_files import OUTPUT_LIMIT, read_input
+from fingertip.input_files import PARSED_LIMIT, read_input
 from fingertip.output_set import read_manifest
-from fingertip.output_set.content import hash_content
-from fingertip.output_set.manifest import hash_file
+from fingertip.output_set.manifest import has_hash
 
 TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 """Names of the files of a simulated trial."""
@@ -41,15 +41,18 @@ def read_origin(path: Path) -> Origin:
     Where the set holds the detection of this trace too, that says when the robot moved.
     """
     manifest = read_manifest(path.parent)
-    if manifest is None or manifest.kind != SIGNAL_FOLDER or manifest.files.get(path.name) != hash_file(path):
+    if manifest is None or manifest.kind != SIGNAL_FOLDER or not has_hash(path, manifest.files.get(path.name)):
         return UNKNOWN
     detection = path.parent / DETECTION
-    if path.name != TRACE or DETECTION not in manifest.files or not detection.is_file():
+    if path.name != TRACE or not has_hash(detection, manifest.files.get(DETECTION)):
         return Origin(is_simulated=True)
-    data = read_input(detection, OUTPUT_LIMIT, "a detection")
-    return parse_origin(data) if hash_content(data) == manifest.files[DETECTION] else Origin(is_simulated=True)
+    return parse_origin(read_input(detection, PARSED_LIMIT, below=path.parent))
 
 
 def parse_origin(detection: bytes | None) -> Origin:
     """Read the origin of a simulated trial from the detection beside it; None if there is none."""
-    return Origin(True, json.loads(detection).get("motion_s") if detection else None)
+    try:
+        motion_s = json.loads(detection)["motion_s"] if detection else None
+    except (ValueError, KeyError, TypeError, RecursionError):
+        motion_s = None
+    return Origin(True, motion_s if isinstance(motion_s, float) and math.isfinite(motion_s) else None)

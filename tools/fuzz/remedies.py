@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from fingertip.errors import Issue
 
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
-_BOUND = re.compile(rf"(?:at least |at most |between )?({_NUMBER})")
+_BOUND = re.compile(rf"(?:at least |at most |between |choose )?({_NUMBER})")
 _LAST_BOUND = re.compile(rf", and (?:at least|at most) ({_NUMBER})")
 _EXAMPLE = re.compile(rf", such as ({_NUMBER})")
 _ASSIGNMENT = re.compile(r"([a-z_]+\.[a-z0-9_]+)=([^\s,]+?)(?=[,.]?(?:\s|$))")

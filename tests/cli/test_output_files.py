@@ -1,0 +1,195 @@
+"""Files and folders that a command is asked to write: each option refuses before any work what cannot be written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from fingertip.build_files import parts_writer
+from fingertip.cli import app, main
+from fingertip.cli.help_page import metavar
+from fingertip.cli.output_files import find_file_issues
+from fingertip.design import Design
+from tests.conftest import run_fingertip
+
+FILES = (
+    ("board", "--bode", ".csv", "fingertip.board.write_board"),
+    ("board", "--plot", ".png", "fingertip.board.write_board"),
+    ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
+    ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
+    ("params", "--html", ".html", "fingertip.page_files.draw_atlas"),
+    ("picture fsr400", "--out", ".png", "fingertip.view.picture.draw"),
+    ("sheet fsr400", "--out", ".md", "fingertip.casting.quantities.measure_volumes"),
+    ("acceptance fsr400", "--out", ".md", "fingertip.make_files.simulate_and_detect"),
+    ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
+    ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
+    ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
+    ("detect trace.csv", "--plot", ".png", "fingertip.detect_trace.detect_file"),
+    ("new tip", "--out", ".toml", "fingertip.files.write_file"),
+    ("calibrate printer fsr400 readings.toml", "--out", ".toml", "fingertip.cad.verification.verify.verify"),
+    ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.calibrate_sensor.calibrate_sensor"),
+)
+"""Words of a command, its option that names a file to write, a suffix that is written, and what must not be called."""
+FOLDERS = (
+    ("build fsr400", "fingertip.build_files.verify"),
+    ("make fsr400", "fingertip.build_files.verify"),
+    ("board", "fingertip.output_set.SetWriter._write"),
+    ("firmware fsr400", "fingertip.output_set.SetWriter._write"),
+    ("coupon fsr400", "fingertip.coupon_files.make_coupon"),
+    ("validate", "fingertip.campaign.validate"),
+    ("drawing fsr400", "fingertip.drawing.draw.draw_files"),
+    ("page fsr400", "fingertip.page_files.read_sources"),
+    ("bench", "fingertip.sim.bench.work_precision.require_libraries"),
+    ("sweep board", "fingertip.sweep.run.run_sweep"),
+)
+"""Words of a command whose --out is a folder, and what must not be called."""
+READ = {"--design", "--hand", "--readings"}
+"""Options that name a file to read."""
+
+
+def fail(*arguments: object, **options: object) -> None:
+    raise AssertionError("work was begun")
+
+
+def list_path_options(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from list_path_options(command, (*words, name))
+        else:
+            for parameter in command.params:
+                if parameter.param_type_name == "option" and metavar(parameter).startswith(("PATH", "FILE")):
+                    yield " ".join((*words, name)), max(parameter.opts, key=len)
+
+
+def test_every_option_that_names_a_file_or_folder_is_listed_here() -> None:
+    listed = [(words, option) for words, option, *_ in FILES] + [(words, "--out") for words, _ in FOLDERS]
+    found = [option for option in list_path_options(typer.main.get_command(app)) if option[1] not in READ]
+    commands = [(re.match(r"calibrate \w+|\w+", words)[0], option) for words, option in listed]  # type: ignore[index]
+    assert sorted(commands) == sorted(found)
+
+
+@pytest.mark.parametrize(("words", "option", "suffix", "work"), FILES)
+def test_a_file_that_cannot_be_written_is_refused_before_work(
+    words: str, option: str, suffix: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(work, fail)
+    for name, said in (
+        (tmp_path, f"{tmp_path}: is a folder; choose another file with {option}."),
+        (f"x{suffix}.txt", f"{option}: 'x{suffix}.txt' is of no format that is written; end it in {suffix}"),
+        (f"/proc/x{suffix}", f"/proc/x{suffix}: cannot be written (No such file or directory); choose another file"),
+    ):
+        done = run_fingertip(*words.split(), option, name, PWD=str(tmp_path))
+        assert done.returncode == 2
+        assert said in done.stderr
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("words", "work"), FOLDERS)
+def test_a_folder_that_cannot_be_written_is_refused_before_work(
+    words: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(work, fail)
+    done = run_fingertip(*words.split(), "--out", "/proc/x/y", PWD=str(tmp_path))
+    assert done.returncode == 2
+    assert "/proc/x/y: cannot be written (No such file or directory); choose another folder with --out" in done.stderr
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("words", "option", "suffix", "work"), [case for case in FILES if " fsr400" in case[0]][:3])
+def test_a_file_beside_the_parts_of_another_design_is_refused_before_work(
+    words: str, option: str, suffix: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(work, fail)
+    parts_writer(Design(), tmp_path / "out" / "fsr400").write({"bone.stl": b""})
+    done = run_fingertip(*words.split(), "--set", "skin.width_mm=18", PWD=str(tmp_path))
+    assert done.returncode == 2
+    assert "out/fsr400: holds the parts of another design, or of other parameters" in done.stderr
+
+
+def test_a_report_of_no_design_is_refused(tmp_path: Path) -> None:
+    done = run_fingertip("check", tmp_path, "--junit", tmp_path / "checks.xml")
+    assert done.returncode == 2
+    assert "--junit: reports on designs, but only folders are given; give a design too." in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("folder.toml", "folder.toml: is a folder; choose another file with --out."),
+        (".toml", "--out: '.toml' is of no format that is written; end it in .toml or .TXT."),
+        ("mine.toml/x.toml", "mine.toml/x.toml: cannot be written (Not a directory); choose another file with --out."),
+        ("a/../" + 300 * "x" + ".toml", "cannot be written (File name too long); choose another file with --out."),
+        ("loop.toml/x.toml", "loop.toml/x.toml: cannot be written ("),
+        ("./mine.toml", "--out: mine.toml is an input of this command; give another name."),
+        ("gone.toml", "gone.toml: exists and is not overwritten; choose another file with --out, or pay."),
+        ("a/b/c.TOML", None),
+    ],
+)
+def test_each_fault_of_a_file_is_named(
+    name: str, said: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder.toml").mkdir()
+    Path("mine.toml").touch()
+    Path("gone.toml").symlink_to("nowhere")
+    Path("loop.toml").symlink_to("loop.toml")
+    before = sorted(tmp_path.iterdir())
+    inputs = (None, Path("nothing.toml"), Path("mine.toml"))
+    issues = [*find_file_issues("--out", Path(name), ".toml", ".TXT", inputs=inputs, kept="pay")]
+    assert len(issues) == (said is not None)
+    assert not said or said in str(issues[0])
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "idle"),
+    [
+        (("board", "--check", "--bode", "x.csv", "--plot", "x.svg", "--bringup"), ["--bode", "--plot", "--bringup"]),
+        (("board", "--readings", "r.toml", "--check", "--fab", "--bode", "x.csv"), ["--check", "--fab", "--bode"]),
+        (("params", "--schema", "--toml", "--html", "x.html"), ["--html", "--toml"]),
+        (("params", "--toml", "--html", "x.html"), ["--html"]),
+        (("simulate", "--parameters", "--out", "x.csv", "--plot", "x.png"), ["--out", "--plot"]),
+        (("sweep", "board", "--outputs", "--csv", "x.csv", "--parquet", "x.parquet"), ["--csv", "--parquet"]),
+    ],
+)
+def test_a_file_that_would_not_be_written_is_refused(words: tuple[str, ...], idle: list[str], tmp_path: Path) -> None:
+    done = run_fingertip(*words, PWD=str(tmp_path))
+    assert done.returncode == 2
+    said = re.findall(r"^error: (--\w+): has no effect with --\w+, which writes nothing", done.stderr, re.MULTILINE)
+    assert said == idle
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("words", [("board", "--out", ""), ("board", "--out="), ("build", "")])
+def test_an_empty_word_names_no_folder(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A variable of the shell that is not set once wrote a board among the files of the current folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["fingertip", *words])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    name = "--out" if "board" in words else "argument"
+    assert capsys.readouterr().err.startswith(f"error: {name}: is empty, perhaps a variable that is not set; give a")
+    assert not any(tmp_path.iterdir())
+
+
+def test_fabrication_files_that_cannot_be_made_are_refused_before_the_board(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "fab").touch()
+    done = run_fingertip("board", "--fab", "--out", tmp_path)
+    assert done.returncode == 2
+    assert "fab: is a file; choose another folder with --out." in done.stderr
+    (tmp_path / "fab").unlink()
+    monkeypatch.setenv("PATH", "")
+    done = run_fingertip("board", "--fab", "--out", tmp_path)
+    assert done.returncode == 2
+    assert "kicad-cli is not on the PATH; install KiCad 9" in done.stderr
+    assert not any(tmp_path.iterdir())

@@ -1,0 +1,167 @@
+"""Whatever comes over the socket of the studio: a reply that blames the request, and a silent terminal."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import random
+import socket
+import struct
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from fingertip import Design
+from fingertip.studio import server as server_module
+from fingertip.studio.server import TOKEN_HEADER, StudioServer
+from fingertip.studio.worker import StillWanted
+
+TABLES = '{"client": "a", "tables": {"skin": %s}}'
+
+
+@pytest.fixture(scope="module")
+def server(design: Design) -> Iterator[StudioServer]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(server_module, "render_studio", lambda design, token: b"page")
+        with StudioServer(design, 0) as running:
+            thread = threading.Thread(target=running.serve_forever, args=(0.02,), daemon=True)
+            thread.start()
+            yield running
+            running.shutdown()
+            thread.join()
+
+
+def post(server: StudioServer, body: bytes | str, **headers: str | None) -> bytes:
+    """A request as the page sends it. A header given as None is left out, others replace the page's."""
+    data = body.encode() if isinstance(body, str) else body
+    shown: dict[str, str | None] = {
+        "Host": server.hosts[0], TOKEN_HEADER: server.token, "Content-Type": "application/json",
+        "Content-Length": str(len(data)),
+    }  # fmt: skip
+    shown |= {name.replace("_", "-"): value for name, value in headers.items()}
+    lines = ["POST /api/download/design HTTP/1.1", *(f"{n}: {v}" for n, v in shown.items() if v is not None), "", ""]
+    return "\r\n".join(lines).encode("utf-8") + data
+
+
+def send(server: StudioServer, request: bytes, *, ends: bool = False) -> http.client.HTTPResponse | None:
+    """Reply to raw bytes, after which the connection may end; None if there is none."""
+    with socket.create_connection(("127.0.0.1", server.server_port), timeout=20) as connection:
+        try:
+            connection.sendall(request)
+            if ends:
+                connection.shutdown(socket.SHUT_WR)
+        except OSError:  # it had replied before all was sent
+            pass
+        reply = http.client.HTTPResponse(connection)
+        try:
+            reply.begin()
+            reply.data = reply.read()  # type: ignore[attr-defined]
+        except (OSError, http.client.HTTPException):
+            return None
+    return reply
+
+
+def wait_for_handlers() -> None:
+    while any("process_request_thread" in thread.name for thread in threading.enumerate()):
+        time.sleep(0.002)
+
+
+def list_malformed(server: StudioServer) -> Iterator[tuple[bytes, int, str]]:
+    host = f"Host: {server.hosts[0]}\r\n".encode()
+    yield b"\x00\xff\r\n\r\n", 400, "Bad Request"
+    yield b"GET\r\n\r\n", 400, "Bad Request"
+    yield b"GET / HTTP/9.9\r\n\r\n", 400, "Bad Request"
+    yield b"BREW / HTTP/1.1\r\n" + host + b"\r\n", 405, "Method Not Allowed"
+    yield b"GET http://[ HTTP/1.1\r\n" + host + b"\r\n", 400, "address"
+    yield b"GET /" + 70_000 * b"x" + b" HTTP/1.1\r\n\r\n", 414, "Long"
+    yield b"GET / HTTP/1.1\r\nA: " + 70_000 * b"x" + b"\r\n\r\n", 431, "Large"
+    yield b"GET / HTTP/1.1\r\n" + 200 * b"A: b\r\n" + b"\r\n", 431, "Large"
+    yield b"GET /\r\n\r\n", 403, "answers to"
+    for length in (None, "", "-1", "+1", "1e3", "0x10", "1, 1", "\u0663", "nan"):
+        yield post(server, "{}", Content_Length=length), 411, "states not its length"
+    for length in ("1000001", 5000 * "9", 5000 * "0"):
+        yield post(server, "{}", Content_Length=length), 413, "longer than 1000000 bytes"
+    yield post(server, "2\r\n{}\r\n0\r\n\r\n", Content_Length=None, Transfer_Encoding="chunked"), 411, "length"
+    yield post(server, TABLES % f'{{"width_mm": {4000 * "9"}}}'), 400, "whole numbers of at most 18 digits"
+    yield post(server, TABLES % f'{{"width_mm": -{5000 * "9"}}}'), 400, "not valid JSON"
+    yield post(server, TABLES % r'{"\ud800": 1}'), 400, "not valid JSON"
+    yield post(server, TABLES % r'{"width_mm": "\udfff"}'), 400, "not valid JSON"
+    yield post(server, b'{"\xff": 1}'), 400, "not valid JSON"
+    yield post(server, TABLES % (100_000 * "[")), 400, "not valid JSON"
+    yield post(server, TABLES % (13 * "[" + 13 * "]")), 400, "nests tables and lists more than 12 deep"
+    yield post(server, TABLES % '{"width_mm": NaN, "length_mm": 1e999}'), 200, "is not a finite number"
+    yield post(server, TABLES % '{"\\u0000\\u202e": null}'), 200, "there is no such parameter"
+
+
+def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest.CaptureFixture[str]) -> None:
+    for request, status, said in list_malformed(server):
+        reply = send(server, request)
+        assert reply is not None, request[:80]
+        content: dict[str, Any] = json.loads(reply.data)  # type: ignore[attr-defined]
+        assert (reply.status, set(content)) == (status, {"issues" if status == 200 else "error"}), request[:80]
+        assert said in json.dumps(content), request[:80]
+    wait_for_handlers()
+    assert capfd.readouterr() == ("", "")
+
+
+def test_damaged_requests_are_never_the_fault_of_the_studio(
+    server: StudioServer, capfd: pytest.CaptureFixture[str]
+) -> None:
+    chance, valid = random.Random(5), post(server, TABLES % '{"width_mm": 18.5, "length_mm": 31}')
+    statuses = set()
+    for _ in range(100):
+        damaged = bytearray(valid)
+        for _ in range(chance.randint(1, 4)):
+            at = chance.randrange(len(damaged))
+            damaged[at : at + chance.choice((0, 1, 1, 9))] = chance.choice((b"", b"\xff", b"\r\n", b"9", b"\\", b'"'))
+        reply = send(server, bytes(damaged), ends=True)
+        statuses.add(reply.status if reply else None)
+    wait_for_handlers()
+    assert capfd.readouterr() == ("", "")
+    assert {200, 400, 403} <= statuses
+    assert not [status for status in statuses if status is not None and status >= 500]
+
+
+def test_a_connection_that_is_reset_anywhere_prints_nothing(
+    server: StudioServer, capfd: pytest.CaptureFixture[str]
+) -> None:
+    valid = post(server, TABLES % "{}")
+    for length in (*range(0, len(valid), 9), len(valid)):
+        connection = socket.create_connection(("127.0.0.1", server.server_port))
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        connection.sendall(valid[:length])
+        connection.close()  # with a reset, since nothing lingers
+    wait_for_handlers()
+    assert capfd.readouterr() == ("", "")
+    reply = send(server, valid)
+    assert reply is not None
+    assert reply.status == 200
+
+
+def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twenty pages ask and are closed; the next one is answered, though each answer would take a minute."""
+    begun = threading.Event()
+
+    def work(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+        begun.set()
+        for _ in range(6000):
+            still_wanted()
+            time.sleep(0.01)
+        return {}
+
+    monkeypatch.setitem(server_module._ANSWERS, "checks", work)  # type: ignore[call-overload]
+    asked = [socket.create_connection(("127.0.0.1", server.server_port)) for _ in range(20)]
+    for number, connection in enumerate(asked):
+        request = post(server, TABLES.replace('"a"', f'"{number}"') % "{}")
+        connection.sendall(request.replace(b"/download/design", b"/checks"))
+    assert begun.wait(20)
+    for connection in asked:
+        connection.close()
+    reply = send(server, post(server, TABLES % "{}"))
+    assert reply is not None
+    assert reply.headers["Content-Disposition"]
+    wait_for_handlers()
+    assert not server.worker._newest

@@ -1,0 +1,160 @@
+"""Command `python -m tools.mutation.reach`: record which blocks of src each test enters, and its CPU time.
+
+Every other argument goes to pytest. A block is the body of a function, of a loop or of a branch. What a fixture of a
+module or session enters counts for every test that asks for it. The result is out/mutation/reach.pickle.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import pickle
+import resource
+import struct
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tools.mutation.mutants import REACH, ROOT, list_modules
+
+START = Path(__file__).resolve().parent / "start"
+sys.path.insert(0, str(START))
+
+import sitecustomize as start  # type: ignore[import-not-found]  # noqa: E402
+
+
+@dataclass
+class Record:
+    """Cost of a test or of a fixture, and the blocks that it enters."""
+
+    cpu_s: float = 0.0
+    blocks: set[int] = field(default_factory=set)
+    fixtures: set[str] = field(default_factory=set)
+    """Fixtures of a test that other tests share."""
+
+
+def list_blocks() -> tuple[dict[str, int], list[tuple[str, int, int]]]:
+    """List the blocks of all modules.
+
+    Returns
+    -------
+    first
+        Module -> number of its first block.
+    blocks
+        Module, first and last line of each block.
+    """
+    first: dict[str, int] = {}
+    blocks: list[tuple[str, int, int]] = []
+    for name, path in list_modules():
+        source = path.read_text(encoding="utf-8")
+        if start.LOOPS in source:
+            continue
+        first[name] = len(blocks)
+        for body in start.number_blocks(ast.parse(source)):
+            blocks.append((name, body[0].lineno, body[-1].end_lineno or body[-1].lineno))
+    return first, blocks
+
+
+def cpu_now_s() -> float:
+    """Return the CPU time of this process and of those that it started and that have ended [s]."""
+    used = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
+class Recorder:
+    """Plugin of pytest that records costs and blocks."""
+
+    def __init__(self, folder: Path) -> None:
+        self._file = folder / f"sub-{os.getpid()}"
+        self._folder = folder
+        self._records: dict[str, Record] = {}
+        os.environ |= {"FINGERTIP_REACH_FILE": str(self._file), "FINGERTIP_REACH_HOME": str(os.getpid())}
+
+    def _take(self) -> set[int]:
+        """Return the blocks since the last call."""
+        found = set(start.SEEN)
+        start.SEEN.clear()
+        if self._file.exists():
+            found |= {number for (number,) in struct.iter_unpack("<I", self._file.read_bytes())}
+            self._file.unlink()
+        return found
+
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
+        """Record a test."""
+        self._take()
+        self._shared, self._shared_s, begun_s = set[int](), 0.0, cpu_now_s()
+        yield
+        parameters = item.callspec.params if hasattr(item, "callspec") else {}
+        fixtures = {
+            self._name(one, parameters.get(one.argname))
+            for definitions in item._fixtureinfo.name2fixturedefs.values()
+            for one in definitions
+            if one.scope != "function"
+        }
+        self._records[item.nodeid] = Record(cpu_now_s() - begun_s - self._shared_s, self._take(), fixtures)
+
+    @staticmethod
+    def _name(definition: Any, parameter: object) -> str:
+        return f"{definition.baseid}::{definition.argname}" + ("" if parameter is None else f"[{parameter}]")
+
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_fixture_setup(self, fixturedef: Any, request: Any) -> Iterator[None]:
+        """Record a fixture that tests share, apart from the test that happens to ask for it first."""
+        if fixturedef.scope == "function":
+            yield
+            return
+        before, begun_s, inner_s = self._take(), cpu_now_s(), self._shared_s
+        yield
+        name = self._name(fixturedef, getattr(request, "param", None))
+        record = self._records.setdefault(name, Record())
+        spent_s = cpu_now_s() - begun_s
+        record.cpu_s += spent_s - (self._shared_s - inner_s)
+        record.blocks |= self._take()
+        self._shared_s = inner_s + spent_s
+        start.SEEN |= before
+
+    def pytest_sessionfinish(self) -> None:
+        """Write what was recorded."""
+        self._folder.joinpath(f"part-{os.getpid()}.pickle").write_bytes(pickle.dumps(self._records))
+
+
+def pytest_configure(config: Any) -> None:
+    """Record in each process of pytest that runs tests."""
+    runs_tests = hasattr(config, "workerinput") or not config.getoption("numprocesses", None)
+    if "FINGERTIP_REACH" in os.environ and runs_tests:
+        config.pluginmanager.register(Recorder(Path(os.environ["FINGERTIP_REACH"])))
+
+
+def main() -> None:
+    """Run the tests and join what their processes recorded."""
+    first, blocks = list_blocks()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "first.json").write_text(json.dumps(first), "utf-8")
+        paths = [str(START), str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+        environment = os.environ | {"FINGERTIP_REACH": name, "PYTHONPATH": os.pathsep.join(paths)}
+        words = [sys.executable, "-m", "pytest", "-q", "-p", "tools.mutation.reach", *sys.argv[1:]]
+        status = subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode
+        records: dict[str, Record] = {}
+        for part in sorted(folder.glob("part-*.pickle")):
+            for key, record in pickle.loads(part.read_bytes()).items():
+                known = records.setdefault(key, Record())
+                known.cpu_s = max(known.cpu_s, record.cpu_s)
+                known.blocks |= record.blocks
+                known.fixtures |= record.fixtures
+    REACH.parent.mkdir(parents=True, exist_ok=True)
+    plain = {key: (one.cpu_s, sorted(one.blocks), sorted(one.fixtures)) for key, one in records.items()}
+    REACH.write_bytes(pickle.dumps((blocks, plain)))
+    print(f"{len(records)} tests and fixtures, {len(blocks)} blocks; exit status of pytest {status}")
+
+
+if __name__ == "__main__":
+    main()

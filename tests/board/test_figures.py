@@ -11,8 +11,11 @@ from fingertip.board.analysis.figures import format_figure
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.sheet import _ohm
 from fingertip.board.bringup.unpowered import supply_current_a
+from fingertip.board.layout.template import load_template
+from fingertip.board.readme_parts.order_form import order_form
 from fingertip.board.readme_parts.power import power_notes
 from fingertip.board.readme_parts.signals import signal_notes
+from fingertip.board.variants import find_configuration
 from fingertip.design import Design
 from tests.designs import ARTICLE
 
@@ -67,3 +70,12 @@ def test_no_figure_has_an_exponent_where_gain_and_steps_are_large() -> None:
     assert [_ohm(value) for value in (4.7, 6800.0, 1.1e6)] == ["4.7 ohm", "6.8 kohm", "1.1 Mohm"]
     assert any("a step of the ADC (13 mV) is 110 uV" in note for note in notes), "3.3 V / 256, over 115"
     assert not re.findall(r"\de[+-]\d", " ".join(notes))
+
+
+def test_order_form_asks_for_a_usual_board() -> None:
+    """1.6 mm thick, of 35 um of copper, and with a ring of 0.15 mm around each via: more than houses ask extra for."""
+    values = board_values(Design())
+    circuit, kind = board_circuit(values), find_configuration(values)
+    form = order_form(circuit, kind.placement, load_template(kind.name, circuit, kind.placement))
+    for row in ("layers | 2", "thickness | 1.6 mm", "copper | 1 oz (35 um) outside", "vias | 0.6 mm, drill 0.3 mm"):
+        assert f"| {row} |" in form

@@ -92,6 +92,7 @@ def find_faults(footprint: str) -> Iterator[str]:
         yield "not all pins pass through the board"
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("package", "top_mm"),
     [

@@ -31,6 +31,7 @@ def disc(diameter_mm: float) -> float:
     return math.pi / 4 * diameter_mm**2
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("part", "before", "after", "added_mm3"),
     [

@@ -28,8 +28,11 @@ from fingertip.page.response_plot import draw_response
 from fingertip.page.scene import Item, label_item
 from fingertip.page.schematic_svg import find_place, list_bodies, render_schematic
 from fingertip.page.svg_plot import Axis, Frame, format_tick, number
-from fingertip.page.trial_plot import _reduce
+from fingertip.page.trial_plot import _reduce, draw_onset
+from fingertip.slip import Trace, detect
+from tests.conftest import ROOT
 from tests.page.conftest import Page, strip_elements
+from tests.slip.recordings import burst
 
 EVIL = "<script>alert(1)</script>\"'&"
 
@@ -98,6 +101,43 @@ def test_points_are_placed_by_their_axes() -> None:
     assert [decades.share(value) for value in (3, 700, math.sqrt(3 * 700))] == pytest.approx([0, 1, 0.5])
     assert decades.share(60) - decades.share(6) == pytest.approx(decades.share(300) - decades.share(30)), "equal ratios"
     assert number(-0.04) == "0"
+
+
+def test_onset_is_drawn_to_its_scales() -> None:
+    """The label tells the delay, and threshold and statistic are read back in the mV of the axis."""
+    time_s, voltage_v = burst()
+    detection = detect(Trace(time_s, voltage_v, None, (time_s >= 0.5) & (time_s < 0.7)), Design())
+    drawn = draw_onset(detection.trace, detection)
+    assert drawn
+    assert detection.score
+    picture, delays_s = Page(drawn), detection.score.delays_s
+    assert delays_s == (pytest.approx(0.0095),)
+    assert "9.5 ms" in picture.words
+    ticks = [
+        (float(a["y"] or 0) - 4, float(word))
+        for (_, a), word in _texts(picture)
+        if a.get("text-anchor") == "end" and word.isdigit()
+    ]
+    (y0, low), (y1, high) = ticks[0], ticks[-1]
+    peaks = [
+        low + (min(float(pair.split()[1]) for pair in (a["d"] or "")[1:].split("L")) - y0) / (y1 - y0) * (high - low)
+        for tag, a in picture.elements
+        if tag == "path" and a.get("stroke") != "var(--series-1)"
+    ]
+    confidence = max(detection.confidences)
+    assert peaks == [pytest.approx(23.0, abs=0.3), pytest.approx(23.0 * confidence, rel=0.02)]
+
+
+def test_bundled_board_is_drawn_as_large_as_in_its_file() -> None:
+    """Holes have the diameters of their drills, and pads that were turned wrongly would reach into each other."""
+    text = (ROOT / "pcb" / "slip_filter.kicad_pcb").read_text()
+    footprints = lists(parse(text), "footprint")
+    drills = [numbers(drill)[0] for f in footprints for pad in lists(f, "pad") for drill in lists(pad, "drill")]
+    holes = [2 * float(a["r"] or 0) for tag, a in Page(render_back(text, "b")).elements if tag == "circle"]
+    assert holes == pytest.approx(drills, abs=1e-3)
+    for footprint in footprints:
+        for one, other in itertools.combinations(pad_boxes(footprint), 2):
+            assert max(one[0], other[0]) >= min(one[2], other[2]) or max(one[1], other[1]) >= min(one[3], other[3])
 
 
 def test_reduced_lines_keep_their_extremes() -> None:
@@ -221,12 +261,6 @@ def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
             dx, dy = turn(px, py, angle[0] if angle else 0.0)
             assert left < -(x + dx) < left + width
             assert top < y + dy < top + height
-    drills = [numbers(drill)[0] for f in footprints for p in lists(f, "pad") for drill in lists(p, "drill")]
-    assert [2 * float(a["r"] or 0) for tag, a in back.elements if tag == "circle"] == pytest.approx(drills, abs=1e-3)
-    for footprint in footprints:  # pads that are turned wrongly reach into each other
-        boxes = [*pad_boxes(footprint)]
-        for one, other in itertools.combinations(boxes, 2):
-            assert max(one[0], other[0]) >= min(one[2], other[2]) or max(one[1], other[1]) >= min(one[3], other[3])
     view = next(a for tag, a in back.elements if tag == "svg")["viewbox"]
     middle = float((view or "").split()[0]) + float((view or "").split()[2]) / 2
     assert float(frames[[name_part(f) for f in footprints].index("J1")]["x"] or 0) > middle

@@ -35,16 +35,6 @@ def test_readme_states_the_requirements_on_the_supply(name: str) -> None:
     assert "no filter for the bridge's supply" in text.split("Known limitations")[1]
 
 
-<<<<<<< HEAD
-def test_order_form_asks_for_a_usual_board() -> None:
-    """1.6 mm thick, of 35 um of copper, and with a ring of 0.15 mm around each via: more than houses ask extra for."""
-    text = readme("board.variant=precision")
-    for row in ("layers | 2", "thickness | 1.6 mm", "copper | 1 oz (35 um) outside", "vias | 0.6 mm, drill 0.3 mm"):
-        assert f"| {row} |" in text
-
-
-=======
->>>>>>> oracles
 @pytest.mark.full
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_states_the_passband_of_the_board(name: str) -> None:

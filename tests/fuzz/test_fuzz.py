@@ -185,9 +185,12 @@ def test_the_same_seed_gives_the_same_cases(tmp_path: Path, monkeypatch: pytest.
 def test_a_computing_case_that_is_sound_has_no_fault(tmp_path: Path) -> None:
     number = next(n for n in range(1000) if random.Random(f"0 {n}").random() < 0.05)  # the cheapest of the families
     found: list[tuple[str, int | None, list[str]]] = []
-    run.compute_cases(
-        0, range(number, number + 1), lambda case, out, f: found.append((case.family, out.code, f)), tmp_path
-    )
+
+    def note(case: Case, outcome: Outcome, faults: list[str]) -> None:
+        # The peak of memory is that of this process, which has run other tests.
+        found.append((case.family, outcome.code, [fault for fault in faults if not fault.startswith("memory")]))
+
+    run.compute_cases(0, range(number, number + 1), note, tmp_path)
     assert found == [("values", 0, [])]
 
 

@@ -15,7 +15,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+import typer
 
+from fingertip.cli import app
 from fingertip.errors import OutputError
 from fingertip.files import open_atomic, write_file
 from fingertip.output_set import (
@@ -26,6 +28,7 @@ from fingertip.output_set import (
     lock,
     read_manifest,
     replacement,
+    verification,
     verify_sets,
 )
 from fingertip.output_set.replacement import recover
@@ -166,6 +169,31 @@ def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) ->
         fabrication.write({"gerbers.zip": b"new"})
         assert verify_sets(folder) == (4, [])
         assert_no_litter(folder)
+
+
+def test_what_is_unfinished_names_the_command_that_completes_it(tmp_path: Path) -> None:
+    for place, kind, words, folder in (
+        ("mine", "parts", "make DESIGN", "mine"),
+        ("mine/print", "print", "make DESIGN", "mine"),
+        ("mine/board", "board", "board DESIGN", "mine/board"),
+        ("mine/board/fab", "fabrication", "board DESIGN --fab", "mine/board"),
+        ("mine/board/3d/R.3dshapes", "models", "board DESIGN", "mine/board"),
+        ("mine/firmware", "firmware", "firmware DESIGN", "mine/firmware"),
+        ("mine/firmware/src", "firmware", "firmware DESIGN", "mine/firmware"),
+        ("new", "", "", ""),
+    ):
+        place = tmp_path / place
+        if kind:
+            SetWriter(place, kind, "", "").write({"a.csv": b"1"})
+        unfinished = place.with_name(f".{place.name}.fingertip")
+        unfinished.mkdir()
+        command = f"`fingertip {words} --out {tmp_path / folder}`" if kind else "the next command that writes there"
+        (difference,) = verify_sets(tmp_path)[1]
+        text = "was left by a command that was ended before it was done"
+        assert difference == f"{unfinished}: {text}; {command} completes it."
+        unfinished.rmdir()
+    commands = typer.main.get_group(app).commands
+    assert all(words.split()[0] in commands for words, _ in verification._COMMANDS.values())
 
 
 def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> None:

@@ -137,6 +137,6 @@ def test_a_converter_whose_steps_would_be_zero() -> None:
     with pytest.raises(DesignError, match=r"detector\.adc_range_v: 5e-324 V is too small; at least 0\.01 V"):
         Design(detector={"adc_range_v": 5e-324})
     for low_v, high_v, least_v in ((99.99, 5.0, 100.0), (0.0, 5e-324, 0.01)):
-        with pytest.raises(TraceError, match=rf"above converter\.low_v; at least {least_v} V\."):
+        with pytest.raises(TraceError, match=rf"above converter\.low_v; at least {least_v:g} V\."):
             SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": high_v})
         SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": least_v})

@@ -136,7 +136,7 @@ FILES: list[tuple[str, str | bytes, list[str | bytes]]] = [
     ("a.net", NETLIST.format("R1"), [NETLIST.format("R2"), NETLIST.format("R1")[:-1], NETLIST.format("R1") + ")"]),
     ("a.kicad_pcb", '(a "(" 1)', ['(a "(", nan)', '(a "b)', "(a) (b)"]),
     ("a.c", 'int a(void) { return "}"[0]; }', ["int a(void) {", "int a(void) { return inf; }", "int a(void) { b; }"]),
-    ("a.md", "None of the 3 vents.", ["a = nan mm", "None", "-inf", ""]),
+    ("a.md", "None of the 3 vents.\nNone.", ["a = nan mm", "None", "-inf", ""]),
 ]  # fmt: skip
 
 

@@ -296,7 +296,19 @@ def test_weak_hand_and_negative_seed_are_refused_at_once():
     with pytest.raises(TraceError) as caught:
         run_manipulation(DESIGN, scene, None, -1)
     assert [issue.field for issue in caught.value.issues] == ["--seed", "hand.max_force_n"]
-    assert "10 N is less than the thumb needs for 5 kg; at least 42." in str(caught.value)
+    assert "10 N is less than the thumb needs for 5 kg; at least 42.1 N." in str(caught.value)
+
+
+def test_an_object_that_no_hand_holds_is_refused_with_remedies_that_pass():
+    """They were rounded down, or above what a hand may have."""
+    tables = {"object": {"mass_kg": 5.0}, "grasp": {"max_margin": 20.0}, "hand": {}}
+    for table, name, remedy in (
+        ("object", "mass_kg", "at most 0.713 kg"), ("hand", "max_force_n", "at least 99.9 N"), ("", "--seed", "0")
+    ):  # fmt: skip
+        with pytest.raises(TraceError, match=remedy) as caught:
+            run_manipulation(DESIGN, make_scene(**tables), None, -1)
+        assert caught.value.issues[-1].field == f"{table}.{name}".removeprefix(".")
+        tables |= {table: {name: float(remedy.split()[2])}} if table else {}
 
 
 def test_command_writes_trace_and_plot(tmp_path):

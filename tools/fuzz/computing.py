@@ -39,8 +39,9 @@ ROUNDS = 4
 """Refusals in a row whose remedies are typed in: of bounds first, and of rules that need values within them."""
 LONG_S = 0.3
 """Longest of the phases that are drawn for scenes [s]."""
-_MAY_BE_REFUSED = frozenset({"new", "sweep"})
-"""Families whose input is not known to be valid."""
+DETECTORS = ("digital", "analog", "fft", "fast")
+_MAY_BE_REFUSED = frozenset({"new", "sweep", "manipulation"})
+"""Families whose input is not known to be valid: a hand may turn out too weak for an object."""
 _MAY_FAIL = frozenset({"build", "check", "validate", "sweep", "make"})
 """Commands that may end with exit code 1: a check fails on a coarse mesh, or a requirement with few trials."""
 
@@ -67,7 +68,7 @@ _TASKS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("scene", 12, ("simulate {scene} --out {trace} --seed {seed} --json", "{detect}", "{detect}")),
     ("manipulation", 1.5, ("simulate {manipulation} --out {trace} --seed {seed} --json", "{detect}", "{detect}")),
     ("sweep", 2, ("sweep {sweep} --out w --jobs 1 --csv w.csv", "sweep --show --out w")),
-    ("campaign", 0.2, ("validate {design} --trials 2 --minutes 0.5 --out v --json",)),
+    ("campaign", 0.1, ("validate {design} --detector {detector} --trials 2 --minutes 0.5 --out v --json",)),
     ("everything", 0.2, ("make {design} --formats stl --out p",)),
 )
 """Family, number in a hundred cases or so, and commands. What takes longest is rarest."""
@@ -161,7 +162,8 @@ class _Drawing:
         places: Mapping[str, Callable[[], list[str]]] = {
             "design": lambda: self.words,
             "detect": lambda: ["detect", self.trace, "--design", self._write_design(), "--json", "--detector",
-                               rng.choice(("digital", "analog", "fft", "fast"))],
+                               rng.choice(DETECTORS)],
+            "detector": lambda: [rng.choice(DETECTORS)],
             "figure": lambda: [rng.choice(("b.png", "b.svg"))],
             "fitted": lambda: _set(draw_changes(rng, PARAMETERS)),
             "manipulation": lambda: self._draw_scene("manipulation", ManipulationFile),

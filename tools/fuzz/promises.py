@@ -27,7 +27,7 @@ from fingertip.design import Design
 
 KINPARSE_SHARE = 50
 """Of so many netlists, one is read by kinparse too, which takes seconds."""
-_NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity|NaN|Infinity|None)(?![\w-]| of\b)")
+_NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity|NaN|Infinity|None)(?![\w-]| of\b|\.$)", re.MULTILINE)
 _VOID = frozenset({"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "wbr"})
 _FIRST_POINT = ("d", "points", "x y", "cx cy", "x1 y1")
 """Attributes of drawn elements that begin with the coordinates of a point."""
@@ -302,6 +302,6 @@ PROMISES: Mapping[str, tuple[Callable[[Path], None], ...]] = {
     ".html": (is_page,), ".stl": (is_closed_stl,), ".3mf": (is_closed_3mf,), ".step": (is_step,),
     ".net": (*_TEXT, is_kicad), ".kicad_sch": (*_TEXT, is_kicad), ".kicad_pcb": (*_TEXT, is_kicad),
     ".c": (*_TEXT, is_c), ".h": (*_TEXT, is_c), ".ino": (*_TEXT, is_c), ".cir": (*_TEXT,), ".md": (*_TEXT,),
-    ".properties": (*_TEXT,),
+    ".properties": (*_TEXT,), ".txt": (*_TEXT,),
 }  # fmt: skip
 """Promises of each kind of file by the end of its name."""

@@ -87,6 +87,12 @@ def round_down(value: float) -> float:
     return float(f"{math.floor(value / unit * (1 + 1e-12)) * unit:.3g}")
 
 
+def round_up(value: float) -> float:
+    """Round a positive number up to three digits, so that the remedy of an error passes when it is typed back in."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.ceil(value / unit * (1 - 1e-12)) * unit:.3g}")
+
+
 def raise_issues(issues: Iterable[Issue]) -> None:
     """Raise all issues as one error, if there are any.
 

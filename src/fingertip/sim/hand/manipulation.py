@@ -13,6 +13,7 @@ does not act back on friction. Stiffness and resonance of a pad stay those at it
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -23,18 +24,19 @@ from numpy.typing import NDArray
 from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.issues import suggest_name
+from fingertip.design.parameters.declaration import find_bounds
 from fingertip.errors import Issue, TraceError
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.cost import StageCost
 from fingertip.sim.grid import Grid
 from fingertip.sim.hand.controller import Controller, Observation
-from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.hand.manipulation_file import Hand, ManipulationFile
 from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.progress import ShareDone
 from fingertip.sim.scene.scene_issues import find_filtered_issues
 from fingertip.sim.signal.comparator import describe_missing_comparator
-from fingertip.sim.validation import check_type, raise_issues
+from fingertip.sim.validation import check_type, raise_issues, round_down, round_up
 from fingertip.slip.intervals import Interval, intervals
 from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
@@ -250,10 +252,13 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     if seed < 0:
         issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))
     needed, available = thumb_force_n(scene, scene.grasp.max_margin), scene.hand.max_force_n
-    if needed > available:
-        message = (
-            f"{available:g} N is less than the thumb needs for {scene.object.mass_kg:g} kg; at least {needed:g} N."
-        )
+    mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
+    if needed > strongest:
+        most_kg = round_down(mass_kg * strongest / needed)
+        message = f"{mass_kg:g} kg with grasp.max_margin needs a thumb of {needed:.0f} N; at most {most_kg:g} kg."
+        issues.append(Issue("object.mass_kg", message))
+    elif needed > available:
+        message = f"{available:g} N is less than the thumb needs for {mass_kg:g} kg; at least {round_up(needed):g} N."
         issues.append(Issue("hand.max_force_n", message))
     if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
         issues.append(Issue("outputs", describe_missing_comparator(design)))

@@ -17,6 +17,7 @@ from fingertip.errors import Issue
 from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.sim.scene.timeline import ACCELERATION_M_S2
 from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
+from fingertip.sim.validation import round_up
 from fingertip.toml_files import MANIPULATION, FileKind
 
 OUTPUTS = (
@@ -202,10 +203,11 @@ class ManipulationFile(SimulationFile):
         yield from super().find_rule_issues()
         grasp, knock = self.grasp, self.knock
         if grasp.min_margin > grasp.max_margin:
-            message = f"{grasp.min_margin:g} is above grasp.max_margin; at most {grasp.max_margin:g}."
+            message = f"{grasp.min_margin:g} is above grasp.max_margin; at most {grasp.max_margin:.12g}."
             yield Issue("grasp.min_margin", message), {"grasp.min_margin", "grasp.max_margin"}
         minimum = knock.speed_m_s**2 / (2 * ACCELERATION_M_S2)
         if knock.stroke_m < minimum:
-            message = f"{knock.stroke_m:g} m is too short to stop from {knock.speed_m_s:g} m/s; at least {minimum:g} m."
+            what = f"{knock.stroke_m:g} m is too short to stop from {knock.speed_m_s:g} m/s"
+            message = f"{what}; at least {round_up(minimum):g} m."
             yield Issue("knock.stroke_m", message), {"knock.stroke_m", "knock.speed_m_s"}
         yield from find_converter_issues(self.converter)

@@ -179,11 +179,11 @@ class SceneFile(SimulationFile):
         yield from super().find_rule_issues()
         hold, slide, tap = self.hold, self.slide, self.tap
         if hold.min_force_n > hold.max_force_n:
-            message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:g} N."
+            message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:.12g} N."
             yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
         yield from find_converter_issues(self.converter)
         if slide.distance_m > self.contact.length_m:
-            message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:g} m."
+            message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
         reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m)
         if slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):
@@ -196,7 +196,7 @@ class SceneFile(SimulationFile):
             message = "is modelled with plain bristles only; set contact.bristles=plain or contact.stick_slip=false."
             yield Issue("contact.stick_slip", message), {"contact.stick_slip", "contact.bristles"}
         if tap.force_n and tap.count > 1 and tap.interval_s < 2 * tap.rise_s:
-            message = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:g} s."
+            message = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:.12g} s."
             yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.rise_s", "tap.count"}
         if tap.force_n and (tap.count - 1) * tap.interval_s > MAX_TAPS_S:
             most = round_down(MAX_TAPS_S / (tap.count - 1))

@@ -102,7 +102,7 @@ def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, se
     fields = {"converter.bits", "converter.low_v", "converter.high_v"}
     min_v = round(converter.low_v + MIN_RANGE_V, 6)
     if converter.bits and converter.high_v < min_v:
-        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {min_v!r} V."
+        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {min_v:.9g} V."
         yield Issue("converter.high_v", message), fields
     if 0 < converter.bits < MIN_BITS:
         yield Issue("converter.bits", f"{converter.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -85,3 +86,9 @@ def test_pocket_pilot_hole_and_nut_traps_are_as_deep_as_what_they_hold() -> None
     lying = palmar.rotate((90.0, 0.0, 0.0))  # its outer face becomes the lowest
     trap, ceiling = (lying.slice(lying.bounding_box()[2] + depth).area() for depth in (2.58, 2.62))
     assert ceiling - trap > 0.4 * 4 * (HEXAGON - disc(3.4)), "nuts lie 2.6 mm deep, below a stepped ceiling"
+    # 3 mm are left between the corners of a trap and the side of the mold, and from its corners' circle to the end.
+    outside, *traps = (np.asarray(ring) for ring in lying.slice(lying.bounding_box()[2] + 2.0).to_polygons())
+    assert len(traps) == 4
+    assert outside[:, 0].max() - max(trap[:, 0].max() for trap in traps) == pytest.approx(3.0, abs=1e-3)
+    centre = min((trap[:, 1].min() + trap[:, 1].max()) / 2 for trap in traps)
+    assert centre - outside[:, 1].min() == pytest.approx(3.0 + 5.8 / math.sqrt(3), abs=1e-3)

@@ -131,7 +131,7 @@ def test_onset_is_drawn_to_its_scales() -> None:
 def test_bundled_board_is_drawn_as_large_as_in_its_file() -> None:
     """Holes have the diameters of their drills, and pads that were turned wrongly would reach into each other."""
     text = (ROOT / "pcb" / "slip_filter.kicad_pcb").read_text()
-    footprints = lists(parse(text), "footprint")
+    footprints = [*lists(parse(text), "footprint")]
     drills = [numbers(drill)[0] for f in footprints for pad in lists(f, "pad") for drill in lists(pad, "drill")]
     holes = [2 * float(a["r"] or 0) for tag, a in Page(render_back(text, "b")).elements if tag == "circle"]
     assert holes == pytest.approx(drills, abs=1e-3)

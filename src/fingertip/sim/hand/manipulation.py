@@ -254,8 +254,8 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     needed, available = thumb_force_n(scene, scene.grasp.max_margin), scene.hand.max_force_n
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
     if needed > strongest:
-        most_kg = round_down(mass_kg * strongest / needed)
-        message = f"{mass_kg:g} kg with grasp.max_margin needs a thumb of {needed:.0f} N; at most {most_kg:g} kg."
+        max_kg = round_down(mass_kg * strongest / needed)
+        message = f"{mass_kg:g} kg with grasp.max_margin needs a thumb of {needed:.0f} N; at most {max_kg:g} kg."
         issues.append(Issue("object.mass_kg", message))
     elif needed > available:
         message = f"{available:g} N is less than the thumb needs for {mass_kg:g} kg; at least {round_up(needed):g} N."

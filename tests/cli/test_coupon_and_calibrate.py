@@ -34,6 +34,7 @@ def readings(name: str = "fsr400", offset_mm: float = 0.1) -> Path:
     return path
 
 
+@pytest.mark.full
 def test_coupon_writes_its_files_beside_the_parts(folder: Path) -> None:
     done = run_fingertip("coupon", "fsr400")
     assert done.returncode == 0, done.stderr

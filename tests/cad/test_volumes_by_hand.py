@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.shapes.runners import luer_cone
+from fingertip.cad.shapes.runners import luer_cone, sprue
 from fingertip.cad.solids import Box, union
 from fingertip.design import Design
 
@@ -59,13 +59,20 @@ def test_one_parameter_adds_its_volume(part: str, before: str, after: str, added
 
 
 def test_cone_of_the_syringe_is_a_luer_cone() -> None:
-    """A mouth of 4.3 mm and a taper of 6 %, as ISO 80369-7 has it: 3.85 mm at the end, 7.5 mm deep."""
+    """A mouth of 4.3 mm and a taper of 6 %, as ISO 80369-7 has it: 3.85 mm at the end, 7.5 mm deep.
+
+    The sprue below it has a draft of 3 % on either side.
+    """
     design = Design()
     cone = MeshEvaluator(0.002).manifold(union(*luer_cone(design))).rotate((90.0, 0.0, 0.0))  # y becomes the height
     face = design.mold_layout.dorsal_height
     diameters = [2 * math.sqrt(cone.slice(face - depth).area() / math.pi) for depth in (0.0, 5.0, 7.499)]
     assert diameters == pytest.approx([4.3, 4.0, 3.85], abs=0.005)
     assert cone.slice(face - 7.501).is_empty()
+    assert design.mold_layout.inlet
+    below = MeshEvaluator(0.002).manifold(sprue(design, design.mold_layout.inlet)).rotate((90.0, 0.0, 0.0))
+    diameters = [2 * math.sqrt(below.slice(height).area() / math.pi) for height in (1e-3, face - 7.5)]
+    assert diameters == pytest.approx([3.85 + 2 * 0.03 * (face - 7.5), 3.85], abs=0.005)
 
 
 def test_pocket_pilot_hole_and_nut_traps_are_as_deep_as_what_they_hold() -> None:

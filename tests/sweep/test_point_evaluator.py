@@ -284,17 +284,18 @@ def test_outputs_have_the_units_of_their_names() -> None:
 
 
 def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two trials of 15 s with an alarm each, and delays of 10 and 20 ms."""
-    delays = iter((0.01, 0.02))
+    """Three trials of 10 s with an alarm each, and delays of 10, 20 and 90 ms."""
+    delays = iter((0.01, 0.02, 0.09))
 
     def evaluate_trial(case: Case, *_: object) -> list[TrialResult]:
-        return [TrialResult(case, 15.0, 1.0, 1, (next(delays),), 1.0, ("slip",))]
+        return [TrialResult(case, 10.0, 1.0, 1, (next(delays),), 1.0, ("slip",))]
 
     monkeypatch.setattr("fingertip.campaign.evaluate.evaluate", evaluate_trial)
-    plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=2, axes={"detector.window_samples": [20, 40]})
+    plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=3, axes={"detector.window_samples": [20, 40]})
     context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: (Any, 1.0))
     values = compute.compute_detection(context)
-    assert (values["false_alarms_per_min"], values["delay_ms"], values["found_share"]) == (4.0, 20.0, 1.0)
+    assert (values["delay_ms"], values["delay_p90_ms"], values["found_share"]) == (20.0, 90.0, 1.0)
+    assert values["false_alarms_per_min"] == pytest.approx(6.0)
 
 
 @pytest.mark.full

@@ -15,8 +15,10 @@ from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.shapes.runners import openings
 from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
+from fingertip.view.joint_view import place_on_hand
 from fingertip.view.picture import draw, find_free_place
 from fingertip.view.section import Section, draw_section, is_near, list_sections, slice_solid, spread
+from fingertip.view.steps.cameras import DORSAL, PALMAR, SIDE
 
 DESIGNS = {
     "fsr400": ("fsr400", ()),
@@ -152,3 +154,19 @@ def test_the_picture_is_drawn_and_reproducible(name: str) -> None:
     data = draw(design, 800)
     assert data == draw(design, 800)
     assert Image.open(io.BytesIO(data)).size[0] == 800
+
+
+def test_views_show_the_side_that_they_name() -> None:
+    """Distal is to the right; the dorsal side (y) or the palmar one faces the viewer. A finger bends to its palm."""
+    for camera, side in ((DORSAL, 1.0), (PALMAR, -1.0), (SIDE, 0.0)):
+        right, up, towards = camera.axes
+        assert right[2] > 0.8
+        assert up[1] > 0.7
+        assert np.sign(round(float(towards[1]), 9)) == side
+    design, coarse = Design.load("adult_finger"), MeshEvaluator(0.5)
+    assert design.dimensions.joint
+    parts = {"bone": parts_by_name(design)["bone"].solid(design)}
+    placed = place_on_hand(design, design.dimensions.joint, coarse, parts)
+    straight, bent = (mesh.vertices for name, mesh in placed if name == "bone")
+    assert bent[:, 1].min() < straight[:, 1].min() - 15.0, "the tip is far palmar"
+    assert bent[:, 1].max() < straight[:, 1].max() + 2.0

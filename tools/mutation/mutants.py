@@ -66,7 +66,7 @@ def is_equivalent(mutant: Mutant, listed: Iterable[dict[str, str]]) -> bool:
 
 @dataclass(frozen=True)
 class Reach:
-    """What `tools.mutation.reach` recorded."""
+    """Record that `tools.mutation.reach` made of the tests."""
 
     blocks: Sequence[tuple[str, int, int]]
     """Module, first and last line of each block."""

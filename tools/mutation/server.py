@@ -46,7 +46,7 @@ class Job:
     expected_s: float
     """CPU time of these tests without any change [s]."""
     is_fresh: bool
-    """Whether the module must be imported anew."""
+    """True if the module must be imported anew."""
 
     accused: tuple[Job, Outcome] | None = None
     """Job whose failed test runs here on the unchanged source, and its outcome."""

@@ -19,10 +19,10 @@ from collections.abc import Callable
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.tolerance import TolerancedFilter, component_tolerances, monte_carlo
+from fingertip.board.circuits.network import build_network
 from fingertip.board.components.filter import select_filter_capacitor, select_section_resistors
-from fingertip.board.network import build_network
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.parameters import Board
 
 

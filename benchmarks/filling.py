@@ -25,14 +25,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: 
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.filling.hele_shaw import fill
 from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
 from fingertip.filling.network import FlowNetwork
-from fingertip.filling.peaks import refine_peak
+from fingertip.filling.predict import refine_peak
 from fingertip.filling.skin_grid import COLUMNS, ROWS, build_skin_grid
 from fingertip.filling.surface_links import Layer
+from fingertip.foundation.numerics import Array
 
 PARAMS = Path(__file__).resolve().parent.parent / "params"
 DESIGNS = tuple((name, method) for name in ("fsr400", "adult_finger", "fsr402") for method in ("overmold", "sleeve"))
@@ -216,7 +216,7 @@ def print_tables(runs: list[Run]) -> None:
 
 def draw(runs: list[Run], path: Path) -> None:
     """Draw a work-precision diagram: mean error of the arrival over CPU time."""
-    from fingertip.plot_style import BLUE, ORANGE, new_figure, style_axes, to_png
+    from fingertip.foundation.plot_style import BLUE, ORANGE, new_figure, style_axes, to_png
 
     figure = new_figure(8.0, 5.0)
     axes = figure.subplots()

@@ -12,15 +12,15 @@ import statistics
 import sys
 import time
 
-from fingertip.bundled import find_file
+from fingertip.catalogues.bundled import find_file
 from fingertip.design.fit import fit_design
 from fingertip.design.load import load_tables
 from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import PART_RULES
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.errors import DesignError
-from fingertip.toml_files import DESIGN
+from fingertip.foundation.errors import DesignError
+from fingertip.foundation.toml_files import DESIGN
 
 MEASURED = (
     "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm", "hand.width_mm",

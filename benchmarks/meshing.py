@@ -28,9 +28,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.kernel.solids import SuperconicSolid
 from fingertip.cad.kernel.tessellate import tessellate
-from fingertip.cad.solids import SuperconicSolid
-from fingertip.cad.verification.surface_deviation import distance_to_surface
+from fingertip.cad.verification.skin import distance_to_surface
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 

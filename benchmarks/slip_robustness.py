@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import argparse
 
-from fingertip.campaign.plan import HELD_OUT_FROM
-from fingertip.campaign.wider_mix.mix import MixSize, MixSummary, generate_mix, run_detector, summarise
-from fingertip.campaign.wider_mix.scenes import NOISES
 from fingertip.design import Design
+from fingertip.lab.campaign.plan import HELD_OUT_FROM
+from fingertip.lab.wider_mix.mix import MixSize, MixSummary, generate_mix, run_detector, summarise
+from fingertip.lab.wider_mix.scenes import NOISES
 
 WORST_GOAL_S = 0.045
 """Goal for the longest delay from gross slip [s]."""

@@ -21,8 +21,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fingertip import jit
 from fingertip.design import Design
+from fingertip.foundation import jit
 from fingertip.slip import make_detector
 
 ROUNDS = 7

@@ -66,7 +66,7 @@ def compare_with_cadquery(designs: int) -> None:
     """Print the CPU times of both methods, and their ratios."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.design import Design
-    from fingertip.sweep.cached_solids import CachedEvaluator
+    from fingertip.sweep.designs import CachedEvaluator
     from fingertip.sweep.point_evaluator import PointEvaluator
 
     plan = make_plan(designs)

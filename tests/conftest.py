@@ -16,10 +16,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from fingertip.build_files import build
-from fingertip.build_result import Build
+from fingertip.cad.report import Build
 from fingertip.cli import app
 from fingertip.design import Design
+from fingertip.tasks.build import build
 from tests import first_set
 from tests.first_set import FULL
 

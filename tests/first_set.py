@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
 
 FULL = bool(os.environ.get("FINGERTIP_FULL"))
 """True in `.ci/full`, where every test runs with all its cases."""

@@ -28,7 +28,7 @@ def test_modules_of_a_package_count_together_and_a_poor_package_fails(tmp_path: 
     files: dict[str, object] = {
         "src/fingertip/cad/a.py": summary(50, 50, 10, 10),
         "src/fingertip/cad/deep/b.py": summary(30, 22, 10, 8),
-        "src/fingertip/jit.py": summary(0, 0, 0, 0),
+        "src/fingertip/foundation/jit.py": summary(0, 0, 0, 0),
     }
     done = run(tmp_path, files)
     assert done.returncode == 0

@@ -16,8 +16,8 @@ from PIL import Image
 
 import fingertip
 from fingertip import Build, Design, Detection, Picture, Trace
-from fingertip.display import html_table
-from fingertip.errors import MissingLibraryError
+from fingertip.foundation.display import html_table
+from fingertip.foundation.errors import MissingLibraryError
 from fingertip.sim import Trial
 from tests.tools import require_module
 
@@ -134,7 +134,7 @@ def test_data_frames(trace: Trace, detection: Detection, built: Build) -> None:
 
 def test_a_missing_package_is_named(trace: Trace, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
-    monkeypatch.setattr("fingertip.extras.is_installed", lambda module: False)
+    monkeypatch.setattr("fingertip.foundation.extras.is_installed", lambda module: False)
     with pytest.raises(
         MissingLibraryError, match=r'^Trace.to_dataframe: needs the package pandas.*"fingertip\[frames\]"'
     ):

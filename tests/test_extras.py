@@ -10,12 +10,13 @@ from types import SimpleNamespace
 import pytest
 
 import fingertip
-from fingertip import campaign, extras, jit
-from fingertip.build_files import build, default_formats
-from fingertip.build_result import FORMATS
+from fingertip import lab as campaign
+from fingertip.cad.report import FORMATS
 from fingertip.design import Design
-from fingertip.errors import MissingLibraryError
-from fingertip.plot_style import new_figure
+from fingertip.foundation import extras, jit
+from fingertip.foundation.errors import MissingLibraryError
+from fingertip.foundation.plot_style import new_figure
+from fingertip.tasks.build import build, default_formats
 from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
@@ -224,7 +225,7 @@ def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, m
 
 IMPORT_EVERYTHING = """
 import importlib, pkgutil, sys
-from fingertip.extras import EXTRAS
+from fingertip.foundation.extras import EXTRAS
 
 class Finder:
     def find_spec(self, name, path=None, target=None):
@@ -253,6 +254,6 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
         [
             "fingertip.cad.files.step_writer: ModuleNotFoundError",
             "fingertip.cad.kernel.brep: MissingLibraryError",
-            "fingertip.drawing.hidden_lines: ModuleNotFoundError",
+            "fingertip.pictures.drawing.hidden_lines: ModuleNotFoundError",
         ]
     )

@@ -28,23 +28,21 @@ from typing import Any
 import pytest
 import typer
 
-from fingertip import files as output_files
-from fingertip.board import write_board
-from fingertip.board.fabrication.provenance import provenance_record
-from fingertip.board.output import FAB_FOLDER, PROVENANCE, board_files
-from fingertip.build_files import parts_writer, prints_writer, steps_writer
-from fingertip.build_result import REPORT, SHEET
+from fingertip.board.fabrication.fabrication_files import provenance_record
+from fingertip.cad.report import REPORT, SHEET
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cli import app
-from fingertip.cli.load import load_design
+from fingertip.cli.options import load_design
 from fingertip.design import Design
-from fingertip.errors import OutputError
-from fingertip.files import write_file
-from fingertip.firmware import write_firmware
-from fingertip.firmware.output import firmware_files
-from fingertip.output_set import MANIFEST, SetWriter, hash_parameters, verification, verify_sets
+from fingertip.foundation import files as output_files
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.files import write_file
+from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters, verification, verify_sets
 from fingertip.sim.trace_export import signal_writer
 from fingertip.slip.traces.origin import Origin, read_origin
+from fingertip.tasks.board import FAB_FOLDER, PROVENANCE, board_files, write_board
+from fingertip.tasks.build import parts_writer, prints_writer, steps_writer
+from fingertip.tasks.firmware import firmware_files, write_firmware
 from tests.conftest import run_fingertip
 from tools.fuzz import in_process, originals
 from tools.fuzz.cases import Case
@@ -266,10 +264,12 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Short limits of time, and contents that follow from the same design computed once."""
     monkeypatch.setattr(in_process, "WAIT_LIMIT_S", 10.0)
-    monkeypatch.setattr("fingertip.board.output.board_files", lambda design: dict(cached_board_files(design)))
+    monkeypatch.setattr("fingertip.tasks.board.board_files", lambda design: dict(cached_board_files(design)))
     monkeypatch.setattr("fingertip.cli.app", COMMAND_LINE)
-    monkeypatch.setattr("fingertip.cli.load.load_design", lambda file, given, *_: cached_load(file, tuple(given or ())))
-    monkeypatch.setattr("fingertip.firmware.output.firmware_files", cached_firmware_files)
+    monkeypatch.setattr(
+        "fingertip.cli.options.load_design", lambda file, given, *_: cached_load(file, tuple(given or ()))
+    )
+    monkeypatch.setattr("fingertip.tasks.firmware.firmware_files", cached_firmware_files)
 
 
 def put(path: Path, kind: str, victim: Path) -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.errors import InputFileError, Issue, escape_control, quote_value, shorten
-from fingertip.input_files import (
+from fingertip.foundation.errors import InputFileError, Issue, escape_control, quote_value, shorten
+from fingertip.foundation.input_files import (
     MAX_MEMBERS,
     MAX_RATIO,
     OUTPUT_LIMIT,
@@ -25,7 +25,7 @@ from fingertip.input_files import (
     check_regular,
     read_input,
 )
-from fingertip.output_set import read_manifest
+from fingertip.foundation.output_set import read_manifest
 from tests.conftest import ROOT, run_fingertip
 
 MEGABYTE = 2**20

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.extras import EXTRAS
+from fingertip.foundation.extras import EXTRAS
 from tests.tools import require_tool
 from tools.dependencies.pins import CONSTRAINTS, ROOT, canonical, names_of, read_pins, read_project
 
@@ -129,7 +129,7 @@ def checkout(tmp_path: Path) -> Path:
     (tmp_path / ".venv/bin").mkdir(parents=True)
     (tmp_path / "src/fingertip").mkdir(parents=True)
     (tmp_path / "install.sh").write_bytes(INSTALL.read_bytes())
-    for name in ("pyproject.toml", "src/fingertip/_version.py"):
+    for name in ("pyproject.toml", "src/fingertip/foundation/version.py"):
         (tmp_path / name).write_text(name, encoding="utf-8")
     (tmp_path / "constraints-hashes.txt").write_text(LIST, encoding="utf-8")
     set_python(tmp_path, "cpython-311-x86_64-linux-gnu x86_64")

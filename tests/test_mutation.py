@@ -13,7 +13,7 @@ from tools.mutation.mutants import Mutant, Reach, is_equivalent, read_equivalent
 from tools.mutation.reach import start
 from tools.mutation.run import group_packages, plan_job
 
-MUTANT = Mutant("sim", "src/fingertip/sim/grid.py", 2, "", "x = 0", "x = -1", "")
+MUTANT = Mutant("sim", "src/fingertip/sim/signal/grid.py", 2, "", "x = 0", "x = -1", "")
 
 
 def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why() -> None:
@@ -35,7 +35,7 @@ def test_only_listed_changes_are_equivalent() -> None:
 
 
 def test_a_job_holds_the_tests_that_enter_the_innermost_block() -> None:
-    blocks = [("fingertip.sim.grid", 1, 9), ("fingertip.sim.grid", 2, 3)]
+    blocks = [("fingertip.sim.signal.grid", 1, 9), ("fingertip.sim.signal.grid", 2, 3)]
     tests = {0: ("t.py::a", "t.py::b", "t.py::c"), 1: ("t.py::a", "t.py::b")}
     cost_s = {"t.py::a": 2.0, "t.py::b": 1.0, "t.py::c": 1.0}
     reach = Reach(blocks, cost_s, tests, dict.fromkeys(cost_s, ()), {})
@@ -59,8 +59,8 @@ def test_small_packages_are_pooled() -> None:
 
 def test_a_process_runs_changed_code(tmp_path: Path) -> None:
     changed = tmp_path / "mutant.json"
-    changed.write_text(json.dumps({"name": "fingertip.errors", "code": "x = 'changed'"}), encoding="utf-8")
-    code = "import fingertip.errors; print(fingertip.errors.x)"
+    changed.write_text(json.dumps({"name": "fingertip.foundation.errors", "code": "x = 'changed'"}), encoding="utf-8")
+    code = "import fingertip.foundation.errors; print(fingertip.foundation.errors.x)"
     paths = f"{ROOT / 'tools' / 'mutation' / 'start'}:{ROOT / 'src'}"
     done = run_python("-c", code, FINGERTIP_MUTANT=str(changed), PYTHONPATH=paths)
     assert done.stdout == "changed\n"

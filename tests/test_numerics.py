@@ -1,4 +1,4 @@
-"""The searches of `fingertip.numerics`, compared with those of scipy."""
+"""The searches of `fingertip.foundation.numerics`, compared with those of scipy."""
 
 from __future__ import annotations
 
@@ -10,9 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip import numerics
-from fingertip.arrays import Array
-from fingertip.numerics import bisect, bisect_arrays, find_maximum, find_maximum_arrays, find_root, maximise_linear
+from fingertip.foundation import numerics
+from fingertip.foundation.numerics import (
+    Array,
+    bisect,
+    bisect_arrays,
+    find_maximum,
+    find_maximum_arrays,
+    find_root,
+    maximise_linear,
+)
 
 ROOTS: list[tuple[Callable[[float], float], float, float]] = [
     (lambda x: x * x - 2.0, 0.0, 2.0),

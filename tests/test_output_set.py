@@ -18,9 +18,9 @@ import pytest
 import typer
 
 from fingertip.cli import app
-from fingertip.errors import OutputError
-from fingertip.files import open_atomic, write_file
-from fingertip.output_set import (
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.files import open_atomic, write_file
+from fingertip.foundation.output_set import (
     MANIFEST,
     Revision,
     SetWriter,
@@ -31,7 +31,7 @@ from fingertip.output_set import (
     verification,
     verify_sets,
 )
-from fingertip.output_set.replacement import recover
+from fingertip.foundation.output_set.replacement import recover
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip import plot_style
-from fingertip.campaign.report.plots import COLOURS, OTHER_COLOUR
-from fingertip.plot_style import AREAS, SERIES, TRUTH
+from fingertip.foundation import plot_style
+from fingertip.foundation.plot_style import AREAS, SERIES, TRUTH
+from fingertip.lab.report.plots import COLOURS, OTHER_COLOUR
 
 SOURCE = Path(fingertip.__file__).parent
 XYZ = np.array(

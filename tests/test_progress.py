@@ -7,12 +7,11 @@ import sys
 
 import pytest
 
-from fingertip import progress as progress_module
-from fingertip.cli import progress as display_module
-from fingertip.cli.console import Console
-from fingertip.cli.progress import BAR_WIDTH, CLEAR_LINE, ProgressDisplay, format_bar
-from fingertip.errors import FingertipError, Issue
-from fingertip.progress import ShareText, Work, describe_share
+from fingertip.cli import console as display_module
+from fingertip.cli.console import BAR_WIDTH, CLEAR_LINE, Console, ProgressDisplay, format_bar
+from fingertip.foundation import progress as progress_module
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.progress import ShareText, Work, describe_share
 
 
 class Clock:

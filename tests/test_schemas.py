@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.cli.schema import KINDS, format_schema
+from fingertip.cli.design import KINDS, format_schema
 from tests.conftest import ROOT, run_fingertip
 from tests.tools import require_module
 

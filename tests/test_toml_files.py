@@ -7,10 +7,19 @@ from pathlib import Path
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import TomlFileError
+from fingertip.foundation.errors import TomlFileError
+from fingertip.foundation.toml_files import (
+    DESIGN,
+    KINDS,
+    MANIPULATION,
+    SCENE,
+    SWEEP,
+    identify_kind,
+    read_toml,
+    split_changes,
+)
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
-from fingertip.toml_files import DESIGN, KINDS, MANIPULATION, SCENE, SWEEP, identify_kind, read_toml, split_changes
 from tests.conftest import ROOT
 
 

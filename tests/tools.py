@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.extras import EXTRAS, install_command
+from fingertip.foundation.extras import EXTRAS, install_command
 
 
 def require_tool(name: str, how_to_install: str) -> Path:

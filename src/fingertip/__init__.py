@@ -15,55 +15,56 @@ Importing this package loads none of its modules. Each name is imported when it 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from fingertip._version import __version__
+from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
-    from fingertip.board import BoardValues, board_values, write_board
-    from fingertip.build_files import build
-    from fingertip.build_result import Build
+    from fingertip.board import BoardValues, board_values
     from fingertip.cad.convert import assembly, part_mesh, part_solid, part_trimesh
+    from fingertip.cad.report import Build
     from fingertip.design import Design
-    from fingertip.detect_trace import FileDetection, StreamDetection, detect_file, detect_stream
-    from fingertip.display import Picture
-    from fingertip.errors import FingertipError
-    from fingertip.firmware import write_firmware
-    from fingertip.make_files import Made, make
+    from fingertip.detection.files import FileDetection, StreamDetection, detect_file, detect_stream
+    from fingertip.foundation.display import Picture
+    from fingertip.foundation.errors import FingertipError
+    from fingertip.pictures.picture import picture
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
-    from fingertip.view.show import picture
+    from fingertip.tasks.board import write_board
+    from fingertip.tasks.build import build
+    from fingertip.tasks.firmware import write_firmware
+    from fingertip.tasks.make import Made, make
 
 _MODULES = {
     "BoardValues": "fingertip.board",
-    "Build": "fingertip.build_result",
+    "Build": "fingertip.cad.report",
     "Design": "fingertip.design",
     "Detection": "fingertip.slip",
-    "FileDetection": "fingertip.detect_trace",
-    "FingertipError": "fingertip.errors",
-    "Made": "fingertip.make_files",
+    "FileDetection": "fingertip.detection.files",
+    "FingertipError": "fingertip.foundation.errors",
+    "Made": "fingertip.tasks.make",
     "ManipulationFile": "fingertip.sim",
-    "Picture": "fingertip.display",
+    "Picture": "fingertip.foundation.display",
     "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
-    "StreamDetection": "fingertip.detect_trace",
+    "StreamDetection": "fingertip.detection.files",
     "Trace": "fingertip.slip",
     "Trial": "fingertip.sim",
     "assembly": "fingertip.cad.convert",
     "board_values": "fingertip.board",
-    "build": "fingertip.build_files",
+    "build": "fingertip.tasks.build",
     "detect": "fingertip.slip",
-    "detect_file": "fingertip.detect_trace",
-    "detect_stream": "fingertip.detect_trace",
-    "make": "fingertip.make_files",
+    "detect_file": "fingertip.detection.files",
+    "detect_stream": "fingertip.detection.files",
+    "make": "fingertip.tasks.make",
     "part_mesh": "fingertip.cad.convert",
     "part_solid": "fingertip.cad.convert",
     "part_trimesh": "fingertip.cad.convert",
-    "picture": "fingertip.view.show",
+    "picture": "fingertip.pictures.picture",
     "read_trace": "fingertip.slip",
     "run_manipulation": "fingertip.sim",
     "run_scene": "fingertip.sim",
     "simulate": "fingertip.sim",
-    "write_board": "fingertip.board",
-    "write_firmware": "fingertip.firmware",
+    "write_board": "fingertip.tasks.board",
+    "write_firmware": "fingertip.tasks.firmware",
 }
 """Public name -> module that defines it."""
 

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from fingertip import interruption
+from fingertip.foundation import processes as interruption
 
 
 def main() -> None:

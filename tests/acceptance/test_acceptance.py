@@ -11,14 +11,20 @@ from typing import Any
 import pytest
 
 from fingertip import Design, board_values
-from fingertip.acceptance.expectation import SPREAD, expect_drop_ratio, expect_open_v, expect_readings
-from fingertip.acceptance.sheet import acceptance_data, render_acceptance
 from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design.new_design import PRESETS
-from fingertip.make_files import simulate_and_detect
+from fingertip.documents.acceptance import (
+    SPREAD,
+    acceptance_data,
+    expect_drop_ratio,
+    expect_open_v,
+    expect_readings,
+    render_acceptance,
+)
 from fingertip.sim.signal.bridge import ConductanceCurve
 from fingertip.slip.detection import Detection
-from fingertip.slip.format import as_text
+from fingertip.slip.report import as_text
+from fingertip.tasks.make import simulate_and_detect
 from tests.conftest import ROOT, design_file, run_fingertip
 
 NAMES = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)

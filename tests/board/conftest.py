@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import write_board
 from fingertip.board.bringup import diagnosis
-from fingertip.board.bringup.faults import Fault
+from fingertip.board.bringup.bench import Fault
 from fingertip.board.bringup.prediction import Board, predict
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.tasks.board import write_board
 from tests.designs import load_article
 
 BOARDS = {name: configuration.changes for name, configuration in BOARD_CONFIGURATIONS.items()} | {

@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.analyse import analyse, bode_table
-from fingertip.board.analysis.report import analysis_text
+from fingertip.board.analysis.report import analyse, analysis_text, bode_table
 from fingertip.board.analysis.response import decibel, model_filter
 from fingertip.board.analysis.tolerance import (
     COMPONENTS,
@@ -26,11 +25,11 @@ from fingertip.board.analysis.tolerance import (
     compute_sensitivities,
     monte_carlo,
 )
-from fingertip.board.circuit import parse_component_value
-from fingertip.board.network import build_network
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.circuits.network import build_network
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import parse_component_value
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip

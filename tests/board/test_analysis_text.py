@@ -8,11 +8,10 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.amplifiers import CATALOGUE
-from fingertip.board.analysis.analyse import Analysis, analyse
 from fingertip.board.analysis.noise import NETS, Contribution, NoiseAlternative
-from fingertip.board.analysis.report import analysis_text
+from fingertip.board.analysis.report import Analysis, analyse, analysis_text
 from fingertip.board.analysis.thresholds import describe_comparator_levels
+from fingertip.catalogues.amplifiers import CATALOGUE
 from tests.designs import load_article
 
 

@@ -9,23 +9,24 @@ from dataclasses import dataclass
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.fabrication.assembly import (
+from fingertip.board import README, board_circuit, board_values
+from fingertip.board.fabrication.bom import (
     assembly_bom_file,
     assembly_placement_file,
+    bill_of_materials,
     find_pad_centre,
     find_rotation_deg,
     is_assembled,
     load_rotations,
     missing_numbers_note,
+    purchased_components,
 )
-from fingertip.board.fabrication.bom import bill_of_materials, purchased_components
 from fingertip.board.fabrication.fabrication_files import placement_file
-from fingertip.board.kicad import symbols
 from fingertip.board.kicad.footprints import FOOTPRINTS
-from fingertip.board.output import README, board_files
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.tasks.board import board_files
 from tests.designs import ARTICLE, load_article
 
 MAX_ROW_CHARACTERS = 2048

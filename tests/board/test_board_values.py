@@ -10,20 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.amplifiers import AmplifierName
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.errata import ENVELOPE, ERRATA, INPUT_RANGE, OFFSET, RECTIFIER
+from fingertip.board.analysis.interference import DEAD_ZONE_V
 from fingertip.board.analysis.response import decibel
-from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V
-from fingertip.board.circuit import Circuit, parse_component_value
-from fingertip.board.components.joint_choice import compute_deviation_db
-from fingertip.board.errata import ENVELOPE, ERRATA, INPUT_RANGE, OFFSET, RECTIFIER
-from fingertip.board.layout.template import fingerprint
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.filter import compute_deviation_db
+from fingertip.board.kicad.placement import fingerprint
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.catalogues.amplifiers import AmplifierName
+from fingertip.catalogues.preferred_series import find_preferred_neighbours
 from fingertip.design import Design
-from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
-from fingertip.design.preferred_series import find_preferred_neighbours
+from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 from tests.designs import ARTICLE, article_design, load_article
 from tests.oracles.filter_formulas import (
     ideal_cutoff_hz,

@@ -15,11 +15,8 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup import rectifier
-from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V
-from fingertip.board.bringup.diagnosis import diagnose, explain
-from fingertip.board.bringup.faults import Fault, list_faults
-from fingertip.board.bringup.files import bring_up_files
-from fingertip.board.bringup.hidden import list_hidden_faults
+from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V, Fault, list_faults
+from fingertip.board.bringup.diagnosis import diagnose, explain, list_hidden_faults, list_mistakes
 from fingertip.board.bringup.plan import SLIP_TONE, BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import (
     POINTS,
@@ -30,18 +27,25 @@ from fingertip.board.bringup.prediction import (
     name_voltage,
     predict,
 )
-from fingertip.board.bringup.probing import list_mistakes
-from fingertip.board.bringup.readings import Readings, read_readings, readings_template
-from fingertip.board.bringup.report import assess_readings
-from fingertip.board.circuit import Circuit, parse_component_value
+from fingertip.board.bringup.readings import Readings, assess_readings, read_readings, readings_template
 from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
+from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.preferred_values import nearest_value
-from fingertip.board.nets import ENVELOPE, FILTERED, GND, REFERENCE, SENSOR, STAGE2_MID, TACTILE
-from fingertip.board.output import board_files
-from fingertip.board.spice import spice_deck
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import (
+    ENVELOPE,
+    FILTERED,
+    GND,
+    REFERENCE,
+    SENSOR,
+    STAGE2_MID,
+    TACTILE,
+    Circuit,
+    parse_component_value,
+)
 from fingertip.design import Design
-from fingertip.errors import BoardError
+from fingertip.foundation.errors import BoardError
+from fingertip.tasks.board import board_files, bring_up_files
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip, some_of
 from tests.designs import load_article

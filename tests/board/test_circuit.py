@@ -11,7 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import (
+from fingertip.board.circuits.signal_paths import comparator_circuit, precision_circuit
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.fabrication.bom import bill_of_materials
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS, BOARD_VARIANTS
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import (
     Circuit,
     Component,
     Net,
@@ -20,13 +25,8 @@ from fingertip.board.circuit import (
     format_component_value,
     parse_component_value,
 )
-from fingertip.board.circuits.signal_paths import comparator_circuit, precision_circuit
-from fingertip.board.fabrication.bom import bill_of_materials
-from fingertip.board.kicad import symbols
-from fingertip.board.supplies import SUPPLIES
-from fingertip.board.variants import BOARD_CONFIGURATIONS, BOARD_VARIANTS
 from fingertip.design.parameters import Board
-from fingertip.errors import BoardError
+from fingertip.foundation.errors import BoardError
 from tests.designs import ARTICLE, load_article
 from tests.oracles.netlist_nodal import number
 

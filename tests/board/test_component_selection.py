@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from fingertip.board import board_values
 from fingertip.board.components.filter import filter_error, select_capacitors, select_filter_capacitor
 from fingertip.board.components.preferred_values import mantissas
-from fingertip.design.filter_components import MAX_OHM, MIN_OHM, FilterComponents
+from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.design.parameters import Board
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 from tests.designs import ARTICLE, load_article
 
 capacitor_series = st.sampled_from(["E6", "E12"])

@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS
-from fingertip.board.components.bridge import VREF_RATIO, sensor_conductance_s
-from fingertip.board.network import build_network
-from fingertip.board.spice import MAX_SWITCH_OHM
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.circuits.network import build_network
+from fingertip.board.circuits.spice import MAX_SWITCH_OHM
+from fingertip.board.components.bridge import AMPLIFIERS, VREF_RATIO, sensor_conductance_s
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
-from fingertip.errors import DesignError
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.foundation.errors import DesignError
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.designs import load_article

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import write_board, write_fabrication
-from fingertip.board.circuit import Circuit
-from fingertip.board.edited_files import CircuitRecord, Part, describe_structure_changes, enter_texts
-from fingertip.board.kicad.sexpr_editor import Node, Word, read_expression, replace_words
-from fingertip.board.output import LAYOUT, NETLIST, PROJECT, SCHEMATIC
-from fingertip.board.variants import BoardConfiguration
-from fingertip.errors import OutputError
-from fingertip.output_set import read_manifest
+from fingertip.board import LAYOUT, NETLIST, PROJECT, SCHEMATIC
+from fingertip.board.kicad.sexpr import Node, Word, read_expression, replace_words
+from fingertip.board.kicad.variants import BoardConfiguration
+from fingertip.board.parts.circuit import Circuit
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.output_set import read_manifest
+from fingertip.tasks.board import write_board, write_fabrication
+from fingertip.tasks.edited_board import CircuitRecord, Part, describe_structure_changes, enter_texts
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
 from tests.conftest import run_fingertip
@@ -348,7 +348,7 @@ def test_printed_values_follow_and_other_texts_stay() -> None:
 @pytest.mark.full
 def test_values_printed_on_the_board_follow_in_an_edited_layout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a board that prints the value of R1."""
-    from fingertip.board import output
+    from fingertip.tasks import board as output
 
     make_layout = output._make_layout
 

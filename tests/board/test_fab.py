@@ -11,13 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_differences, board_files, board_values, write_board
-from fingertip.board.fabrication.fabrication_files import export_gerbers, kicad_session, placement_file
-from fingertip.board.fabrication.provenance import find_outdated_files, provenance_record
-from fingertip.board.layout.placement import load_placement
-from fingertip.board.output import LAYOUT, PROVENANCE, README
-from fingertip.errors import OutputError
-from fingertip.output_set import MANIFEST
+from fingertip.board import LAYOUT, README, board_circuit, board_values
+from fingertip.board.fabrication.fabrication_files import (
+    export_gerbers,
+    find_outdated_files,
+    kicad_session,
+    placement_file,
+    provenance_record,
+)
+from fingertip.board.kicad.placement import load_placement
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.output_set import MANIFEST
+from fingertip.tasks.board import PROVENANCE, board_differences, board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article

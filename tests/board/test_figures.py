@@ -7,16 +7,15 @@ import re
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.figures import format_figure
+from fingertip.board.bringup.plan import supply_current_a
 from fingertip.board.bringup.prediction import Board
-from fingertip.board.bringup.sheet import _ohm
-from fingertip.board.bringup.unpowered import supply_current_a
-from fingertip.board.layout.template import load_template
-from fingertip.board.readme_parts.order_form import order_form
-from fingertip.board.readme_parts.power import power_notes
-from fingertip.board.readme_parts.signals import signal_notes
-from fingertip.board.variants import find_configuration
+from fingertip.board.kicad.placement import load_template
+from fingertip.board.kicad.variants import find_configuration
 from fingertip.design import Design
+from fingertip.documents.board.bringup import _ohm
+from fingertip.documents.board.readme import order_form
+from fingertip.documents.board.signals import power_notes, signal_notes
+from fingertip.foundation.files import format_figure
 from tests.designs import ARTICLE
 
 

@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.board_gate import random_changes
-from fingertip.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
@@ -29,26 +28,28 @@ from fingertip.board.analysis.gate import (
     find_smallest_margin,
     gate_warnings,
 )
-from fingertip.board.analysis.stability import compute_phase_margins_deg, compute_two_pole_gain
-from fingertip.board.analysis.threshold_spread import TOLERANCES
+from fingertip.board.analysis.loads import compute_phase_margins_deg, compute_two_pole_gain
+from fingertip.board.analysis.thresholds import TOLERANCES
+from fingertip.board.circuits.network import build_network
+from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.network import build_network
-from fingertip.board.spice import spice_deck
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.catalogues.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
+from fingertip.catalogues.preferred_series import find_preferred_neighbours
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier, find_gain_bandwidth_hz
-from fingertip.design.amplifier_stages import (
+from fingertip.design.formulas.amplifiers import (
     RECTIFIER_OHMS,
+    choose_amplifier,
     compute_charging_current_a,
     compute_filter_current_a,
     compute_peaking_db,
     compute_phase_margin_deg,
     divider,
+    find_gain_bandwidth_hz,
     first_stage_feedback,
     select_rectifier_ohm,
 )
-from fingertip.design.preferred_series import find_preferred_neighbours
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE, run_ngspice
 from tests.designs import load_article
 from tests.oracles.gate_in_ngspice import check_gate_in_ngspice

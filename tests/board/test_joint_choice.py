@@ -10,11 +10,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.components.component_values import select_components
-from fingertip.board.components.filter import select_filter_capacitor, select_filter_resistors
-from fingertip.board.components.joint_choice import DEVIATION_BAND, choose_jointly, compute_deviation_db
+from fingertip.board.components.filter import (
+    DEVIATION_BAND,
+    choose_jointly,
+    compute_deviation_db,
+    select_filter_capacitor,
+    select_filter_resistors,
+)
 from fingertip.board.components.preferred_values import values_in_range
-from fingertip.design.filter_components import FilterComponents, ideal_components
+from fingertip.board.components.values import select_components
+from fingertip.design.formulas.filter import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
 from tests.designs import load_article
 

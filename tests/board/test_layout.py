@@ -11,27 +11,28 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values, write_board
-from fingertip.board.circuit import Circuit
+from fingertip.board import LAYOUT, board_circuit, board_values
 from fingertip.board.kicad.footprints import FOOTPRINTS, PIN_1_DOT_MM, pad_corner_ratio
-from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
-from fingertip.board.kicad.symbols import M2_HOLE, R_0603
-from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM
-from fingertip.board.layout.placement import (
+from fingertip.board.kicad.layout import EDGE_CLEARANCE_MM
+from fingertip.board.kicad.placement import (
     Label,
     PlacedPad,
     Placement,
     Position,
+    Tracks,
     courtyard_overlaps,
     load_placement,
+    load_template,
     place_pads,
     rotate_offset,
 )
-from fingertip.board.layout.silkscreen import silkscreen_conflicts
-from fingertip.board.layout.template import Tracks, load_template
-from fingertip.board.output import LAYOUT
-from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.errors import BoardError
+from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
+from fingertip.board.kicad.silkscreen import silkscreen_conflicts
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.symbols import M2_HOLE, R_0603
+from fingertip.foundation.errors import BoardError
+from fingertip.tasks.board import write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article

@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 import pytest
 
 from fingertip import Design
-from fingertip.board import board_circuit, board_values
+from fingertip.board import README, board_circuit, board_values
 from fingertip.board.bringup.wiring import wiring_diagram
-from fingertip.board.output import README, board_files
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts.mating import (
     PlugWire,
     count_wires,
@@ -20,8 +20,8 @@ from fingertip.board.parts.mating import (
     list_connectors,
     list_mating_parts,
 )
-from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.casting.wires import describe_plug_wires, size_wires
+from fingertip.casting.hardware import describe_plug_wires, size_wires
+from fingertip.tasks.board import board_files
 from tests.designs import load_article
 
 SH = PlugWire("JST SH", 28, 32, 0.4, 0.8, "")

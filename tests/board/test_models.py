@@ -9,23 +9,23 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values, write_board
-from fingertip.board.circuit import Circuit
+from fingertip.board import LAYOUT, board_circuit, board_values
 from fingertip.board.kicad.footprints import FOOTPRINTS
 from fingertip.board.kicad.models import (
     MODEL_FOLDER,
     MODEL_FOLDER_OF_KICAD,
     MODEL_VARIABLE,
+    Block,
     has_model,
     model_blocks,
     model_files,
     model_path,
 )
-from fingertip.board.kicad.step_boxes import Block
-from fingertip.board.layout.placement import Placement, rotate_offset
-from fingertip.board.output import LAYOUT
-from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.errors import OutputError
+from fingertip.board.kicad.placement import Placement, rotate_offset
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import Circuit
+from fingertip.foundation.errors import OutputError
+from fingertip.tasks.board import write_board
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article

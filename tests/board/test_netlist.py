@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values, write_board
-from fingertip.board.circuit import kicad_net_name
-from fingertip.board.kicad.uuids import component_uuid
-from fingertip.board.output import NETLIST
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board import NETLIST, board_circuit, board_values
+from fingertip.board.kicad.netlist import component_uuid
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import kicad_net_name
 from fingertip.design import Design
+from fingertip.tasks.board import write_board
 from tests.board.kicad import read_netlist
 from tests.conftest import ROOT, run_fingertip
 from tests.designs import load_article

@@ -11,8 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.amplifiers import CATALOGUE
-from fingertip.arrays import Array
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import (
     RECTIFYING_DIODE,
@@ -23,19 +21,20 @@ from fingertip.board.analysis.response import (
     search_band_hz,
     target_response,
 )
-from fingertip.board.circuit import Circuit, Component, Net
-from fingertip.board.components.amplifiers import AD623_BANDWIDTH_HZ
-from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
+from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
+from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, sensor_conductance_s
 from fingertip.board.components.filter import FilterSelection
-from fingertip.board.kicad import symbols
-from fingertip.board.network import Network, StateSpace, Term, build_network, filter_quantities
-from fingertip.board.supplies import SUPPLIES
-from fingertip.board.transfer_function import Rational, find_stages, multiply
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import Circuit, Component, Net
+from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
-from fingertip.design.filter_components import FilterComponents, ideal_components
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.design.formulas.filter import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
+from fingertip.foundation.numerics import Array
 from tests.designs import load_article
 from tests.oracles.filter_formulas import (
     comparator_threshold_v,

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_files, board_values
-from fingertip.board.analysis.analyse import analyse
+from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import HALF_WAVE_MEAN, NETS, add_noise, noise_budget, noise_warning
-from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.board.analysis.report import analyse
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.tasks.board import board_files
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck

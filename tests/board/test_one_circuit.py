@@ -14,21 +14,21 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.analyse import analyse, bode_table
-from fingertip.board.board_values import _model_configuration, compute_filter
-from fingertip.board.circuit import Component
+from fingertip.board.analysis.board_values import _model_configuration, compute_filter
+from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.circuits import signal_paths
-from fingertip.board.components.component_values import ComponentValues
+from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.filter import FilterSelection
+from fingertip.board.components.values import ComponentValues
 from fingertip.board.fabrication.bom import bill_of_materials
-from fingertip.board.kicad import symbols
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.board.output import board_files
-from fingertip.board.spice import spice_deck
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import Component
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.tasks.board import board_files
 from tests.board.ngspice import run_ngspice
 from tests.designs import load_article
 

@@ -9,15 +9,22 @@ import re
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Component, parse_component_value
-from fingertip.board.components.capacitor_choice import SOLD, capacitances_in_range, nearest_capacitance
+from fingertip.board import README, board_circuit, board_values
+from fingertip.board.components.filter import SOLD, capacitances_in_range, nearest_capacitance
 from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, list_bom, purchased_components
-from fingertip.board.output import README, board_files
-from fingertip.board.parts.capacitors import SOLD_PERCENT, list_capacitances, require_capacitor
-from fingertip.board.parts.ordering_code import load_ordering_codes, resistance_code
-from fingertip.board.parts.requirement import CapacitorRequirement, ResistorRequirement
-from fingertip.board.parts.select_part import find_capacitors, find_package, find_resistors, select_part
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import CapacitorRequirement, Component, ResistorRequirement, parse_component_value
+from fingertip.board.parts.select_part import (
+    SOLD_PERCENT,
+    find_capacitors,
+    find_package,
+    find_resistors,
+    list_capacitances,
+    load_ordering_codes,
+    require_capacitor,
+    resistance_code,
+    select_part,
+)
 from fingertip.board.parts.table import (
     Part,
     load_capacitors,
@@ -26,7 +33,7 @@ from fingertip.board.parts.table import (
     load_sources,
     read_rows,
 )
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.tasks.board import board_files
 from tests.board.conftest import BOARDS
 from tests.designs import ARTICLE, load_article
 

@@ -17,7 +17,7 @@ from fingertip.board.components.preferred_values import (
     values_around,
     values_in_range,
 )
-from fingertip.errors import BoardError
+from fingertip.foundation.errors import BoardError
 
 # IEC 60063, transcribed from the standard's tables.
 E6 = "10 15 22 33 47 68"

@@ -7,15 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from fingertip.board.bringup.bench import TONE_V
-from fingertip.board.bringup.common_ratio import find_sources
-from fingertip.board.bringup.faults import list_faults
-from fingertip.board.bringup.files import bring_up_files
+from fingertip.board.bringup.bench import TONE_V, list_faults
 from fingertip.board.bringup.plan import QUIET_ENVELOPE, SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
-from fingertip.board.bringup.readings import Readings
-from fingertip.board.bringup.report import assess_readings
-from fingertip.board.nets import VCC
+from fingertip.board.bringup.readings import Readings, assess_readings, find_sources
+from fingertip.board.parts.circuit import VCC
+from fingertip.tasks.board import bring_up_files
 from tests.board.test_bringup import CONTROLLER, TWO, draw_board, plan_of
 
 pytestmark = pytest.mark.usefixtures("predict_once")
@@ -106,7 +103,7 @@ def test_no_threshold_follows_from_a_reading_that_is_wrong() -> None:
 
 @pytest.mark.full
 def test_sheet_and_readme_give_the_threshold_to_analog_alone() -> None:
-    from fingertip.board.output import board_files
+    from fingertip.tasks.board import board_files
 
     design, plan = plan_of(CONTROLLER)
     sheet = bring_up_files(design)["bringup.md"].decode().split("## 8. Threshold")[1].split("\n## ")[0]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.board import board_files, board_values
-from fingertip.board.analysis.figures import format_figure
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board import board_values
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.foundation.files import format_figure
+from fingertip.tasks.board import board_files
 from tests.designs import load_article
 
 

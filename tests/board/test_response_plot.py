@@ -9,15 +9,20 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.analyse import analyse
+from fingertip.board.analysis.report import analyse
 from fingertip.board.analysis.response import find_passband, model_filter, search_band_hz
-from fingertip.board.analysis.response_band import BAND_QUANTILES, ResponseBand, compute_response_band
-from fingertip.board.analysis.tolerance import TolerancedFilter, draw_deviations
-from fingertip.board.nets import FILTERED, TACTILE
-from fingertip.board.network import build_network
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.analysis.tolerance import (
+    BAND_QUANTILES,
+    ResponseBand,
+    TolerancedFilter,
+    compute_response_band,
+    draw_deviations,
+)
+from fingertip.board.circuits.network import build_network
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import FILTERED, TACTILE
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from tests.conftest import run_fingertip
 from tests.designs import load_article
 from tests.tools import require_module
@@ -131,7 +136,7 @@ def test_plot_of_another_format_is_refused_before_anything_is_written(tmp_path: 
 
 def test_figures_stand_in_the_plot(band: ResponseBand, monkeypatch: pytest.MonkeyPatch) -> None:
     require_module("matplotlib")
-    from fingertip.board.analysis import response_plot
+    from fingertip.board.analysis import tolerance as response_plot
 
     texts: list[str] = []
     monkeypatch.setitem(

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values, write_board
-from fingertip.board.kicad.symbols import DUAL_AMPLIFIERS
-from fingertip.board.output import BOM, NETLIST, SCHEMATIC, board_files
-from fingertip.board.schematic.symbol_graphics import SYMBOL_GRAPHICS
-from fingertip.board.schematic.symbols import pin_position
-from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
+from fingertip.board import BOM, NETLIST, SCHEMATIC, board_circuit, board_values
+from fingertip.board.kicad.schematic import pin_position
+from fingertip.board.kicad.schematic_sheet import SYMBOL_GRAPHICS
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS, BoardConfiguration
+from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
 from tests.board.test_kicad_libraries import COMPONENTS, load_symbols

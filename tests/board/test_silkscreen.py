@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from fingertip.board import board_circuit, board_files, board_values
-from fingertip.board.circuit import Circuit
+from fingertip.board import LAYOUT, board_circuit, board_values
 from fingertip.board.kicad.footprints import FIDUCIAL
+from fingertip.board.kicad.layout import PAGE_OFFSET_MM
+from fingertip.board.kicad.placement import Placement
 from fingertip.board.kicad.project import REVISION
-from fingertip.board.layout.back_print import back_print, list_values
-from fingertip.board.layout.pcb_file import PAGE_OFFSET_MM
-from fingertip.board.layout.placement import Placement
-from fingertip.board.output import LAYOUT
-from fingertip.board.variants import BOARD_CONFIGURATIONS
-from fingertip.errors import BoardError
+from fingertip.board.kicad.silkscreen import back_print, list_values
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import Circuit
+from fingertip.foundation.errors import BoardError
+from fingertip.tasks.board import board_files
 from tests.designs import load_article
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_values, write_board
+from fingertip.board import board_values
 from fingertip.board.analysis.response import decibel
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.supplies import SUPPLIES
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier
+from fingertip.design.formulas.amplifiers import choose_amplifier
+from fingertip.tasks.board import write_board
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.designs import ARTICLE, load_article

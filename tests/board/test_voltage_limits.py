@@ -7,12 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.amplifiers import (
-    ARTICLE_AMPLIFIER,
-    LOW_OFFSET_AMPLIFIER,
-    LOW_VOLTAGE_AMPLIFIER,
-    RAIL_TO_RAIL_AMPLIFIER,
-)
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.limits import (
     adc_range_warnings,
@@ -22,11 +16,17 @@ from fingertip.board.analysis.limits import (
     describe_filter_swing,
 )
 from fingertip.board.analysis.loads import compute_amplifier_loads, load_warnings
-from fingertip.board.components.amplifiers import (
+from fingertip.board.components.bridge import (
     AMPLIFIERS,
 )
-from fingertip.board.supplies import SUPPLIES
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.catalogues.amplifiers import (
+    ARTICLE_AMPLIFIER,
+    LOW_OFFSET_AMPLIFIER,
+    LOW_VOLTAGE_AMPLIFIER,
+    RAIL_TO_RAIL_AMPLIFIER,
+)
 from fingertip.design.parameters import Detector
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck

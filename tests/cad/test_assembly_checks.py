@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.build_files import build
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.kernel.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.interface import interface
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
-from fingertip.cad.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
 from fingertip.cad.verification.assembly import check_assembly
-from fingertip.cad.verification.part_files import check_brep_solid, check_mesh_file, count_open_edges
+from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
 from fingertip.design import Design
+from fingertip.tasks.build import build
 
 TOLERANCE = 0.02
 
@@ -150,7 +150,7 @@ def test_brep_solid_with_an_extra_hole_fails(finger: Design, evaluator: MeshEval
 
 
 def test_mesh_kernel_rejects_an_inverted_primitive(finger: Design, evaluator: MeshEvaluator) -> None:
-    from fingertip.errors import GeometryError
+    from fingertip.foundation.errors import GeometryError
 
     with pytest.raises(GeometryError, match="inverted mesh"):
         evaluator.manifold(Box((0.0, 0.0, 1.0), (1.0, 1.0, 0.0)))
@@ -189,7 +189,7 @@ def test_brep_volume_equals_the_closed_form() -> None:
 
 
 def primitives(solid: Solid) -> set[Solid]:
-    from fingertip.cad.solids import Difference, Intersection, Scaled, Union
+    from fingertip.cad.kernel.solids import Difference, Intersection, Scaled, Union
 
     match solid:
         case Scaled(inner):

@@ -8,20 +8,19 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.printing import orientations
 from fingertip.cad.printing.orientations import Orientation
 from fingertip.cad.shapes import bone, parts
-from fingertip.cad.shapes.insert import skin_interior
+from fingertip.cad.shapes.insert import skin, skin_interior
 from fingertip.cad.shapes.interface import interface
-from fingertip.cad.shapes.skin import skin
-from fingertip.cad.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.verification import bone as bone_checks
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification.skin import check_skin
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import find_losses, worst
+from fingertip.design.geometry.seat import find_losses, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 from tests.cad.part_checks import SLEEVE, SOCKET, TOLERANCE, failed_checks, run_checks
 
 THICK = [

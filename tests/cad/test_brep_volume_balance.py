@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
+from fingertip.cad.kernel.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.design import Design
 

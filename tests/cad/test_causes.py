@@ -6,7 +6,7 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification import causes
+from fingertip.cad.verification import check as causes
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design

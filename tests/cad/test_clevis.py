@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.build_files import build
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import clevis, interface
+from fingertip.cad.kernel.solids import Solid, union
+from fingertip.cad.shapes import interface
+from fingertip.cad.shapes import interface as clevis
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.solids import Solid, union
 from fingertip.cad.strength.assess import assess_strength
-from fingertip.cad.strength.pin_joint import stress_joint, tendon_force_per_n
+from fingertip.cad.strength.stress import stress_joint, tendon_force_per_n
 from fingertip.cad.verification import joint as joint_checks
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
@@ -26,7 +26,8 @@ from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import joint as joint_rules
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
+from fingertip.tasks.build import build
 from tests.conftest import design_file
 
 LENGTH_MM = {

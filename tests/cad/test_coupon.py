@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.bundled import list_bundled_files
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.kernel.solids import Box, Placed, Solid, cylinder, difference, intersection, union
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.coupon import COUPON_PARTS, RING_MM, frame_with_fits, loose_slice
 from fingertip.cad.shapes.coupon_layout import WALLS_MM, has_key, lay_out
-from fingertip.cad.solids import Box, Placed, Solid, cylinder, difference, intersection, union
-from fingertip.cad.verification.part_files import check_mesh_file
-from fingertip.calibration.instructions import COUPON_LAYER_MM, COUPON_MINUTES
-from fingertip.calibration.lengths import list_lengths
+from fingertip.cad.verification.printing import check_mesh_file
+from fingertip.calibration.readings import list_lengths
 from fingertip.casting.slicer import parse_gcode
+from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
-from fingertip.toml_files import DESIGN as DESIGN_KIND
+from fingertip.documents.coupon import COUPON_LAYER_MM, COUPON_MINUTES
+from fingertip.foundation.toml_files import DESIGN as DESIGN_KIND
 from tests.conftest import some_of
 from tests.tools import require_tool
 

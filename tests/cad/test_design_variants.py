@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.build_files import build
 from fingertip.design import Design
+from fingertip.tasks.build import build
 from tests.conftest import some_of
 
 UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
@@ -40,7 +40,7 @@ def test_variant_builds_and_passes_all_checks(name: str, tmp_path: Path) -> None
 
 
 def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
-    from fingertip.errors import DesignError
+    from fingertip.foundation.errors import DesignError
 
     with pytest.raises(DesignError, match=r"this design has no 'core'.*mold\.method=sleeve"):
         build(Design(), tmp_path, parts=["core"], formats=["stl"])
@@ -61,8 +61,8 @@ def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
 def test_shrinkage_enlarges_the_cavity_but_not_the_skin(tmp_path: Path) -> None:
     """At 1 % linear shrinkage the cavity has 1 / 0.99^3 times the volume of the design; the skin keeps its size."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.skin import cavity_outline
-    from fingertip.cad.solids import SuperconicSolid
+    from fingertip.cad.kernel.solids import SuperconicSolid
+    from fingertip.cad.shapes.insert import cavity_outline
 
     plain = Design.load(changes=["mold.silicone_shrinkage_percent=0"])
     shrinking = Design.load(changes=["mold.silicone_shrinkage_percent=1"])

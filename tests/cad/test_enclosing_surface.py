@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
+from fingertip.cad.kernel.solids import Box, SuperconicSolid
 from fingertip.cad.shapes.insert import skin_interior
-from fingertip.cad.solids import Box, SuperconicSolid
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
-from fingertip.cad.verification.enclosing_surface import EnclosingSurface
-from fingertip.cad.verification.skin import min_thickness
+from fingertip.cad.verification.skin import EnclosingSurface, min_thickness
 from fingertip.design import Design
 
 

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from manifold3d import Error, Manifold, Mesh64
 
-from fingertip.build_result import Build
-from fingertip.cad.shapes.hardware import hardware
-from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.report import Build
+from fingertip.cad.shapes.parts import PARTS, hardware
 from tests.conftest import design_file, run_fingertip
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fingertip.cad.files.junit import to_bytes
 from fingertip.cad.verification.check import Check
+from fingertip.cli.check import to_bytes
 
 PASSED = Check("bone.stl.genus", 2, 2, "through holes", "exactly")
 FAILED = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")

@@ -7,7 +7,7 @@ import numpy as np
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import GRID_MM, MeshEvaluator, _find_flaps, find_degenerate_triangles
 from fingertip.cad.shapes.mold import mold_palmar
-from fingertip.cad.verification.part_files import count_open_edges
+from fingertip.cad.verification.printing import count_open_edges
 from fingertip.design import Design
 from tests.conftest import design_file
 

@@ -18,21 +18,28 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 
-from fingertip.build_files import build
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.orientations import print_orientations
-from fingertip.cad.printing.plates import FDM, PLATE_KINDS, SLA, Placed, arrange
-from fingertip.cad.printing.pose import bed_pose
-from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles, make_print_files
-from fingertip.cad.printing.supports import supports_by_part
+from fingertip.cad.kernel.solids import scaled
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.overhang import bed_pose
+from fingertip.cad.printing.print_files import (
+    FDM,
+    PLATE_KINDS,
+    PRINT_FOLDER,
+    SLA,
+    Placed,
+    PrintFiles,
+    arrange,
+    make_print_files,
+)
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
-from fingertip.cad.solids import scaled
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from fingertip.errors import OutputError
-from fingertip.output_set import verify_sets
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.output_set import verify_sets
+from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, run_fingertip
 
 if TYPE_CHECKING:

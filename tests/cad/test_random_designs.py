@@ -13,7 +13,7 @@ import pytest
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification.part_files import check_brep_solid
+from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
@@ -21,7 +21,7 @@ from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import Rule
 from fingertip.design.rules.search import Search
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 TOLERANCE = 0.03

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.build_files import build
 from fingertip.cad.kernel import mesh
 from fingertip.design import Design
+from fingertip.tasks.build import build
 from tests.conftest import design_file, run_python
 
 HEAVY = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba")
@@ -29,8 +29,8 @@ def test_only_the_requested_parts_are_evaluated(tmp_path: Path, monkeypatch: pyt
     assert {path.name for path in tmp_path.iterdir()} == {*files, "print"}
     assert {path.name for path in (tmp_path / "print").iterdir()} == {"bone.stl", "manifest.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
+    from fingertip.cad.kernel.solids import SuperconicSolid
     from fingertip.cad.shapes.parts import PARTS
-    from fingertip.cad.solids import SuperconicSolid
 
     assert SuperconicSolid(design.dimensions.outer) not in evaluated
     assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)

@@ -11,20 +11,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.build_files import build
-from fingertip.build_result import Build
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.orientations import print_orientations
-from fingertip.cad.printing.pose import Pose
-from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
-from fingertip.cad.printing.settings import slicer_settings
-from fingertip.cad.printing.supports import supports_by_part
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.overhang import Pose
+from fingertip.cad.printing.print_files import LAYER_MM as SETTINGS_LAYER_MM
+from fingertip.cad.printing.print_files import slicer_settings
+from fingertip.cad.report import Build
 from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.slicer import parse_gcode, slice_to_gcode
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
+from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, some_of
 from tests.tools import require_tool
 

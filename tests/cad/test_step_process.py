@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.files.step_process import StepJob, StepProcess
-from fingertip.cad.solids import Box, Solid, difference
-from fingertip.errors import GeometryError
+from fingertip.cad.kernel.solids import Box, Solid, difference
+from fingertip.foundation.errors import GeometryError
 
 GREY = (0.5, 0.5, 0.5)
 BOX = Box((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))

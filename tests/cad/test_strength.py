@@ -12,12 +12,11 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.strength import assess
 from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data, stress_gradients
-from fingertip.cad.strength.concentration import hole_in_tension, shoulder_in_bending
-from fingertip.cad.strength.sections import measure_section
+from fingertip.cad.strength.stress import hole_in_tension, measure_section, shoulder_in_bending
+from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.strength import check_strength
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
-from fingertip.print_materials import PRINT_MATERIALS
 from tests.conftest import design_file, run_fingertip
 
 DESIGN = Design()

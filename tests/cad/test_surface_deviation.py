@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import SuperconicSolid
 from fingertip.cad.kernel.tessellate import tessellate
-from fingertip.cad.solids import SuperconicSolid
-from fingertip.cad.verification import surface_deviation
-from fingertip.cad.verification.surface_deviation import distance_to_surface, max_facet_deviation, surface_patches
+from fingertip.cad.verification import skin as surface_deviation
+from fingertip.cad.verification.skin import distance_to_surface, max_facet_deviation, surface_patches
 from fingertip.design import Design
 
 
@@ -58,7 +58,7 @@ def test_coarse_facets_exceed_a_fine_tolerance() -> None:
 
 def test_only_facets_on_the_outer_surface_are_measured() -> None:
     """The interior and the cut end of the skin do not belong to its outer surface."""
-    from fingertip.cad.shapes.skin import skin
+    from fingertip.cad.shapes.insert import skin
 
     design = Design()
     mesh = MeshEvaluator(0.02).mesh(skin(design))

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.build_files import build
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import Box, difference, union
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.solids import Box, difference, union
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, fold_tail
+from fingertip.tasks.build import build
 from tests.conftest import design_file
 
 COMPACT = design_file("fsr400_compact")

@@ -10,7 +10,7 @@ from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.verification.verify import MIN_TOLERANCE_MM, validate_tolerance, verify
 from fingertip.design import Design
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 
 TOLERANCE = 0.05
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import Box, union
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.shapes.runners import luer_cone, sprue
-from fingertip.cad.solids import Box, union
 from fingertip.design import Design
 
 PLAIN = (

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.calibration.lengths import Length, list_lengths
-from fingertip.calibration.readings import Measured, identify_coupon
+from fingertip.calibration.readings import Length, Measured, identify_coupon, list_lengths
 from fingertip.design import Design
 
 SCALE, OFFSET_MM, NOISE_MM, THINNEST_MM = 1.005, 0.1, 0.02, 0.5

@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from fingertip.bundled import list_bundled_files
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
-from fingertip.calibration.calibrate import (
+from fingertip.calibration.printer import (
     CLEARANCES,
     Calibration,
     apply_calibration,
@@ -20,9 +19,10 @@ from fingertip.calibration.calibrate import (
     list_calibrated,
 )
 from fingertip.calibration.readings import check_readings
+from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
-from fingertip.errors import DesignError
-from fingertip.toml_files import DESIGN as DESIGN_KIND
+from fingertip.foundation.errors import DesignError
+from fingertip.foundation.toml_files import DESIGN as DESIGN_KIND
 from tests.calibration.simulated import OFFSET_MM, SCALE, THINNEST_MM, simulate
 from tests.conftest import design_file, some_of
 
@@ -139,8 +139,8 @@ def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
 @pytest.mark.full
 def test_silicone_leaks_through_the_printed_gap() -> None:
     """A gap drawn 0.1 mm wider, of which the print takes 0.1 mm, leaks and plays as before."""
-    from fingertip.cad.verification.seals import leak_mm
-    from fingertip.design.geometry.bone_play import list_contacts
+    from fingertip.cad.verification.filling import leak_mm
+    from fingertip.design.geometry.seat import list_contacts
 
     plain = Design.load(design_file("fsr400"))
     grown = Design.load(design_file("fsr400"), changes=["printer.offset_mm=0.1", "mold.fit_clearance_mm=0.15"])

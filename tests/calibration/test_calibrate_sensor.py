@@ -13,13 +13,18 @@ import pytest
 from typer.testing import CliRunner
 
 from fingertip.board import board_values
-from fingertip.calibration.calibrate_sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
-from fingertip.calibration.power_law import PowerLaw, fit_power_law
+from fingertip.calibration.sensor import (
+    PowerLaw,
+    apply_sensor_calibration,
+    calibrate_sensor,
+    fit_power_law,
+    list_warnings,
+)
 from fingertip.calibration.weighings import MIN_WEIGHINGS, parse_weighings, read_weighings
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.design.force_curve import describe_force_curve
-from fingertip.errors import DesignError, TraceError
+from fingertip.design.silicone import describe_force_curve
+from fingertip.foundation.errors import DesignError, TraceError
 from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
 from tests.conftest import ROOT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip.calibration.least_squares import fit_printer
+from fingertip.calibration.printer import fit_printer
 from fingertip.design import Design
 from tests.calibration.simulated import NOISE_MM, OFFSET_MM, SCALE, measured, simulate, true_length
 

@@ -14,13 +14,12 @@ from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
-from fingertip.calibration.instructions import render_instructions
-from fingertip.calibration.lengths import Length, list_lengths
-from fingertip.calibration.readings import PLAN, write_template
+from fingertip.calibration.readings import PLAN, Length, list_lengths, write_template
 from fingertip.design import Design
-from fingertip.view import coupon_plan
-from fingertip.view.coupon_plan import draw_plan
-from fingertip.view.raster import Canvas
+from fingertip.documents.coupon import render_instructions
+from fingertip.pictures import coupon_plan
+from fingertip.pictures.coupon_plan import draw_plan
+from fingertip.pictures.raster import Canvas
 from tests.conftest import ROOT, design_file, some_of
 from tests.drawing.test_printed_sizes import calibrated
 

@@ -9,10 +9,9 @@ from typing import Any
 
 import pytest
 
-from fingertip.calibration.lengths import MIN_LENGTH_MM, list_lengths
-from fingertip.calibration.readings import check_readings, read_readings, write_template
+from fingertip.calibration.readings import MIN_LENGTH_MM, check_readings, list_lengths, read_readings, write_template
 from fingertip.design import Design
-from fingertip.errors import DesignError, TomlFileError
+from fingertip.foundation.errors import DesignError, TomlFileError
 from tests.calibration.simulated import simulate, to_toml
 from tests.conftest import design_file
 

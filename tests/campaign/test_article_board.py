@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fingertip.campaign.plan import CampaignPlan
-from fingertip.campaign.studies.article_board import study_article_board, with_article_board
 from fingertip.design import Design
+from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.studies.article import study_article_board, with_article_board
 
 
 def test_the_finger_stays_and_the_board_is_the_article_s():

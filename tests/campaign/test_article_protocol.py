@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.campaign.report.protocol_table import as_data, as_lines, list_rows
-from fingertip.campaign.studies import article_protocol
-from fingertip.campaign.studies.article_protocol import (
+from fingertip.design import Design
+from fingertip.lab.report.protocol_table import as_data, as_lines, list_rows
+from fingertip.lab.studies import article as article_protocol
+from fingertip.lab.studies.article import (
     DEVICES,
     MOVED_M,
     ProtocolStudy,
     find_encoder_zero_s,
     study_article_protocol,
 )
-from fingertip.design import Design
 from fingertip.sim.scene.timeline import TrapezoidalMove
 
 SLIDE = TrapezoidalMove.with_speed(1.2345, 0.04, 0.04)

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from fingertip.campaign.plan import NEGATIVE_SCENES, Case
-from fingertip.campaign.report import robustness
-from fingertip.campaign.studies.assumption_sensitivity import VariationResult, study_assumptions
-from fingertip.campaign.studies.assumption_variations import (
+from fingertip.design import Design
+from fingertip.lab.campaign.evaluate import find_onset_s, measure_vibration_n, median_of_known
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES, Case
+from fingertip.lab.report import robustness
+from fingertip.lab.studies.sensitivity import (
     BOTH,
     ELASTO_PLASTIC,
     PATCH_AVERAGE,
@@ -18,10 +19,10 @@ from fingertip.campaign.studies.assumption_variations import (
     VARIATIONS,
     Factor,
     Variation,
+    VariationResult,
     change_converter,
+    study_assumptions,
 )
-from fingertip.campaign.true_slip import find_onset_s, measure_vibration_n, median_of_known
-from fingertip.design import Design
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
 from fingertip.slip import Trace

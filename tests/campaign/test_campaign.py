@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fingertip.campaign.evaluate import TrialResult, evaluate
-from fingertip.campaign.plan import (
+from fingertip.cli import app
+from fingertip.foundation.errors import TraceError
+from fingertip.lab.campaign.evaluate import TrialResult, evaluate
+from fingertip.lab.campaign.plan import (
     HELD_OUT_FROM,
     NEGATIVE_SCENES,
     REPORTED_SEPARATELY,
@@ -19,19 +21,14 @@ from fingertip.campaign.plan import (
     Case,
     generate_cases,
 )
-from fingertip.campaign.report import plots, trial_plots
-from fingertip.campaign.requirements import RequirementLimits, check_detection
-from fingertip.campaign.run import CampaignResult, DetectorResult, run_campaign, surface
-from fingertip.campaign.studies.acceleration_sensitivity import study_accelerations
-from fingertip.campaign.studies.article_figures import compute_spectra, study_windows, with_window
-from fingertip.campaign.studies.assumption_variations import VARIATIONS
-from fingertip.campaign.studies.board_variants import study_board_variants
-from fingertip.campaign.studies.detection_bound import compute_bounds_s
-from fingertip.campaign.studies.knock_rejection import study_knock_rejection
-from fingertip.campaign.studies.motor_discrimination import study_motor_discrimination
-from fingertip.campaign.studies.sampling_rates import study_sampling_rates
-from fingertip.cli import app
-from fingertip.errors import TraceError
+from fingertip.lab.campaign.requirements import RequirementLimits, check_detection
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, run_campaign, surface
+from fingertip.lab.report import plots, trial_plots
+from fingertip.lab.studies.article_figures import compute_spectra, study_windows, with_window
+from fingertip.lab.studies.bounds import compute_bounds_s, study_motor_discrimination
+from fingertip.lab.studies.sensitivity import VARIATIONS, study_accelerations
+from fingertip.lab.studies.step_sensitivity import study_sampling_rates
+from fingertip.lab.studies.variants import study_board_variants, study_knock_rejection
 from fingertip.sim.article import article_trials
 from fingertip.slip import DETECTORS, Trace
 from tests.designs import ARTICLE, article_design
@@ -121,7 +118,7 @@ def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
 @pytest.mark.parametrize(("detector", "scale"), [("digital", 3.0), ("fft", 3.0), ("fast", 1.2)])
 def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale):
     from fingertip.slip import make_detector
-    from fingertip.slip.intervals import intervals
+    from fingertip.slip.traces.intervals import intervals
 
     trace = trace_with([(1.5, 2.0)], [])
     (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [scale])

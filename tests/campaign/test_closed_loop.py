@@ -7,21 +7,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.campaign.closed_loop import (
+from fingertip.design import Design
+from fingertip.lab.campaign.grip import (
     FIRST_SEED,
     NO_CONTROL,
     ClosedLoopSummary,
+    GripController,
+    GripDecision,
+    GripSettings,
     any_finger_slips,
     evaluate_manipulation,
     plan_manipulations,
     run_closed_loop,
     summarise,
 )
-from fingertip.campaign.grip import GripController, GripDecision, GripSettings
-from fingertip.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
-from fingertip.campaign.report import trial_plots
-from fingertip.campaign.requirements import RequirementLimits, check_closed_loop
-from fingertip.design import Design
+from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
+from fingertip.lab.campaign.requirements import RequirementLimits, check_closed_loop
+from fingertip.lab.report import trial_plots
 from fingertip.sim import Observation
 from fingertip.sim.signal.board_output import EnvelopeStream, compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip.campaign import run
-from fingertip.campaign.evaluate import TrialResult
-from fingertip.campaign.plan import CampaignPlan, Case
-from fingertip.campaign.poisson import poisson_interval
-from fingertip.campaign.report import tables
-from fingertip.campaign.run import (
+from fingertip.design import Design
+from fingertip.foundation.statistics import poisson_interval
+from fingertip.lab.campaign import run
+from fingertip.lab.campaign.evaluate import TrialResult
+from fingertip.lab.campaign.plan import CampaignPlan, Case
+from fingertip.lab.campaign.run import (
     LOW_SCALES,
     SCALES,
     CampaignResult,
@@ -27,7 +27,7 @@ from fingertip.campaign.run import (
     speed_m_s,
     surface,
 )
-from fingertip.design import Design
+from fingertip.lab.report import tables
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 

@@ -6,9 +6,10 @@ import math
 
 import pytest
 
-from fingertip.campaign.plan import Case
-from fingertip.campaign.report import robustness
-from fingertip.campaign.studies.step_sensitivity import (
+from fingertip.design import Design
+from fingertip.lab.campaign.plan import Case
+from fingertip.lab.report import robustness
+from fingertip.lab.studies.step_sensitivity import (
     SIGNALS,
     DelayShift,
     SignalError,
@@ -18,7 +19,6 @@ from fingertip.campaign.studies.step_sensitivity import (
     compare_grids,
     study_steps,
 )
-from fingertip.design import Design
 from fingertip.sim import SceneFile
 from tests.designs import ARTICLE
 

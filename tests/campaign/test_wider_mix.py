@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.campaign.plan import HELD_OUT_FROM, check_first_seed
-from fingertip.campaign.report import wider_mix_table
-from fingertip.campaign.wider_mix import bursts, scenes
-from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal, Slide, assess
-from fingertip.campaign.wider_mix.mix import MixSize, generate_mix, run_detector, summarise
-from fingertip.errors import TraceError
+from fingertip.foundation.errors import TraceError
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
+from fingertip.lab.report import wider_mix_table
+from fingertip.lab.wider_mix import bursts, scenes
+from fingertip.lab.wider_mix.bursts import LabelledSignal, Slide, assess
+from fingertip.lab.wider_mix.mix import MixSize, generate_mix, run_detector, summarise
 from fingertip.sim.article import article_trials
-from fingertip.slip.intervals import Interval
+from fingertip.slip.traces.intervals import Interval
 from tests.designs import ARTICLE
 
 DESIGN = ARTICLE

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from fingertip.casting.needles import find_needle
 from fingertip.casting.quantities import SiliconeVolumes
-from fingertip.casting.sheet import casting_sheet_data
+from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.syringes import find_needle
 from fingertip.design import Design
-from fingertip.silicones import SILICONES
+from fingertip.documents.casting.sheet import casting_sheet_data
 from tests.conftest import design_file
 from tests.drawing.test_printed_sizes import calibrated
 

@@ -16,11 +16,11 @@ from fingertip.casting.quantities import (
     parts_by_weight,
     split_by_mix_ratio,
 )
+from fingertip.catalogues.silicones import SILICONES, SOURCES, MaterialProperty, Silicone, SiliconeName
 from fingertip.design import Design
 from fingertip.design.parameters import ChosenSilicone
 from fingertip.design.silicone import OWN, replace_silicone, select_silicone
-from fingertip.errors import DesignError
-from fingertip.silicones import SILICONES, SOURCES, MaterialProperty, Silicone, SiliconeName
+from fingertip.foundation.errors import DesignError
 
 PSI_MPA = 0.00689476
 UNREAD = {"", "common", "trade", "recalled"}

@@ -7,12 +7,11 @@ import math
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import difference, intersection, union
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.insert import mold_insert
+from fingertip.cad.shapes.insert import cavity, mold_insert
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.shapes.runners import runners
-from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.solids import difference, intersection, union
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -23,12 +22,12 @@ from fingertip.casting.quantities import (
     measure_volumes,
     volumes_data,
 )
+from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.threads import THREADS, select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.clamp_bolts import size_clamp_bolts, standard_length_mm
-from fingertip.design.threads import THREADS, select_thread
-from fingertip.errors import DesignError
+from fingertip.design.geometry.mold_layout import size_clamp_bolts, standard_length_mm
 from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
-from fingertip.silicones import SILICONES
+from fingertip.foundation.errors import DesignError
 from tests.conftest import design_file
 
 TOLERANCE_MM = 0.005

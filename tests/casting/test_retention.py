@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from fingertip.casting.retention import FRICTION, name_retention, skin_pull_off_n
+from fingertip.casting.quantities import FRICTION, name_retention, skin_pull_off_n
+from fingertip.catalogues.silicones import SILICONES
 from fingertip.design import Design
-from fingertip.silicones import SILICONES
 
 SILICONE = SILICONES["addition_40a"]
 

@@ -14,37 +14,34 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip.acceptance.expectation import expect_readings
-from fingertip.acceptance.sheet import acceptance_data, render_acceptance
-from fingertip.build_files import build
-from fingertip.build_result import Build
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.orientations import print_orientations
-from fingertip.cad.printing.plates import FDM
-from fingertip.cad.printing.supports import supports_by_part
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.print_files import FDM
+from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.strength.assess import assess_strength
+from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
 from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.filling import check_filling
-from fingertip.cad.verification.strength import FILAMENT_CHECK, check_strength
-from fingertip.casting import markdown
-from fingertip.casting.markdown import render_sheet, warnings
-from fingertip.casting.needles import find_needle
-from fingertip.casting.pose import pose_tolerance_deg
-from fingertip.casting.quantities import SiliconeVolumes, volumes_data
-from fingertip.casting.sheet import casting_sheet_data
+from fingertip.casting.hardware import size_wires
+from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg, volumes_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
 from fingertip.casting.tapes import flat_width_mm
 from fingertip.casting.uses import uses_adhesive
-from fingertip.casting.wires import size_wires
+from fingertip.catalogues.silicones import SILICONES, MaterialProperty
+from fingertip.catalogues.syringes import find_needle
+from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import find_losses
+from fingertip.design.geometry.seat import find_losses
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
-from fingertip.design.threads import select_thread
-from fingertip.errors import DesignError, GeometryError
+from fingertip.documents.acceptance import acceptance_data, expect_readings, render_acceptance
+from fingertip.documents.casting import markdown
+from fingertip.documents.casting.markdown import render_sheet, warnings
+from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, place_vents
-from fingertip.silicones import SILICONES, MaterialProperty
+from fingertip.foundation.errors import DesignError, GeometryError
+from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, run_fingertip
 from tests.tools import require_tool
 

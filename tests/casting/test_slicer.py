@@ -10,7 +10,7 @@ import pytest
 from fingertip.casting import slicer
 from fingertip.casting.slicer import PrintEstimate, find_slicer, parse_gcode, slice_plate, slice_to_gcode
 from fingertip.design import Design
-from fingertip.errors import GeometryError
+from fingertip.foundation.errors import GeometryError
 
 ESTIMATES = "; filament used [cm3] = 2.87\n; estimated printing time (normal mode) = 1d 2h 31m 30s\n"
 

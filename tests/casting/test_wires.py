@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.casting.wires import size_wires
+from fingertip.casting.hardware import size_wires
 from fingertip.design import Design
 from tests.conftest import design_file
 

@@ -145,9 +145,9 @@ def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
 
 @pytest.mark.full
 def test_step_files_report_the_share_that_is_done(tmp_path: Path) -> None:
-    from fingertip.build_files import build
     from fingertip.design import Design
-    from fingertip.progress import ShareText
+    from fingertip.foundation.progress import ShareText
+    from fingertip.tasks.build import build
 
     messages: list[str] = []
     build(Design(), tmp_path, parts=["bone", "skin"], formats=["step"], progress=messages.append)
@@ -159,10 +159,10 @@ def test_step_files_report_the_share_that_is_done(tmp_path: Path) -> None:
 
 @pytest.mark.full
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip import build_files as module
     from fingertip.cad.files.step_process import StepProcess
     from fingertip.design import Design
-    from fingertip.errors import GeometryError
+    from fingertip.foundation.errors import GeometryError
+    from fingertip.tasks import build as module
 
     fake = tmp_path / "fake"
     fake.mkdir()
@@ -175,8 +175,8 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip.errors import OutputError
-    from fingertip.output_set import SetWriter
+    from fingertip.foundation.errors import OutputError
+    from fingertip.foundation.output_set import SetWriter
 
     writer = SetWriter(tmp_path / "set", "parts", "finger", "same")
     writer.write({"a": b"old", "b": b"old"})
@@ -293,7 +293,7 @@ def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
 
 @pytest.mark.full
 def test_all_files_of_a_build_are_listed(built: object) -> None:
-    from fingertip.build_result import ALL_FILES, Build
+    from fingertip.cad.report import ALL_FILES, Build
 
     assert isinstance(built, Build)
     assert set(built.contents) <= set(ALL_FILES)
@@ -301,7 +301,7 @@ def test_all_files_of_a_build_are_listed(built: object) -> None:
 
 def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip import Design, build
-    from fingertip.errors import DesignError
+    from fingertip.foundation.errors import DesignError
 
     with pytest.raises(
         DesignError, match=r"--formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"

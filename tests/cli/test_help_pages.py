@@ -12,8 +12,7 @@ import typer.main
 
 from fingertip.cli import app
 from fingertip.cli.console import fit_width
-from fingertip.cli.examples import EXAMPLES
-from fingertip.cli.help_page import MAX_WIDTH, format_command
+from fingertip.cli.help_page import EXAMPLES, MAX_WIDTH, format_command
 from tests.conftest import run_fingertip
 
 ROOT_COMMAND: Any = typer.main.get_command(app)

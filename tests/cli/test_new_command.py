@@ -14,8 +14,7 @@ import typer
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
-from fingertip.design.hands import list_hands
-from fingertip.design.new_design import PRESETS, write_new_design
+from fingertip.design.new_design import PRESETS, list_hands, write_new_design
 from tests.conftest import run_fingertip, some_of
 
 SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 import typer
 
-from fingertip.build_files import parts_writer
 from fingertip.cli import app, main
 from fingertip.cli.help_page import metavar
-from fingertip.cli.output_files import find_file_issues
+from fingertip.cli.options import find_file_issues
 from fingertip.design import Design
+from fingertip.tasks.build import parts_writer
 from tests.conftest import run_fingertip
 
 FILES = (
@@ -22,28 +22,28 @@ FILES = (
     ("board", "--plot", ".png", "fingertip.board.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
     ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
-    ("params", "--html", ".html", "fingertip.page_files.draw_atlas"),
-    ("picture fsr400", "--out", ".png", "fingertip.view.picture.draw"),
+    ("params", "--html", ".html", "fingertip.tasks.page.draw_atlas"),
+    ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.quantities.measure_volumes"),
-    ("acceptance fsr400", "--out", ".md", "fingertip.make_files.simulate_and_detect"),
+    ("acceptance fsr400", "--out", ".md", "fingertip.tasks.make.simulate_and_detect"),
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
     ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
-    ("detect trace.csv", "--plot", ".png", "fingertip.detect_trace.detect_file"),
-    ("new tip", "--out", ".toml", "fingertip.files.write_file"),
+    ("detect trace.csv", "--plot", ".png", "fingertip.detection.files.detect_file"),
+    ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate printer fsr400 readings.toml", "--out", ".toml", "fingertip.cad.verification.verify.verify"),
-    ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.calibrate_sensor.calibrate_sensor"),
+    ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.sensor.calibrate_sensor"),
 )
 """Words of a command, its option that names a file to write, a suffix that is written, and what must not be called."""
 FOLDERS = (
-    ("build fsr400", "fingertip.build_files.verify"),
-    ("make fsr400", "fingertip.build_files.verify"),
-    ("board", "fingertip.output_set.SetWriter._write"),
-    ("firmware fsr400", "fingertip.output_set.SetWriter._write"),
-    ("coupon fsr400", "fingertip.coupon_files.make_coupon"),
-    ("validate", "fingertip.campaign.validate"),
-    ("drawing fsr400", "fingertip.drawing.draw.draw_files"),
-    ("page fsr400", "fingertip.page_files.read_sources"),
+    ("build fsr400", "fingertip.tasks.build.verify"),
+    ("make fsr400", "fingertip.tasks.build.verify"),
+    ("board", "fingertip.foundation.output_set.SetWriter._write"),
+    ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
+    ("coupon fsr400", "fingertip.tasks.coupon.make_coupon"),
+    ("validate", "fingertip.lab.validate"),
+    ("drawing fsr400", "fingertip.pictures.drawing.draw.draw_files"),
+    ("page fsr400", "fingertip.tasks.page.read_sources"),
     ("bench", "fingertip.sim.bench.work_precision.require_libraries"),
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )

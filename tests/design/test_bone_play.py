@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.geometry import bone_play
-from fingertip.design.geometry.bone_play import (
+from fingertip.design.geometry import seat as bone_play
+from fingertip.design.geometry.seat import (
     Contact,
     Loss,
     SkinPoint,
@@ -20,7 +20,7 @@ from fingertip.design.geometry.bone_play import (
     worst,
 )
 from fingertip.design.new_design import PRESETS
-from fingertip.numerics import maximise_linear
+from fingertip.foundation.numerics import maximise_linear
 from tests.conftest import design_file
 
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import (
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.seat import (
     Contact,
     Loss,
     SkinPoint,
@@ -21,7 +22,6 @@ from fingertip.design.geometry.bone_play import (
     sleeve_inset_mm,
     worst,
 )
-from fingertip.design.geometry.conic import ConicBody, CrossSection
 from fingertip.design.parameters import DesignTables
 from tests.conftest import design_file
 

@@ -9,13 +9,12 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.fit import FREE, fit_design
-from fingertip.design.hands import find_hand, list_hands
 from fingertip.design.load import load_tables
-from fingertip.design.new_design import PRESETS, write_new_design
+from fingertip.design.new_design import PRESETS, find_hand, list_hands, write_new_design
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import PART_RULES, RULES
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.errors import DesignError, TomlFileError
+from fingertip.foundation.errors import DesignError, TomlFileError
 from tests.conftest import design_file
 
 SHAPE = (

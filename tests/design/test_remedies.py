@@ -14,7 +14,7 @@ from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
 from fingertip.design.rules import RULES
 from fingertip.design.rules.force_curve import calibration_spans_forces
 from fingertip.design.rules.search import Search
-from fingertip.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
 from tools.fuzz.remedies import as_changes, read_alternatives, read_remedy
 
@@ -235,7 +235,7 @@ def test_a_refusal_imports_no_heavy_package() -> None:
     script = (
         "import sys\n"
         "from fingertip.design import Design\n"
-        "from fingertip.errors import DesignError\n"
+        "from fingertip.foundation.errors import DesignError\n"
         "try:\n    Design.load(changes=['skin.width_mm=6'])\n"
         "except DesignError:\n    print([name for name in ('numpy', 'scipy', 'tomlkit') if name in sys.modules])\n"
     )

@@ -19,7 +19,7 @@ from fingertip.design.parameters.declaration import find_bounds, find_unit
 from fingertip.design.parameters.design_tables import PARAMETERS
 from fingertip.design.rules import ELECTRONIC_RULES, RULES
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
-from fingertip.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
 from tests.design.test_rules import CASES
 from tests.designs import ARTICLE_CHANGES

@@ -7,7 +7,7 @@ import pytest
 from fingertip.design import Design, rules
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import RecordingTables, find_violations
-from fingertip.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file
 from tools.fuzz.remedies import as_changes, read_remedy
 

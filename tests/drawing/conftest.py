@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from fingertip.design import Design
-from fingertip.drawing.draw import draw_sheets
-from fingertip.drawing.primitives import Sheet
+from fingertip.pictures.drawing.draw import draw_sheets
+from fingertip.pictures.drawing.primitives import Sheet
 from tests.conftest import ROOT, design_file, some_of
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))

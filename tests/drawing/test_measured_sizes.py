@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.build_files import build
-from fingertip.build_result import Build
-from fingertip.cad.solids import Axis, Point3
-from fingertip.drawing.parts import part_drawings
-from fingertip.drawing.sizes import AXES, Circle, Length, Size
+from fingertip.cad.kernel.solids import Axis, Point3
+from fingertip.cad.report import Build
+from fingertip.pictures.drawing.draw import part_drawings
+from fingertip.pictures.drawing.sizes import AXES, Circle, Length, Size
+from fingertip.tasks.build import build
 from tests.conftest import some_of
 from tests.drawing.conftest import load_variant
 

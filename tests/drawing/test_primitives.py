@@ -8,10 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fingertip.drawing.dimensioning import NoRoomError, PlacedLength, place_circle, place_lengths
-from fingertip.drawing.occupancy import Occupancy
-from fingertip.drawing.pdf import render_pdf
-from fingertip.drawing.primitives import (
+from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
+from fingertip.pictures.drawing.pdf import render_pdf
+from fingertip.pictures.drawing.primitives import (
     DIMENSION,
     EDGE,
     Arc,
@@ -25,10 +24,19 @@ from fingertip.drawing.primitives import (
     rectangle,
     text_width,
 )
-from fingertip.drawing.sizes import INNER, OUTER, Circle, Length
-from fingertip.drawing.svg import render_svg
-from fingertip.drawing.tolerances import Tolerance, general, nut_trap, size_text, symmetric
-from fingertip.drawing.views import PROJECTIONS
+from fingertip.pictures.drawing.sizes import (
+    INNER,
+    OUTER,
+    Circle,
+    Length,
+    Tolerance,
+    general,
+    nut_trap,
+    size_text,
+    symmetric,
+)
+from fingertip.pictures.drawing.svg import render_svg
+from fingertip.pictures.drawing.views import PROJECTIONS
 from tests.tools import require_module
 
 SQUARE = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0))
@@ -109,7 +117,7 @@ def test_general_tolerances_are_those_of_class_m() -> None:
 
 
 def test_nut_goes_into_the_narrowest_trap_and_does_not_turn_in_the_widest() -> None:
-    from fingertip.design.threads import MAX_TRAP_RATIO, THREADS
+    from fingertip.catalogues.threads import MAX_TRAP_RATIO, THREADS
 
     thread = THREADS[3]
     tolerance = nut_trap(thread, 5.8)

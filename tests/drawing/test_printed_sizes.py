@@ -7,13 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.drawing.parts import part_drawings
-from fingertip.drawing.sizes import AXES, Circle, Length, PartDrawing, Size
-from fingertip.drawing.tolerances import FIT, MIN_TOLERANCE_MM, Tolerance, general
+from fingertip.foundation.numerics import Array
+from fingertip.pictures.drawing.draw import part_drawings
+from fingertip.pictures.drawing.sizes import (
+    AXES,
+    FIT,
+    MIN_TOLERANCE_MM,
+    Circle,
+    Length,
+    PartDrawing,
+    Size,
+    Tolerance,
+    general,
+)
 from tests.drawing.conftest import FILES, load_variant
 
 OFFSET_MM = 0.12
@@ -110,7 +119,7 @@ def test_growth_follows_from_the_faces_of_the_part(variant: tuple[str, tuple[str
 
 def calibrated(name: str, surface_error_mm: float = 0.05) -> Design:
     """Design as `fingertip calibrate printer` leaves it for a printer that prints too much."""
-    from fingertip.calibration.calibrate import CLEARANCES
+    from fingertip.calibration.printer import CLEARANCES
 
     plain = load_variant((name, ()))
     changes = {path: float(plain.value(path)) + surfaces / 2 * OFFSET_MM for path, surfaces in CLEARANCES.items()}

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from fingertip._version import __version__
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.drawing.parts import part_drawings
-from fingertip.drawing.primitives import EDGE, HIDDEN, Arc, Arrow, Hatch, Point, Polyline, Sheet, Text, line
-from fingertip.drawing.tolerances import general
-from fingertip.errors import MissingLibraryError
+from fingertip.foundation.errors import MissingLibraryError
+from fingertip.foundation.version import __version__
+from fingertip.pictures.drawing.draw import part_drawings
+from fingertip.pictures.drawing.primitives import EDGE, HIDDEN, Arc, Arrow, Hatch, Point, Polyline, Sheet, Text, line
+from fingertip.pictures.drawing.sizes import general
 from tests.conftest import design_file, run_fingertip, run_python
 from tests.drawing.conftest import FILES, load_variant
 from tests.tools import require_module
@@ -140,7 +140,7 @@ def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
     """The section at x = 0 of the mesh, by another kernel."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import PARTS
-    from fingertip.drawing.projection_process import project_parts
+    from fingertip.pictures.drawing.projection import project_parts
 
     design = Design.load(design_file("fsr400"), changes=["mold.engraving_depth_mm=0"])
     solids = {part: PARTS[part].solid(design) for part in ("bone", "mold_dorsal")}
@@ -185,7 +185,7 @@ def test_missing_package_is_refused_before_any_work(tmp_path: Path, monkeypatch:
 
 
 def test_folder_of_another_design_is_refused_before_any_work(tmp_path: Path) -> None:
-    from fingertip.build_files import parts_writer
+    from fingertip.tasks.build import parts_writer
 
     require_module("reportlab")
     parts_writer(Design.load(design_file("fsr402")), tmp_path / "out").write({"casting.md": b"sheet"})
@@ -207,9 +207,9 @@ def test_parts_have_few_sizes_to_check(name: str) -> None:
 
 @pytest.mark.full
 def test_errors_of_the_process_are_raised_here() -> None:
-    from fingertip.cad.solids import Box, difference
-    from fingertip.drawing.projection_process import project_parts
-    from fingertip.errors import GeometryError
+    from fingertip.cad.kernel.solids import Box, difference
+    from fingertip.foundation.errors import GeometryError
+    from fingertip.pictures.drawing.projection import project_parts
 
     box = Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     with pytest.raises(GeometryError, match="one valid solid was expected"):
@@ -220,8 +220,8 @@ def test_errors_of_the_process_are_raised_here() -> None:
 
 @pytest.mark.full
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
-    from fingertip.cad.solids import Box, cylinder, difference
-    from fingertip.drawing.projection_process import project_parts
+    from fingertip.cad.kernel.solids import Box, cylinder, difference
+    from fingertip.pictures.drawing.projection import project_parts
 
     box = difference(Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)), cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5))
     views = project_parts((("box", box, ("front", "dorsal", "section")),))["box"]
@@ -237,7 +237,7 @@ def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
 def test_library_without_cadquery_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
-    from fingertip.drawing.draw import draw_files
+    from fingertip.pictures.drawing.draw import draw_files
 
     monkeypatch.setitem(sys.modules, "cadquery", None)
     monkeypatch.setitem(sys.modules, "reportlab", None)

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.errors import OutputError
-from fingertip.jit import CompiledLoop, compiled
-from fingertip.output_set import SetWriter, replacement
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.jit import CompiledLoop, compiled
+from fingertip.foundation.output_set import SetWriter, replacement
 from tests.conftest import run_python
 
 resource = pytest.importorskip("resource", reason="the system bounds no process, NOT TESTED HERE")

@@ -12,11 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip import interruption, temporary
 from fingertip.cli.console import command
-from fingertip.errors import OutputError
-from fingertip.interruption import Interruption, hold_interruptions
-from fingertip.temporary import TemporaryFolder
+from fingertip.foundation import files as temporary
+from fingertip.foundation import processes as interruption
+from fingertip.foundation.errors import OutputError
+from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.processes import Interruption, hold_interruptions
 from tests.conftest import ROOT, run_python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE")

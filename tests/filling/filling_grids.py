@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.filling.surface_links import Layer, link_layer
+from fingertip.foundation.numerics import Array
 
 
 def slot(rows: int, columns: int, length: float, width: float, thickness: Callable[[Array], Array]) -> Layer:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fingertip.arrays import Array
 from fingertip.filling.air import ClosingVent, LastPoint, TrappedAir, find_air
+from fingertip.foundation.numerics import Array
 from tests.filling.filling_grids import slot
 
 LAYER = slot(60, 2, 30.0, 6.0, lambda y: np.full_like(y, 2.0))

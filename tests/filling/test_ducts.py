@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fingertip.filling.ducts import ConicalDuct, RectangularDuct, RoundDuct, fill_in_series
+from fingertip.filling.mouth import ConicalDuct, RectangularDuct, RoundDuct, fill_in_series
 
 
 def test_round_duct() -> None:

@@ -6,15 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.skin import cavity
+from fingertip.cad.shapes.insert import cavity
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
-from fingertip.filling.ducts import RectangularDuct, RoundDuct
 from fingertip.filling.hele_shaw import fill
 from fingertip.filling.mold_filling import find_pose, place_vents
-from fingertip.filling.mouth import mouth_resistance, open_mouth
+from fingertip.filling.mouth import RectangularDuct, RoundDuct, mouth_resistance, open_mouth
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
     FillingPrediction,
@@ -26,6 +24,7 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
+from fingertip.foundation.numerics import Array
 from tests.conftest import design_file
 
 DUCTS = (RoundDuct(2.1, 10.0), RectangularDuct(3.0, 2.5, 12.0))

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from fingertip.arrays import Array
 from fingertip.filling.hele_shaw import Filling, fill
 from fingertip.filling.mouth import mouth_resistance, open_mouth
-from fingertip.filling.row_elimination import RowElimination
+from fingertip.filling.network import RowElimination
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
+from fingertip.foundation.numerics import Array
 from tests.filling.filling_grids import disc, sleeve, slot
 
 

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip import jit
 from fingertip.design import Design
-from fingertip.firmware.sources import SOURCE, library_sources
-from fingertip.firmware.trees import float_key
+from fingertip.firmware.sources import SOURCE, float_key, library_sources
+from fingertip.foundation import jit
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, FastSettings
-from fingertip.slip.detectors.fast_model import load_model
+from fingertip.slip.detectors.fast_coefficients import load_model
 from tests.firmware.conftest import Library, make_library, require_gcc
 from tools.firmware.signals import (
     Recording,

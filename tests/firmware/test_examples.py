@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.firmware import write_firmware
+from fingertip.tasks.firmware import write_firmware
 from tests.conftest import ROOT
 from tests.firmware.conftest import INSTALL, Library
 from tests.tools import require_tool

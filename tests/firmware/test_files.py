@@ -9,15 +9,20 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit
-from fingertip.board.components.component_values import select_components
-from fingertip.board.readme_parts.power import POWER_UP_S
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import select_components
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.load import load_tables
-from fingertip.firmware import costs, firmware_differences, firmware_files, write_firmware
-from fingertip.firmware.boards import BOARDS, CYCLES_PER_INSTRUCTION, board_table, load_table, port_table
-from fingertip.firmware.output import BUFFER, TIMER
-from fingertip.firmware.readme import BUFFER_SAMPLES
+from fingertip.documents.board.signals import POWER_UP_S
+from fingertip.documents.firmware import (
+    BOARDS,
+    BUFFER_SAMPLES,
+    CYCLES_PER_INSTRUCTION,
+    board_table,
+    load_table,
+    port_table,
+)
+from fingertip.firmware import packaging as costs
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
 from fingertip.firmware.wiring import (
     READ_NETS,
@@ -26,9 +31,10 @@ from fingertip.firmware.wiring import (
     wiring_notes,
     wiring_table,
 )
-from fingertip.output_set import verify_sets
+from fingertip.foundation.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fast_model import NODES, load_model
+from fingertip.slip.detectors.fast_coefficients import NODES, load_model
+from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}

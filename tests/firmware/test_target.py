@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.firmware import costs
+from fingertip.firmware import packaging as costs
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from tests.firmware.conftest import Library, require_arm
 from tools.firmware.measure import measure

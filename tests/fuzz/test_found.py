@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import DesignError, SweepError, TraceError
+from fingertip.foundation.errors import DesignError, SweepError, TraceError
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep import axes
 from fingertip.sweep.axes import Axis, round_significant

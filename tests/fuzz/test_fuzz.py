@@ -21,7 +21,7 @@ import pytest
 from PIL import Image
 
 from fingertip.design.parameters.design_tables import PARAMETERS
-from fingertip.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue
 from tools.fuzz import in_process, pieces, run, targets
 from tools.fuzz.cases import Case, design_cases
 from tools.fuzz.computing import draw_case, draw_value, settle

@@ -9,17 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from fingertip.board.components.amplifiers import (
+from fingertip.board.components.bridge import (
     AD623_BANDWIDTH_HZ,
     AD623_NOISE_V,
     AD623_OUTPUT_NOISE_V,
     BOLTZMANN_J_PER_K,
+    GAIN_CONSTANT_OHM,
+    SENSOR_FILTER_F,
     TEMPERATURE_K,
+    Bridge,
+    sensor_conductance_s,
 )
-from fingertip.board.components.anti_aliasing import AdcInterface
-from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, SENSOR_FILTER_F, Bridge, sensor_conductance_s
 from fingertip.board.components.filter import FirstStageCapacitors
-from fingertip.design.filter_components import FilterComponents
+from fingertip.board.components.values import AdcInterface
+from fingertip.design.formulas.filter import FilterComponents
 
 OPEN_LOOP_GAIN = 2e5
 INPUT_F = 8e-12

@@ -9,17 +9,23 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.analysis.gate import OFFSET
-from fingertip.board.board_values import BoardValues
-from fingertip.board.circuit import Circuit
-from fingertip.board.components.amplifiers import AMPLIFIERS
-from fingertip.board.spice import spice_deck
-from fingertip.board.supplies import SUPPLIES
+from fingertip.board.circuits.spice import spice_deck
+from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier, find_gain_bandwidth_hz
-from fingertip.design.amplifier_stages import BAND_CUTOFFS, MID_RAIL_RATIO, input_swing_v, loaded_swing_v
+from fingertip.design.formulas.amplifiers import (
+    BAND_CUTOFFS,
+    MID_RAIL_RATIO,
+    choose_amplifier,
+    find_gain_bandwidth_hz,
+    input_swing_v,
+    loaded_swing_v,
+)
+from fingertip.foundation.numerics import Array
 
 MAX_PEAKING_DB = 1.0
 SETTLED_CYCLES, CYCLES = 5, 8

@@ -8,7 +8,7 @@ from __future__ import annotations
 import cmath
 import math
 
-from fingertip.design.filter_components import FilterComponents
+from fingertip.design.formulas.filter import FilterComponents
 
 
 def first_stage_transfer(f_hz: float, components: FilterComponents) -> complex:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.arrays import Array
+from fingertip.foundation.numerics import Array
 from fingertip.sim.bench.spice import Spice, sampled_source
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 

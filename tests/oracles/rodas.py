@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fingertip.arrays import Array
+from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.rodas_coefficients import ALPHA, GAMMA, A, C, D
 
 

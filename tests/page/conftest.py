@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from fingertip import Design, make
-from fingertip.build_files import parts_writer
 from fingertip.page import PAGE
-from fingertip.page_files import write_page
+from fingertip.tasks.build import parts_writer
+from fingertip.tasks.page import write_page
 
 DRAWING = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><path d="M1 1h7"/></svg>\n'
 VOID = {"br", "col", "hr", "img", "input", "link", "meta", "wbr"}

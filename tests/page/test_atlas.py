@@ -23,8 +23,8 @@ from fingertip.page.atlas import (
     find_depth_changes,
     find_ring,
     list_changes,
+    render_atlas,
 )
-from fingertip.page.atlas_page import render_atlas
 from tests.conftest import run_fingertip
 from tests.page.conftest import Page
 

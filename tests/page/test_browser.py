@@ -18,8 +18,7 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.page import PAGE
-from fingertip.page.atlas import draw_parameter
-from fingertip.page.atlas_page import render_atlas
+from fingertip.page.atlas import draw_parameter, render_atlas
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT
 from tests.tools import require_tool

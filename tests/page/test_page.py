@@ -18,13 +18,13 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.export import format_value, list_parameters
-from fingertip.errors import OutputError
+from fingertip.foundation.errors import OutputError
 from fingertip.page import MAX_BYTES, PAGE
 from fingertip.page.checks_section import render_verdict
 from fingertip.page.render import ARTICLE_DOI, render_page
 from fingertip.page.sources import read_sources
-from fingertip.page_files import write_page
-from fingertip.slip.robot_motion import BAND_LABEL, format_delay_band
+from fingertip.slip.traces.origin import BAND_LABEL, format_delay_band
+from fingertip.tasks.page import write_page
 from tests.conftest import ROOT, run_fingertip, some_of
 from tests.page.conftest import DRAWING, Page
 
@@ -59,7 +59,7 @@ def test_every_reference_within_the_page_has_its_target(page: Page) -> None:
 def test_needs_no_optional_package(folder: Path) -> None:
     """The page is made by the core installation: plots are drawn without matplotlib."""
     code = (
-        "import sys; from fingertip import Design; from fingertip.page_files import write_page; "
+        "import sys; from fingertip import Design; from fingertip.tasks.page import write_page; "
         f"write_page(Design.load('fsr400'), {str(folder)!r}); "
         "print(sorted({'matplotlib', 'scipy', 'cadquery', 'numba', 'trimesh'} & set(sys.modules)))"
     )

@@ -13,22 +13,20 @@ import numpy as np
 import pytest
 
 from fingertip import Design
-from fingertip.board.analysis.analyse import bode_table
+from fingertip.board.analysis.report import bode_table
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.parameters.design_tables import PARAMETERS
 from fingertip.page import markdown
-from fingertip.page.back_svg import render_back
 from fingertip.page.html import Markup, code, element, figure, table
-from fingertip.page.kicad_text import first, lists, numbers, parse, points, turn, word, words
-from fingertip.page.layout_svg import name_part, pad_boxes, render_copper, render_placement
+from fingertip.page.kicad_drawing import first, lists, numbers, parse, points, turn, word, words
+from fingertip.page.layout_svg import name_part, pad_boxes, render_back, render_copper, render_placement
 from fingertip.page.model_section import scene_json
-from fingertip.page.moves import shapes_of_parameters
-from fingertip.page.response_plot import draw_response
+from fingertip.page.parameters_section import shapes_of_parameters
+from fingertip.page.plots import Axis, Frame, draw_response, format_tick, number
 from fingertip.page.scene import Item, label_item
 from fingertip.page.schematic_svg import find_place, list_bodies, render_schematic
-from fingertip.page.svg_plot import Axis, Frame, format_tick, number
-from fingertip.page.trial_plot import _reduce, draw_onset
+from fingertip.page.trial_section import _reduce, draw_onset
 from fingertip.slip import Trace, detect
 from tests.conftest import ROOT
 from tests.page.conftest import Page, strip_elements

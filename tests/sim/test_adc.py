@@ -5,7 +5,7 @@ import pytest
 
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.errors import TraceError
+from fingertip.foundation.errors import TraceError
 from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter

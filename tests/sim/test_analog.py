@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_values
-from fingertip.board.nets import FILTERED
-from fingertip.errors import TraceError
-from fingertip.jit import compiled
-from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, compute_state_space
+from fingertip.board.parts.circuit import FILTERED
+from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
+from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, augment, compute_state_space, exponentials
 from fingertip.sim.signal.envelope_loop import wright_omega
-from fingertip.sim.signal.exact_steps import augment, exponentials
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import OPEN_LOOP_GAIN, filter_transfer

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from fingertip.errors import TraceError
+from fingertip.foundation.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.run import SceneRun

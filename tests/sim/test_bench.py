@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from fingertip.cli import app
-from fingertip.errors import TraceError
-from fingertip.jit import compiled
+from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
 from fingertip.sim.bench import board, contact, spice, throughput

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.spice import spice_deck
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
-from fingertip.errors import TraceError
+from fingertip.board.circuits.spice import spice_deck
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.foundation.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.comparator import Comparator, simulate_comparator

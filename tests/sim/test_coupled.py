@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import TraceError
-from fingertip.jit import compile_for_process, compiled
+from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compile_for_process, compiled
 from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction

@@ -14,17 +14,16 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import TraceError
-from fingertip.jit import compiled
+from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surface_profile import average_over_patch, generate_profile
-from fingertip.sim.finger import FingerSignals
-from fingertip.sim.grid import BASE_HZ, Grid
-from fingertip.sim.randomness import open_stream
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.scene.scene_file import OUTPUTS
 from fingertip.sim.signal.converter import AdcRange
+from fingertip.sim.signal.finger import FingerSignals
+from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
 from fingertip.sim.signal.interference import (
     HandVibration,
     InterferenceSource,

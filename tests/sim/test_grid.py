@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.sim.grid import BASE_HZ, Grid, SampleClock, Sampler, count_samples
+from fingertip.sim.signal.grid import BASE_HZ, Grid, SampleClock, Sampler, count_samples
 
 
 def test_points_are_equidistant_from_time_0():

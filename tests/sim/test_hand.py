@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.jit import compiled
+from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, run_manipulation
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import Pad

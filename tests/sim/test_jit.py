@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip import jit
 from fingertip.design import Design
-from fingertip.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
+from fingertip.foundation import jit
+from fingertip.foundation.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
 from fingertip.sim import SceneFile, run_scene
 from tests.conftest import run_python
 

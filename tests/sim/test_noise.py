@@ -6,12 +6,16 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import add_noise
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.randomness import open_stream
-from fingertip.sim.signal.board_noise import compute_input_noise_v, compute_noise_gain
-from fingertip.sim.signal.board_output import simulate_quiescent_level, simulate_replay_level
+from fingertip.sim.signal.board_output import (
+    compute_input_noise_v,
+    compute_noise_gain,
+    simulate_quiescent_level,
+    simulate_replay_level,
+)
 from fingertip.sim.signal.converter import AdcRange, sample_v
+from fingertip.sim.signal.grid import open_stream
 from tests.designs import ARTICLE, article_design
 
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}

@@ -9,7 +9,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from fingertip.errors import TraceError
+from fingertip.foundation.errors import TraceError
 from fingertip.sim import SceneFile, Trial, run_scene, simulate
 from fingertip.sim.scene.run import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
@@ -148,7 +148,7 @@ def test_jitter_error_is_proportional_to_the_slope():
 
 
 def test_only_long_scenes_report_progress(monkeypatch):
-    monkeypatch.setattr("fingertip.sim.progress._EVERY_S", 0.0)
+    monkeypatch.setattr("fingertip.sim.signal.grid._EVERY_S", 0.0)
     messages: list[str] = []
     run_scene(DESIGN, load_scene("contact"), 0, messages.append)
     assert messages == []

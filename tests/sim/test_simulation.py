@@ -10,19 +10,11 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import FingertipError, TraceError
-from fingertip.sim import (
-    ManipulationFile,
-    SceneFile,
-    Trial,
-    load_simulation,
-    run_manipulation,
-    run_scene,
-    simulate,
-    summary,
-)
+from fingertip.foundation.errors import FingertipError, TraceError
+from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene, simulate
+from fingertip.sim import report as summary
 from fingertip.sim.scene.run import SceneRecord
-from fingertip.slip.intervals import SlipCollector, intervals
+from fingertip.slip.traces.intervals import SlipCollector, intervals
 from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import TraceError
-from fingertip.jit import compiled
+from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.sim.article import Trial
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad

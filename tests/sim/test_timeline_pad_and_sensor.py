@@ -15,9 +15,8 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surface_profile import generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, high_pass
 from fingertip.sim.scene.timeline import LIFT_M, TrapezoidalMove, build_timeline
-from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, fit_conductance_curve, turn_on_power
+from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ForceSensor, fit_conductance_curve, turn_on_power
 from fingertip.sim.signal.converter import AdcRange
-from fingertip.sim.signal.fsr import ForceSensor
 
 PAD = Pad.from_design(Design())
 

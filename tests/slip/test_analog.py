@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.errors import TraceError
+from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.board_output import SimulatedBoardDetector, simulate_envelope_v
 from fingertip.slip import Trace, detect, make_detector
 from fingertip.slip.detectors.analog import AnalogDetector

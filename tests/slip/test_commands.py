@@ -240,7 +240,7 @@ def test_simulate_and_detect_import_no_optional_libraries(tmp_path):
 
 @pytest.mark.full
 def test_detection_never_imports_the_simulation():
-    code = "import sys, fingertip.slip, fingertip.slip.plot; print([m for m in sys.modules if 'fingertip.sim' in m])"
+    code = "import sys, fingertip.slip, fingertip.slip.report; print([m for m in sys.modules if 'fingertip.sim' in m])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

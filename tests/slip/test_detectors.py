@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip import jit
 from fingertip.design import Design
-from fingertip.errors import TraceError
+from fingertip.detection.adaptation import equivalent_noise_v
+from fingertip.foundation import jit
+from fingertip.foundation.errors import TraceError
 from fingertip.slip import DETECTORS, ChainSettings, SlipChain, make_detector
-from fingertip.slip.detectors.false_alarms import ALARMS_PER_HOUR, tail_probability
+from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, tail_probability
 from fingertip.slip.detectors.noise import input_noise_v, quantised_noise_v
-from fingertip.slip.noise_calibration import equivalent_noise_v
 
 DESIGN = Design()
 NAMES = list(DETECTORS)

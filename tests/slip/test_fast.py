@@ -10,24 +10,28 @@ import pickle
 import numpy as np
 import pytest
 
-from fingertip import jit
 from fingertip.design import Design
+from fingertip.detection.adaptation import equivalent_noise_v
+from fingertip.foundation import jit
 from fingertip.slip import make_detector
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fast_filters import (
+from fingertip.slip.detectors.fast_coefficients import (
+    DEPTH,
+    FEATURES,
     HIGH_HZ,
     LOW_HZ,
+    NODES,
     RESTORED_HZ,
     SLOW_HZ,
     UPPER_HZ,
+    FastModel,
     design_board_filter,
     design_filters,
+    load_model,
     noise_energies,
 )
-from fingertip.slip.detectors.fast_model import DEPTH, FEATURES, NODES, FastModel, load_model
 from fingertip.slip.detectors.noise import input_noise_v
-from fingertip.slip.noise_calibration import equivalent_noise_v
 
 DESIGN = Design()
 NOISE_V = 4e-4

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip import jit
 from fingertip.design import Design
+from fingertip.detection.warnings import filtered_warnings
+from fingertip.foundation import jit
 from fingertip.slip import Trace, detect, make_detector
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
-from fingertip.slip.filtered_signal import filtered_warnings
 
 RATE = 2000.0
 GAIN = 67.0

@@ -9,7 +9,7 @@ import pytest
 
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings, FilteredSignal
-from fingertip.slip.detectors.fast_model import FEATURES, NODES, FastModel
+from fingertip.slip.detectors.fast_coefficients import FEATURES, NODES, FastModel
 
 RATE_HZ, NOISE_V = 2000.0, 4e-4
 LOUD = 10.0

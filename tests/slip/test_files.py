@@ -17,7 +17,7 @@ import pytest
 
 import fingertip
 from fingertip.design import Design
-from fingertip.errors import MissingLibraryError
+from fingertip.foundation.errors import MissingLibraryError
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.trace import ColumnMap
 from tests.conftest import ROOT

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.campaign.evaluate import select_board_outputs
 from fingertip.design import Design
-from fingertip.detect_trace import detect_file, detect_stream
-from fingertip.errors import TraceError
+from fingertip.detection.files import detect_file, detect_stream
+from fingertip.foundation.errors import TraceError
+from fingertip.lab.campaign.evaluate import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.slip import make_detector
-from fingertip.slip.format import as_data, as_text
-from fingertip.slip.intervals import intervals
+from fingertip.slip.report import as_data, as_text
+from fingertip.slip.traces.intervals import intervals
 from tests.slip.test_fast_filtered import CONTROLLER, board, quantise, slip_from
 
 ARTICLE = Design(

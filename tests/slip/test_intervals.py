@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import TraceError
+from fingertip.foundation.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
-from fingertip.slip.format import format_delay
-from fingertip.slip.intervals import SlipCollector, intervals, measure_false_on_s, merge, score
-from fingertip.slip.threshold import UsedThreshold
+from fingertip.slip.detection import UsedThreshold
+from fingertip.slip.report import format_delay
+from fingertip.slip.traces.intervals import SlipCollector, intervals, measure_false_on_s, merge, score
 
 TIME = np.arange(10) / 10
 

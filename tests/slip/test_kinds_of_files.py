@@ -26,11 +26,11 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.errors import MissingLibraryError
-from fingertip.input_files import RECORDING_LIMIT, SAMPLES_LIMIT
-from fingertip.slip.converter_step import find_step_v, step_warnings
-from fingertip.slip.traces.even_times import restore_even_times
+from fingertip.detection.warnings import find_step_v, step_warnings
+from fingertip.foundation.errors import MissingLibraryError
+from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT
 from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.sampling import restore_even_times
 from fingertip.slip.traces.trace import ColumnMap
 from tests.conftest import ROOT, run_python
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset

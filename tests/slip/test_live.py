@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip import detect_trace
+from fingertip.detection import files as detect_trace
 from tests.slip.recordings import T, V, burst, csv, run
 
 PLAIN = csv(T, V)

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from fingertip import Design, Trace, detect, simulate
-from fingertip.slip import plot
-from fingertip.slip.robot_motion import BAND_LABEL
-from fingertip.slip.traces.origin import Origin
+from fingertip.slip import report as plot
+from fingertip.slip.traces.origin import BAND_LABEL, Origin
 from tests.tools import require_module
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal, Slide
+from fingertip.lab.wider_mix.bursts import LabelledSignal, Slide
 from fingertip.slip.detectors.fast import TICK_S
-from fingertip.slip.intervals import Interval
+from fingertip.slip.traces.intervals import Interval
 from tools.detector_training import rows
 
 MOTION_S, ONSET_S, END_S = 0.99, 1.0, 1.4

@@ -21,15 +21,15 @@ import numpy as np
 import pytest
 
 from fingertip import Design
-from fingertip.build_files import build
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.parameters.design_tables import PARAMETERS
-from fingertip.errors import DesignError, StudioError
+from fingertip.foundation.errors import DesignError, StudioError
 from fingertip.studio.answers import VIEW_TOLERANCE_MM
 from fingertip.studio.downloads import DOWNLOADS
 from fingertip.studio.server import StudioServer
+from fingertip.tasks.build import build
 from tests.conftest import run_fingertip, run_python
 from tests.page.conftest import strip_elements
 from tests.studio.conftest import ask, post

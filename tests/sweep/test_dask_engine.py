@@ -22,8 +22,8 @@ from typer.testing import CliRunner
 
 from fingertip import __version__
 from fingertip.cli import app
-from fingertip.cli.progress import format_state
-from fingertip.errors import SweepError
+from fingertip.cli.console import format_state
+from fingertip.foundation.errors import SweepError
 from fingertip.sweep import dask_engine
 from fingertip.sweep.dask_engine import DaskEngine
 from fingertip.sweep.database import SweepDatabase

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.errors import OutputError, SweepError
+from fingertip.foundation.errors import OutputError, SweepError
 from fingertip.sweep.database import FILE, SweepDatabase
 from tests.sweep.examples import make_plan
 

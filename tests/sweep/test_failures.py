@@ -12,13 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.errors import SweepError
+from fingertip.foundation.errors import SweepError
 from fingertip.sweep import run
-from fingertip.sweep.chunk import ChunkFunction
 from fingertip.sweep.database import FILE, SweepDatabase
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.rows import SweepRow
+from fingertip.sweep.rows import ChunkFunction, SweepRow
 from fingertip.sweep.run import run_sweep
 from tests.sweep import worker_functions
 from tests.sweep.examples import InlineEngine, make_plan

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingertip.sweep.report.plot_scales import histogram_edges, make_scale
-from fingertip.sweep.report.scatter_matrix import _CHARACTER_IN, _write_heading, draw_scatter_matrix
+from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading, draw_scatter_matrix
 from tests.tools import require_module
 
 
@@ -45,7 +45,7 @@ def test_continuous_values_have_bins_of_equal_width() -> None:
 @pytest.mark.parametrize("width_in", [3.4, 5.8, 8.2, 15.0])
 def test_no_line_of_the_heading_is_cut_off(width_in: float) -> None:
     require_module("matplotlib")
-    from fingertip.plot_style import new_figure
+    from fingertip.foundation.plot_style import new_figure
 
     lines = _write_heading(2000, 4096, ["amplifier_bandwidth_hz", "board.r2_ohm", "board.r3_ohm"], width_in)
     assert " ".join(lines).count("board.r3_ohm") == 1

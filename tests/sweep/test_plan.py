@@ -11,7 +11,7 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from fingertip.cli import app
-from fingertip.errors import SweepError
+from fingertip.foundation.errors import SweepError
 from fingertip.sweep.axes import round_significant
 from fingertip.sweep.plan import SweepPlan
 from tests.conftest import ROOT

@@ -14,19 +14,17 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
-from fingertip.campaign.evaluate import TrialResult
-from fingertip.campaign.plan import Case
 from fingertip.design import Design
 from fingertip.design.parameters import DesignTables
 from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
 from fingertip.design.rules import PART_RULES, RULES
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.errors import SweepError
+from fingertip.foundation.errors import SweepError
+from fingertip.lab.campaign.evaluate import TrialResult
+from fingertip.lab.campaign.plan import Case
 from fingertip.sweep import compute
-from fingertip.sweep.cache import LruCache
-from fingertip.sweep.cached_solids import MAX_TRIANGLES, CachedEvaluator
 from fingertip.sweep.compute import PointContext
-from fingertip.sweep.design_builder import DesignBuilder
+from fingertip.sweep.designs import MAX_TRIANGLES, CachedEvaluator, DesignBuilder, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import PointEvaluator
@@ -290,7 +288,7 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
     def evaluate_trial(case: Case, *_: object) -> list[TrialResult]:
         return [TrialResult(case, 10.0, 1.0, 1, (next(delays),), 1.0, ("slip",))]
 
-    monkeypatch.setattr("fingertip.campaign.evaluate.evaluate", evaluate_trial)
+    monkeypatch.setattr("fingertip.lab.campaign.evaluate.evaluate", evaluate_trial)
     plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=3, axes={"detector.window_samples": [20, 40]})
     context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: (Any, 1.0))
     values = compute.compute_detection(context)

@@ -21,8 +21,8 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.errors import MissingLibraryError, OutputError
-from fingertip.plot_style import PALE_TEAL, RED, TEXT_COLOUR
+from fingertip.foundation.errors import MissingLibraryError, OutputError
+from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import write_report
@@ -31,7 +31,7 @@ from fingertip.sweep.report.export import RowSource, write_csv, write_parquet
 from fingertip.sweep.report.feasibility import classify_points
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.output_plots import draw_pareto_front
-from fingertip.sweep.report.scatter_matrix import draw_scatter_matrix
+from fingertip.sweep.report.plots import draw_scatter_matrix
 from fingertip.sweep.report.summary import format_text, summarise, to_json_data
 from fingertip.sweep.rows import SweepRow
 from tests.conftest import run_python

@@ -15,8 +15,14 @@ from numpy.typing import NDArray
 
 from fingertip.cad.verification.check import Check
 from fingertip.sweep.point_evaluator import PointEvaluator
-from fingertip.sweep.report.feasibility import classify_points, find_feasible, find_limiting_rules
-from fingertip.sweep.report.sensitivity import OutputSensitivity, compute_sensitivity, select_strongest_axes
+from fingertip.sweep.report.feasibility import (
+    OutputSensitivity,
+    classify_points,
+    compute_sensitivity,
+    find_feasible,
+    find_limiting_rules,
+    select_strongest_axes,
+)
 from fingertip.sweep.report.statistics import (
     Bins,
     Column,

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from fingertip.board import board_values
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.rows import SweepRow
 from tests.sweep.examples import InlineEngine

@@ -13,10 +13,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fingertip.errors import SweepError
+from fingertip.foundation.errors import SweepError
 from fingertip.sweep import run
-from fingertip.sweep.chunk import Chunk, ChunkResult
 from fingertip.sweep.database import StoredRow, SweepDatabase
+from fingertip.sweep.rows import Chunk, ChunkResult
 from fingertip.sweep.run import RunState, run_sweep
 from tests.sweep.examples import InlineEngine, InlineExecutor, make_plan
 from tests.sweep.worker_functions import make_result

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fingertip.sweep.chunk import Chunk, ChunkResult, PointResult
-from fingertip.sweep.worker_loop import evaluate_points
+from fingertip.sweep.point_evaluator import evaluate_points
+from fingertip.sweep.rows import Chunk, ChunkResult, PointResult
 
 LIMIT_S = 0.4
 FAILING_POINTS = (3, 17)

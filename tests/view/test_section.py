@@ -11,14 +11,13 @@ import pytest
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.shapes.runners import openings
-from fingertip.cad.solids import Box, Solid, cylinder, difference, intersection
-from fingertip.view.joint_view import place_on_hand
-from fingertip.view.picture import draw, find_free_place
-from fingertip.view.section import Section, draw_section, is_near, list_sections, slice_solid, spread
-from fingertip.view.steps.cameras import DORSAL, PALMAR, SIDE
+from fingertip.pictures.picture import draw, find_free_place, place_on_hand
+from fingertip.pictures.section import Section, draw_section, is_near, list_sections, slice_solid, spread
+from fingertip.pictures.steps.scene import DORSAL, PALMAR, SIDE
 
 DESIGNS = {
     "fsr400": ("fsr400", ()),

@@ -14,17 +14,17 @@ from PIL import Image
 from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.casting.markdown import render_sheet, steps
 from fingertip.casting.quantities import measure_volumes
-from fingertip.casting.sheet import casting_sheet_data
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
-from fingertip.view.raster import Camera, Canvas
-from fingertip.view.steps import scene as drawing
-from fingertip.view.steps.bench import Bench
-from fingertip.view.steps.pictures import SCENES, draw_steps
-from fingertip.view.steps.scene import Arrow, Label, Scene, draw_scene
+from fingertip.documents.casting.markdown import render_sheet, steps
+from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.pictures.raster import Camera, Canvas
+from fingertip.pictures.steps import scene as drawing
+from fingertip.pictures.steps.bench import Bench
+from fingertip.pictures.steps.pictures import SCENES, draw_steps
+from fingertip.pictures.steps.scene import Arrow, Label, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip, some_of
 
 DESIGNS = [

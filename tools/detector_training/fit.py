@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.slip.detectors import fast_model
-from fingertip.slip.detectors.fast_model import DEPTH, NODES, FastModel
+from fingertip.foundation.numerics import Array
+from fingertip.slip.detectors import fast_coefficients as fast_model
+from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
 from tools.detector_training.signals import TrainingSignal, generate
 

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
-from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal
-from fingertip.jit import compiled
+from fingertip.foundation.jit import compiled
+from fingertip.foundation.numerics import Array
+from fingertip.lab.wider_mix.bursts import LabelledSignal
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LOWEST_SCORE, SETTLING_S, TICK_S, FastDetector, FastSettings
-from fingertip.slip.detectors.fast_model import FastModel
+from fingertip.slip.detectors.fast_coefficients import FastModel
 from tools.detector_training.signals import TrainingSignal
 
 EARLY_S = 0.004

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
-from fingertip.campaign.wider_mix import bursts, scenes
-from fingertip.campaign.wider_mix.labelled_signal import LabelledSignal
 from fingertip.design import Design
-from fingertip.jit import compiled
+from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
+from fingertip.lab.wider_mix import bursts, scenes
+from fingertip.lab.wider_mix.bursts import LabelledSignal
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import functools
 import re
 
-from fingertip.bundled import list_bundled_files
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.casting.markdown import steps
 from fingertip.casting.quantities import measure_volumes
-from fingertip.casting.sheet import casting_sheet_data
+from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
 from fingertip.design.silicone import select_silicone
-from fingertip.toml_files import DESIGN
-from fingertip.view.picture import draw
-from fingertip.view.steps.pictures import draw_steps
+from fingertip.documents.casting.markdown import steps
+from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.foundation.toml_files import DESIGN
+from fingertip.pictures.picture import draw
+from fingertip.pictures.steps.pictures import draw_steps
 
 WIDTH_PX = 1200
 """Width of a design's picture in the gallery [pixels]."""

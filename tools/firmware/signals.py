@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
-from fingertip.campaign.evaluate import simulate_trace
-from fingertip.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.design import Design
-from fingertip.design.signal_ground import filtered_range_v, signal_ground_ratio
-from fingertip.slip.detectors.fast_filters import design_board_filter
+from fingertip.design.formulas.supply import filtered_range_v, signal_ground_ratio
+from fingertip.foundation.numerics import Array
+from fingertip.lab.campaign.evaluate import simulate_trace
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
+from fingertip.slip.detectors.fast_coefficients import design_board_filter
 from fingertip.slip.detectors.noise import input_noise_v
 
 QUIET_V = 2.0

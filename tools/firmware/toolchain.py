@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.firmware.sources import SOURCE, library_sources
+from fingertip.foundation.numerics import Array
 from tools.firmware.signals import Recording
 
 PROGRAMS = Path(__file__).parent / "programs"

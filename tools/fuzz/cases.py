@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from hypothesis import strategies as st
 
 from fingertip.design import Design
+from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
-from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged
 from tools.fuzz.values import (

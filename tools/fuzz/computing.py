@@ -18,17 +18,17 @@ from typing import TypeVar
 import tomlkit
 from pydantic.fields import FieldInfo
 
-from fingertip.bundled import list_bundled_files
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.design.parameters.design_tables import PARAMETERS
-from fingertip.errors import FingertipError
+from fingertip.foundation.errors import FingertipError
+from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sweep.outputs import OUTPUTS
-from fingertip.toml_files import DESIGN, MANIPULATION, SCENE
 from tools.fuzz.cases import Case
 from tools.fuzz.remedies import as_changes
 from tools.fuzz.values import list_parameters, write_text

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.bundled import PARAMS, list_bundled_files
-from fingertip.toml_files import FileKind
+from fingertip.catalogues.bundled import PARAMS, list_bundled_files
+from fingertip.foundation.toml_files import FileKind
 
 RATE_HZ = 2000.0
 _SAMPLES = 600
@@ -122,8 +122,7 @@ def weighings() -> bytes:
 @cache
 def caliper_readings() -> bytes:
     """File of readings of the default design's coupon."""
-    from fingertip.calibration.lengths import list_lengths
-    from fingertip.calibration.readings import write_template
+    from fingertip.calibration.readings import list_lengths, write_template
     from fingertip.design import Design
 
     text = write_template(Design())
@@ -136,8 +135,8 @@ def caliper_readings() -> bytes:
 @cache
 def board_readings() -> bytes:
     """File of readings of the default design's board."""
-    from fingertip.board.bringup.files import bring_up_files
     from fingertip.design import Design
+    from fingertip.tasks.board import bring_up_files
 
     files = bring_up_files(Design())
     text = next(data for name, data in files.items() if name.endswith(".toml")).decode()
@@ -166,8 +165,8 @@ def sweep_database() -> bytes:
 @cache
 def board_folder() -> Mapping[str, bytes]:
     """Files of the default design's board, with their manifest."""
-    from fingertip.board import write_board
     from fingertip.design import Design
+    from fingertip.tasks.board import write_board
 
     with tempfile.TemporaryDirectory() as folder:
         write_board(Design(), folder)

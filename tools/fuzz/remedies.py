@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
 
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 _BOUND = re.compile(rf"(?:at least |at most |between |choose )?({_NUMBER})")

@@ -25,13 +25,13 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from fingertip.board.edited_files import CircuitRecord, enter_texts, enter_values, read_netlist
-from fingertip.board.output import plan_board
 from fingertip.design import Design
-from fingertip.errors import FingertipError
-from fingertip.output_set import SetWriter, read_manifest, verify_sets
+from fingertip.foundation.errors import FingertipError
+from fingertip.foundation.output_set import SetWriter, read_manifest, verify_sets
 from fingertip.slip import read_trace
 from fingertip.sweep.database import SweepDatabase
+from fingertip.tasks.board import plan_board
+from fingertip.tasks.edited_board import CircuitRecord, enter_texts, enter_values, read_netlist
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged
 

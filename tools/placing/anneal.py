@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.jit import compile_for_process
+from fingertip.foundation.jit import compile_for_process
 
 GRID_MM = 0.05
 """Grid of the positions."""

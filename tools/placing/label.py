@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.footprints import Box, Point
-from fingertip.board.layout.placement import Label, Placement
-from fingertip.board.layout.silkscreen import (
+from fingertip.board.kicad.placement import Label, Placement
+from fingertip.board.kicad.silkscreen import (
     EDGE_CLEARANCE_MM,
     LABEL_CLEARANCE_MM,
     box_distance,
@@ -17,6 +16,7 @@ from fingertip.board.layout.silkscreen import (
     silkscreen_boxes,
     silkscreen_obstacles,
 )
+from fingertip.board.parts.circuit import Circuit
 
 _STRANGER_MM = 0.1
 """Distance by which a label is farther from other components than from its own, which it touches."""

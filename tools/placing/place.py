@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit, Component, Node
 from fingertip.board.kicad.footprints import (
     FIDUCIAL,
     FOOTPRINTS,
@@ -27,7 +26,7 @@ from fingertip.board.kicad.footprints import (
     Box,
     Footprint,
 )
-from fingertip.board.layout.placement import (
+from fingertip.board.kicad.placement import (
     PLACEMENTS,
     Label,
     Placement,
@@ -37,8 +36,9 @@ from fingertip.board.layout.placement import (
     place_box,
     rotate_offset,
 )
-from fingertip.board.layout.silkscreen import label_places, needs_label, print_area, silkscreen_conflicts, text_box
-from fingertip.board.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.silkscreen import label_places, needs_label, print_area, silkscreen_conflicts, text_box
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.parts.circuit import Circuit, Component, Node
 from fingertip.design import Design
 
 _TURNS = (0, 90, 180, 270)

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from fingertip.board.kicad.footprints import FIDUCIAL, FIDUCIAL_CLEARANCE_MM, FOOTPRINTS, Point
-from fingertip.board.layout.placement import PlacedPad, Placement, list_fiducials
-from fingertip.board.layout.template import Segment, Tracks
+from fingertip.board.kicad.placement import PlacedPad, Placement, Segment, Tracks, list_fiducials
 from tools.routing.grid import DesignRules
 from tools.routing.paths import BACK, FRONT
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.board.kicad.footprints import Box
-from fingertip.board.layout.placement import PlacedPad
+from fingertip.board.kicad.placement import PlacedPad
+from fingertip.foundation.numerics import Array
 from tools.routing.paths import BACK, FRONT, GRID_MM, VIA, Node, Path, find_vias
 
 _HISTORY_COST = 0.5

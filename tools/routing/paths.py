@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from fingertip.board.kicad.footprints import Point
+from fingertip.board.kicad.placement import Segment, Tracks
 from fingertip.board.kicad.project import TRACK_MM
-from fingertip.board.layout.template import Segment, Tracks
 
 GRID_MM = 0.2
 FRONT, BACK, VIA = 0, 1, 2

@@ -16,14 +16,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.footprints import Point
+from fingertip.board.kicad.layout import EDGE_CLEARANCE_MM, PAGE_OFFSET_MM, kicad_pcb_file
+from fingertip.board.kicad.placement import PLACEMENTS, TEMPLATES, Placement, Template, format_template, place_pads
 from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM, kicad_project_file
-from fingertip.board.layout.pcb_file import EDGE_CLEARANCE_MM, PAGE_OFFSET_MM, kicad_pcb_file
-from fingertip.board.layout.placement import PLACEMENTS, Placement, place_pads
-from fingertip.board.layout.silkscreen import silkscreen_boxes
-from fingertip.board.layout.template import TEMPLATES, Template, format_template
-from fingertip.board.variants import BOARD_CONFIGURATIONS, BoardConfiguration
+from fingertip.board.kicad.silkscreen import silkscreen_boxes
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS, BoardConfiguration
+from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from tools.placing.label import add_labels
 from tools.placing.place import format_placement, list_problems

@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 
 from fingertip.board.kicad.footprints import Box
-from fingertip.board.layout.placement import PlacedPad
-from fingertip.board.layout.template import Tracks
-from fingertip.jit import compile_for_process
+from fingertip.board.kicad.placement import PlacedPad, Tracks
+from fingertip.foundation.jit import compile_for_process
 from tools.routing.grid import ANY_NET, DesignRules, Grid
 from tools.routing.paths import BACK, VIA, Node, Path, merge_paths, net_name
 

@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from fingertip.board.kicad.footprints import Box, Point
+from fingertip.board.kicad.layout import CORNER_RADIUS_MM
+from fingertip.board.kicad.placement import PlacedPad, Placement, Tracks
 from fingertip.board.kicad.project import POUR_CLEARANCE_MM
-from fingertip.board.layout.pcb_file import CORNER_RADIUS_MM
-from fingertip.board.layout.placement import PlacedPad, Placement
-from fingertip.board.layout.template import Tracks
 from tools.routing.copper import list_copper, segment_gap
 from tools.routing.grid import DesignRules
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from fingertip.board.kicad.footprints import Point
-from fingertip.board.layout.placement import PlacedPad, Placement
-from fingertip.board.layout.template import Segment, Tracks
+from fingertip.board.kicad.placement import PlacedPad, Placement, Segment, Tracks
 from tools.routing.copper import Copper, list_copper, segment_gap
 from tools.routing.grid import DesignRules
 

@@ -1,22 +1,16 @@
-"""Slip-filter board: component values, circuit, and KiCad schematic and layout of a design."""
+"""Slip-filter board: component values, circuit, analysis, bring-up and KiCad files of a design."""
 
-from fingertip.board.board_values import BoardValues, board_values
+from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.circuits.signal_paths import board_circuit
-from fingertip.board.output import (
-    board_differences,
-    board_files,
-    fabrication_differences,
-    write_board,
-    write_fabrication,
-)
 
-__all__ = [
-    "BoardValues",
-    "board_circuit",
-    "board_differences",
-    "board_files",
-    "board_values",
-    "fabrication_differences",
-    "write_board",
-    "write_fabrication",
-]
+__all__ = ["BoardValues", "board_circuit", "board_values"]
+
+NETLIST = "slip_filter.net"
+VALUES = "values.json"
+DECK = "slip_filter.cir"
+BOM = "bom.csv"
+SCHEMATIC = "slip_filter.kicad_sch"
+LAYOUT = "slip_filter.kicad_pcb"
+PROJECT = "slip_filter.kicad_pro"
+README = "README.md"
+BRING_UP, BRING_UP_READINGS, WIRING = "bringup.md", "bringup_readings.toml", "wiring.svg"

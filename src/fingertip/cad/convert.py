@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fingertip import extras
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.hardware import hardware
-from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.solids import Solid
+from fingertip.cad.kernel.solids import Solid
+from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.design import Design
-from fingertip.design.issues import suggest_name
-from fingertip.errors import DesignError, Issue
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation import extras
+from fingertip.foundation.errors import DesignError, Issue
 
 if TYPE_CHECKING:
     import cadquery

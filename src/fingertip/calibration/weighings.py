@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.components.bridge import NEWTON_PER_GRAM
-from fingertip.design.issues import suggest_name
-from fingertip.errors import InputFileError, Issue, TraceError, quote_value
-from fingertip.input_files import RECORDING_LIMIT, read_input
-from fingertip.slip.traces.cells import DELIMITERS, split_cells, unquote
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
+from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
+from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
 
 LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
 """Columns of loads -> newtons per unit."""

@@ -1,1 +1,1 @@
-"""Casting of the skin: silicones, quantities to mix, hardware to buy and the casting sheet."""
+"""Casting of the skin: quantities to mix, hardware, tapes and print settings. The sheet is in `documents`."""

@@ -5,12 +5,101 @@ A bolt is bought as a machine screw, threaded to the head or not.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import Any
 
-from fingertip.casting.wires import describe_bought_wires
+from fingertip.board import board_circuit
+from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
+from fingertip.board.components.values import select_components
+from fingertip.board.parts.mating import PlugWire, find_plug_wire, list_mating_parts
+from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.clamp_bolts import size_clamp_bolts, standard_length_mm
-from fingertip.design.threads import select_thread
+from fingertip.design.geometry.mold_layout import size_clamp_bolts, standard_length_mm
+
+# Wires of the sensor: how thick they may be, and how long a loop they need.
+
+
+_SLACK_MM = 10.0
+"""Slack of the wires besides what a joint takes up [mm]. An assumption."""
+MIN_LENGTH_MM = 150.0
+"""Least length of each wire, from the solder joint to the plug of the board [mm]. An assumption."""
+_FLEXIBLE_AWG = (28, 32)
+"""Thickest and thinnest conductor if the board has no plug for the sensor. An assumption: it stays flexible."""
+_AWG_36_MM = 0.127
+"""Diameter of AWG 36, from which all others follow [mm] (ASTM B258)."""
+
+
+@dataclass(frozen=True)
+class Wires:
+    """Wires of a sensor."""
+
+    max_diameter_mm: float
+    """Largest diameter of one wire over its insulation."""
+    conductor_awg: int
+    """Thickest conductor that leaves half of the diameter to the insulation, and that the board's connector takes."""
+    thinnest_awg: int
+    """Thinnest conductor that the connector takes, or as thin as the diameter asks for."""
+    slack_mm: float
+    """Length of the loop between the finger and the first place at which the wires are fixed."""
+
+
+def describe_plug_wires(design: Design, wires: Wires) -> str:
+    """Describe which wires fit both the finger and the plug of the board's sensor connector; empty without a plug.
+
+    A board without locking connectors takes the wires of any socket, or none.
+    """
+    plug = _find_plug(design)
+    if plug is None:
+        return ""
+    common = plug.describe_common(wires.max_diameter_mm, wires.conductor_awg)
+    return f"The plug of the board ({plug.series} at {SENSOR_CONNECTOR}) takes {plug.description}; {common}."
+
+
+def describe_bought_wires(design: Design) -> dict[str, Any]:
+    """Describe the wires to buy: what fits the finger and, where it can, the plug of the board."""
+    wires, plug = size_wires(design), _find_plug(design)
+    bought: dict[str, Any] = {
+        "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
+        "min_length_mm": max(MIN_LENGTH_MM, round(wires.slack_mm + design.dimensions.sensor.length_mm, -1)),
+    }
+    if plug is None or wires.max_diameter_mm < plug.min_insulation_mm:
+        return bought | {"thinner_than_mm": wires.max_diameter_mm}
+    bought["insulation_mm"] = [plug.min_insulation_mm, min(plug.max_insulation_mm, wires.max_diameter_mm)]
+    all_fit = wires.conductor_awg == plug.min_awg and wires.max_diameter_mm >= plug.max_insulation_mm
+    if all_fit and (lead := _find_lead(design)):
+        bought["or_lead"] = lead
+    return bought
+
+
+def _find_lead(design: Design) -> str:
+    """Find the lead with contacts that the plug takes; empty without one."""
+    connector = board_circuit(select_components(design)).component(SENSOR_CONNECTOR)
+    for mating in list_mating_parts(connector):
+        if mating.part and mating.item.startswith("or leads"):
+            return f"{mating.part.manufacturer} {mating.part.number}, one for each wire, its second contact cut off"
+    return ""
+
+
+def size_wires(design: Design) -> Wires:
+    """Size the wires: they fit through channel or fold, and cross the joint in a loop that stays loose.
+
+    The gauge number of a diameter d is 36 - 39 log(d / 0.127 mm) / log 92 (ASTM B258).
+    """
+    dims, joint = design.dimensions, design.dimensions.joint
+    # Two equal circles side by side span the channel.
+    diameter = design.sensor.wire_diameter_mm if dims.fold else design.bone.channel_diameter_mm / 2
+    gauge = math.ceil(36.0 - 39.0 * math.log(diameter / 2 / _AWG_36_MM) / math.log(92.0))
+    bend = math.radians(design.hand.travel_deg) * (dims.bone_outline.section.dorsal - joint.axis_y) if joint else 0.0
+    plug = _find_plug(design)
+    thickest, thinnest = (plug.min_awg, plug.max_awg) if plug else _FLEXIBLE_AWG
+    return Wires(diameter, max(gauge, thickest), max(gauge, thinnest), bend + _SLACK_MM)
+
+
+def _find_plug(design: Design) -> PlugWire | None:
+    """Find the wires that the plug of the board's sensor connector takes."""
+    return find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
+
 
 WEIGHTS_G = (100.0, 500.0)
 """Weights laid on the pad of the finished finger [g]."""

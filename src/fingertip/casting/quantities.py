@@ -6,13 +6,14 @@ import math
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import mold, skin
+from fingertip.cad.kernel.solids import intersection, union
+from fingertip.cad.shapes import insert as skin
+from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.runners import runners
-from fingertip.cad.solids import intersection, union
+from fingertip.catalogues.silicones import MaterialProperty, Silicone
 from fingertip.design import Design
-from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling
-from fingertip.silicones import MaterialProperty, Silicone
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling
 
 WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project
@@ -152,3 +153,85 @@ def _component_densities(silicone: Silicone) -> tuple[float, float] | None:
 
 def _middle(value: MaterialProperty) -> float:
     return (value.low + value.high) / 2
+
+
+# Force that pulls the skin off the bone, where a groove or the tightness of a sleeve holds it.
+#
+# A thin ring of silicone is stretched: p = E e t / R, with the strain e, the thickness t and the radius R (thin-walled
+# cylinder). Over a groove the ring climbs a flank of 45 degrees without friction, so the pull is the force that
+# presses it together; a sleeve is held by friction. Adhesion is left out: it depends on how clean the bone is.
+
+
+FRICTION = 0.5
+"""Coefficient of friction of silicone on resin. An assumption, at the lower end of rubber's."""
+
+
+def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
+    """Estimate the pull-off force of the skin [N], with the lowest modulus of the silicone; 0 if nothing but adhesion
+    holds it."""
+    section, bone, skin = design.dimensions.bone_outline.section, design.bone, design.skin
+    radius = (section.half_width + (section.dorsal + design.dimensions.flat_depth) / 2) / 2
+    thickness = min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
+    modulus = silicone.modulus_mpa.low
+    held = 0.0
+    if bone.groove_depth_mm:
+        pressure = modulus * (bone.groove_depth_mm / radius) * thickness / radius
+        held += pressure * math.tau * radius * bone.groove_width_mm
+    if design.mold.method == "sleeve":
+        pressure = modulus * (design.mold.sleeve_interference_mm / radius) * thickness / radius
+        held += FRICTION * pressure * math.tau * radius * design.dimensions.taper_end_z
+    return held
+
+
+def name_retention(design: Design) -> list[str]:
+    """Name what holds the skin besides adhesion: the groove, the tightness of a sleeve, or nothing."""
+    held = ["the groove"] if design.bone.groove_depth_mm else []
+    if design.mold.method == "sleeve" and design.mold.sleeve_interference_mm:
+        held.append("the tightness of the sleeve")
+    return held
+
+
+# Pose of the mold while it fills: how far it may tilt before more air stays beside the first vent than the check lets
+# pass.
+#
+# Near the vent the cavity is a paraboloid with the curvatures k and K. Tilted by a small angle t, the highest point
+# lies t^2 / (2 k) above the vent, and the cap above the vent holds pi h^2 / sqrt(k K) of air.
+
+
+_STEP_MM = 0.2
+"""Step of the slopes and curvatures of the cavity [mm]."""
+_RESERVE = 2.0
+"""Factor by which the cap of the paraboloid stays below the limit: away from the vent a cavity is flatter than that."""
+
+
+def pose_tolerance_deg(design: Design) -> float | None:
+    """Compute the angle by which the mold may tilt out of its pose [degrees]; None unless its first vent is dorsal.
+
+    The bone below the cap takes some of its room, so that less air than that stays.
+    """
+    vent, height = place_vents(design)[0], design.dimensions.outer.dorsal_height_at
+    x, y, z = vent.point_mm
+    if vent.kind != "dorsal" or y <= 0.0:
+        return None
+    step = _STEP_MM
+    middle, right, left = height(x, z), height(x + step, z), height(x - step, z)
+    above, below = height(x, z + step), height(x, z - step)
+    corners = (
+        height(x + step, z + step)
+        - height(x + step, z - step)
+        - height(x - step, z + step)
+        + height(x - step, z - step)
+    )
+    slope_x, slope_z = (right - left) / (2 * step), (above - below) / (2 * step)
+    bent_x, bent_z = (right - 2 * middle + left) / step**2, (above - 2 * middle + below) / step**2
+    twist = corners / (4 * step**2)
+    # Mean and Gaussian curvature of a surface that is given by its height.
+    squared = 1.0 + slope_x**2 + slope_z**2
+    gaussian = (bent_x * bent_z - twist**2) / squared**2
+    mean = -((1.0 + slope_z**2) * bent_x - 2.0 * slope_x * slope_z * twist + (1.0 + slope_x**2) * bent_z) / (
+        2.0 * squared**1.5
+    )
+    flattest = mean - math.sqrt(max(0.0, mean**2 - gaussian))
+    if flattest <= 0.0:
+        return None
+    return math.degrees((4.0 * MAX_AIR_MM3 / _RESERVE * flattest**2 * math.sqrt(gaussian) / math.pi) ** 0.25)

@@ -9,7 +9,7 @@ from fingertip.cad.shapes.seals import TAPE_RIM_MM, tape_outline_mm
 from fingertip.design import Design
 from fingertip.design.geometry.insert_body import add_groove
 from fingertip.design.geometry.seat import tape_span_mm
-from fingertip.numerics import bisect
+from fingertip.foundation.numerics import bisect
 
 _STOCK_WIDTHS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0)
 """Widths in which polyimide tape is sold. An assumption: makers' lists differ."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 Data = Mapping[str, Any]
@@ -39,3 +40,15 @@ def join(names: Sequence[str]) -> str:
     """Join names to a list in words."""
     *first, last = names
     return f"{', '.join(first)} and {last}" if first else last
+
+
+# Step of the procedure: what to do, and which picture shows it.
+
+
+@dataclass(frozen=True)
+class Step:
+    """Step of the casting sheet."""
+
+    picture: str
+    """Name of the scene in `fingertip.pictures.steps` that shows the step."""
+    text: str

@@ -9,35 +9,24 @@ from collections.abc import Sequence
 
 import typer
 
-from fingertip import interruption
-from fingertip._version import __version__
-from fingertip.cli.acceptance import acceptance
-from fingertip.cli.bench import bench
 from fingertip.cli.board import board
-from fingertip.cli.build import build
-from fingertip.cli.calibrate import calibrate
-from fingertip.cli.calibrate_sensor import sensor
+from fingertip.cli.build import build, coupon, make
+from fingertip.cli.calibrate import calibrate, sensor
 from fingertip.cli.check import check
 from fingertip.cli.completion import completion
-from fingertip.cli.console import BAD_INPUT, Console, command
-from fingertip.cli.coupon import coupon
+from fingertip.cli.console import BAD_INPUT, FAULT, Console, command, describe_fault
+from fingertip.cli.design import new, params, schema
 from fingertip.cli.detect import detect
-from fingertip.cli.drawing import drawing
+from fingertip.cli.documents import acceptance, drawing, page, picture, sheet
 from fingertip.cli.firmware import firmware
 from fingertip.cli.help_page import HelpGroup, group_commands
-from fingertip.cli.last_resort import FAULT, describe_fault
-from fingertip.cli.make import make
-from fingertip.cli.new import new
-from fingertip.cli.page import page
-from fingertip.cli.params import params
-from fingertip.cli.picture import picture
-from fingertip.cli.schema import schema
-from fingertip.cli.sheet import sheet
 from fingertip.cli.simulate import simulate
 from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
-from fingertip.cli.validate import validate
-from fingertip.errors import FingertipError, Issue
+from fingertip.cli.validate import bench, validate
+from fingertip.foundation import processes as interruption
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.version import __version__
 
 app = typer.Typer(
     name="fingertip",

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip import extras
 from fingertip.cli.console import (
     CHECK_FAILED,
     Console,
@@ -19,11 +18,11 @@ from fingertip.cli.console import (
     VerboseOption,
     command,
 )
-from fingertip.cli.options import OptionalDesignArgument
-from fingertip.cli.output_files import find_file_issues, find_idle_issues
+from fingertip.cli.options import OptionalDesignArgument, find_file_issues, find_idle_issues
+from fingertip.foundation import extras
 
 if TYPE_CHECKING:
-    from fingertip.board.board_values import BoardValues
+    from fingertip.board.analysis.board_values import BoardValues
     from fingertip.design import Design
 
 _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
@@ -88,16 +87,18 @@ def board(
     quiet: QuietOption = False,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
-    from fingertip.board import (
+    from fingertip.board import board_values
+    from fingertip.cli.options import load_design
+    from fingertip.foundation.errors import OutputError
+    from fingertip.tasks.board import (
         board_differences,
-        board_values,
+        board_folder,
+        check_fabrication,
         fabrication_differences,
+        refuse_other_board,
         write_board,
         write_fabrication,
     )
-    from fingertip.board.output import board_folder, check_fabrication, refuse_other_board
-    from fingertip.cli.load import load_design
-    from fingertip.errors import OutputError
 
     console = Console(as_json, quiet)
     issues = [*find_file_issues("--bode", bode, ".csv"), *find_file_issues("--plot", plot, ".png", ".svg")]
@@ -114,8 +115,8 @@ def board(
     # A folder that nobody named keeps a board of another circuit.
     is_named, out = out is not None, out or board_folder(loaded)
     if readings:
-        from fingertip.board.bringup.files import assess_board
-        from fingertip.board.bringup.report import format_assessment
+        from fingertip.board.bringup.readings import format_assessment
+        from fingertip.tasks.board import assess_board
 
         assessment = assess_board(loaded, readings)
         console.result(assessment, format_assessment(assessment))
@@ -160,23 +161,22 @@ def board(
         text += "\n\n" + "\n".join([*_load_lines(loaded, values), "", *_gate_lines(values)])
     if fab:
         from fingertip.board.circuits.signal_paths import board_circuit
-        from fingertip.board.fabrication.assembly import missing_numbers_note
+        from fingertip.board.fabrication.bom import missing_numbers_note
 
         data["to_order"] = missing_numbers_note(board_circuit(values))
         text += f"\n\n{data['to_order']}".rstrip()
     if article:
         text += "\n\n" + "\n".join(_errata_lines(values))
     if bode:
-        from fingertip.board.analysis.analyse import bode_table
-        from fingertip.files import write_file
+        from fingertip.board.analysis.report import bode_table
+        from fingertip.foundation.files import write_file
 
         write_file(bode, bode_table(loaded).encode(), "--bode")
         console.progress(f"wrote {bode}")
         paths += (bode,)
     if plot:
-        from fingertip.board.analysis.response_band import compute_response_band
-        from fingertip.board.analysis.response_plot import draw_response
-        from fingertip.files import write_file
+        from fingertip.board.analysis.tolerance import compute_response_band, draw_response
+        from fingertip.foundation.files import write_file
 
         band = compute_response_band(loaded)
         title = f"{loaded.name}: response of the board, variant {values.variant}, {loaded.board.supply} supply"
@@ -184,8 +184,7 @@ def board(
         console.progress(f"wrote {plot}")
         paths += (plot,)
     if analysis:
-        from fingertip.board.analysis.analyse import analyse
-        from fingertip.board.analysis.report import analysis_text
+        from fingertip.board.analysis.report import analyse, analysis_text
 
         analysis_result = analyse(loaded)
         data["analysis"] = analysis_result.as_data()
@@ -270,9 +269,9 @@ def _errata_lines(values: BoardValues) -> list[str]:
 
 def _gate_lines(values: BoardValues) -> list[str]:
     """Conditions that the board must meet to work."""
-    from fingertip.amplifiers import CATALOGUE
     from fingertip.board.analysis.gate import describe_condition
-    from fingertip.board.analysis.threshold_spread import describe_threshold_spread
+    from fingertip.board.analysis.thresholds import describe_threshold_spread
+    from fingertip.catalogues.amplifiers import CATALOGUE
 
     amplifier = CATALOGUE[values.amplifier]
     lines = [f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"]
@@ -286,7 +285,7 @@ def _gate_lines(values: BoardValues) -> list[str]:
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
     """Component values: ideal, preferred, deviation and function."""
-    from fingertip.board.circuit import format_component_value
+    from fingertip.board.parts.circuit import format_component_value
 
     ideal, preferred, bridge, adc = values.ideal, values.preferred, values.bridge, values.adc_interface
     filter_resistors = [
@@ -326,7 +325,7 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
 
 def _response_lines(values: BoardValues) -> list[str]:
     """Target and achieved frequency response."""
-    from fingertip.board.analysis.figures import format_figure
+    from fingertip.foundation.files import format_figure
 
     target, achieved = values.target_response, values.achieved_response
     quantities = [
@@ -358,8 +357,8 @@ def _format_deviation(ratio: float) -> str:
 
 def _load_lines(design: Design, values: BoardValues) -> list[str]:
     """Load and peak current of each amplifier in the band of the vibrations."""
-    from fingertip.board.analysis.figures import format_figure
     from fingertip.board.analysis.loads import signal_band_hz
+    from fingertip.foundation.files import format_figure
 
     low_hz, high_hz = signal_band_hz(design.board.cutoff_hz)
     lines = [f"amplifiers, {low_hz:.4g} Hz to {high_hz:.4g} Hz: smallest load, and peak current at the clipping level"]
@@ -374,7 +373,7 @@ def _load_lines(design: Design, values: BoardValues) -> list[str]:
 def _force_lines(design: Design, values: BoardValues) -> list[str]:
     """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
     from fingertip.board.components.bridge import sensor_conductance_s
-    from fingertip.design.force_curve import describe_force_curve
+    from fingertip.design.silicone import describe_force_curve
 
     conductance_of = sensor_conductance_s
     if design.force_curve.curve == "calibrated":

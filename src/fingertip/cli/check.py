@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
 
 import typer
 
+from fingertip.cad.verification.check import Check
 from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, VerboseOption, command
-from fingertip.cli.output_files import find_file_issues
+from fingertip.cli.options import find_file_issues
 
 if TYPE_CHECKING:
-    from fingertip.cad.verification.check import Check
-    from fingertip.cli.load import Progress
+    from fingertip.cli.options import Progress
     from fingertip.design import Design
 
 
@@ -49,7 +52,7 @@ def check(
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
     Nothing in it is changed.
     """
-    from fingertip.errors import Issue, OutputError
+    from fingertip.foundation.errors import Issue, OutputError
 
     console = Console(as_json, quiet)
     folders = [path for path in designs if path.is_dir()]
@@ -74,7 +77,7 @@ def check(
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
     """Compare folders with their manifests: data and text of each."""
-    from fingertip.output_set import verify_sets
+    from fingertip.foundation.output_set import verify_sets
 
     results, texts = [], []
     for folder in folders:
@@ -112,8 +115,7 @@ def _check_designs(
             design, parts_by_name(design), ("stl",), MeshEvaluator(tolerance_mm), console.progress
         ).checks
     if junit is not None:
-        from fingertip.cad.files.junit import to_bytes
-        from fingertip.files import write_file
+        from fingertip.foundation.files import write_file
 
         write_file(junit, to_bytes(checks_by_design), "--junit")
     passed = all(c.passed for checks in checks_by_design.values() for c in checks)
@@ -135,9 +137,9 @@ def _check_designs(
 
 def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
-    from fingertip.cli.load import load_design
+    from fingertip.cli.options import load_design
     from fingertip.design.load import load_tables
-    from fingertip.errors import DesignError, Issue
+    from fingertip.foundation.errors import DesignError, Issue
 
     load_tables((), changes)  # reports invalid changes once instead of once per file
     loaded: dict[Path, Design] = {}
@@ -161,7 +163,7 @@ def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> 
 def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
     """Verdict on a design, then the checks that failed or warn, or all of them."""
     from fingertip.cad.verification.check import count_checks, list_warnings
-    from fingertip.files import round_for_output
+    from fingertip.foundation.files import round_for_output
 
     verdict = f"{label}: {count_checks(checks)}"
     shown = [c for c in checks if verbose or c.state != "passed"]
@@ -185,7 +187,53 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
 
 def describe_cause(check: str) -> str:
     """Describe what to change if a check of this name fails, as a line of text."""
-    from fingertip.cad.verification.causes import list_causes
+    from fingertip.cad.verification.check import list_causes
 
     causes = list_causes(check)
     return f"  {check}: change {', '.join(causes)}" if causes else f"  {check}: this is a bug in fingertip"
+
+
+# Checks as a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
+#
+# Each design is a test suite and each check a test case. A warning stands in the output of its test case, which
+# passed. The report holds no times, dates or host names, so the same designs give the same bytes.
+
+
+_INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
+
+
+def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
+    """Write the report for the checks of each design, given by the design's name."""
+    root = Element("testsuites", name="fingertip check")
+    for name, checks in suites.items():
+        _suite(root, _clean(name), tuple(checks))
+    for count in ("tests", "failures", "errors"):
+        root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def message(check: Check) -> str:
+    """Describe a check's value and limit, such as `value 3 edges, must be exactly 0`."""
+    return f"value {check.value:g} {check.unit}".rstrip() + f", must be {check.relation} {check.limit:g}"
+
+
+def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
+    failed = sum(not check.passed for check in checks)
+    # Readers group test cases by the dots in the class name, so dots in the design's name are replaced.
+    classname = "fingertip." + name.replace(".", "_")
+    suite = SubElement(root, "testsuite", name=name, tests=str(len(checks)), failures=str(failed), errors="0")
+    suite.set("skipped", "0")
+    for check in checks:
+        case = SubElement(suite, "testcase", classname=classname, name=_clean(check.name))
+        if not check.passed:
+            failure = SubElement(case, "failure", type="check", message=message(check))
+            failure.text = f"{name}: {check.name}: {message(check)}"
+        warning = f"; warning: {check.warning}" if check.state == "warning" else ""
+        SubElement(case, "system-out").text = _clean(message(check) + warning)
+
+
+def _clean(text: str) -> str:
+    """Replace characters that XML 1.0 cannot represent, not even escaped, by question marks."""
+    return _INVALID_IN_XML.sub("?", text)

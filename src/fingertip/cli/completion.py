@@ -43,8 +43,8 @@ def completion(
     For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion
     zsh)" to ~/.zshrc, after compinit. For fish, write the script to ~/.config/fish/completions/fingertip.fish.
     """
-    from fingertip.design.issues import suggest_name
-    from fingertip.errors import DesignError, Issue
+    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.foundation.errors import DesignError, Issue
 
     if shell not in SHELLS:
         raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, SHELLS)}"))
@@ -78,11 +78,11 @@ def list_commands(group: Any, context: Any, prefix: str = "") -> Iterator[Comman
 
 def option_values() -> dict[str, tuple[str, ...]]:
     """Values of the options that take a word of a list."""
-    from fingertip.bundled import PARAMS, list_bundled_files
+    from fingertip.catalogues.bundled import PARAMS, list_bundled_files
+    from fingertip.catalogues.silicones import SILICONES
     from fingertip.design.parameters.declaration import list_choices
     from fingertip.design.parameters.design_tables import PARAMETERS
-    from fingertip.silicones import SILICONES
-    from fingertip.toml_files import DESIGN
+    from fingertip.foundation.toml_files import DESIGN
 
     parameters: list[str] = []
     for path, field in PARAMETERS.items():
@@ -111,9 +111,9 @@ def format_script(shell: str, commands: list[CommandWords]) -> str:
 
 def _argument_names(command_name: str, argument: str) -> list[str]:
     """Names that an argument may take, beside files."""
-    from fingertip.bundled import list_bundled_files
-    from fingertip.cli.schema import KINDS
-    from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
+    from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.cli.design import KINDS
+    from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 
     if command_name == "schema":
         return [*KINDS]

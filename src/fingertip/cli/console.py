@@ -7,24 +7,184 @@ after SIGTERM, 129 after SIGHUP, 141 where the reader of the output has closed i
 from __future__ import annotations
 
 import contextlib
+import errno
 import functools
 import inspect
 import json
+import math
 import os
 import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, NoReturn, ParamSpec
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, ParamSpec
 
 import typer
 
-from fingertip import interruption
-from fingertip.cli.last_resort import FAULT, describe_fault, describe_path_error
-from fingertip.cli.progress import ProgressDisplay
-from fingertip.errors import FingertipError, Issue, OutputError, escape_control
-from fingertip.progress import ShareText
+from fingertip.foundation import processes as interruption
+from fingertip.foundation.errors import FingertipError, Issue, OutputError, escape_control, shorten
+from fingertip.foundation.progress import ShareText, format_duration
+from fingertip.foundation.version import __version__
+
+if TYPE_CHECKING:
+    from fingertip.sweep.run import RunState
+
+
+# Progress on stderr: a bar on a terminal, else a line now and then for a log.
+
+
+LINE_INTERVAL_S = 10.0
+"""Smallest time between two lines of a log that report shares [s]."""
+MIN_ROWS_FOR_ESTIMATE = 10
+"""Number of rows from which the remaining time is estimated."""
+BAR_WIDTH = 20
+CLEAR_LINE = "\r\x1b[2K"
+
+
+class ProgressDisplay:
+    """Messages on stderr. The share of long work is a bar in the last line of a terminal, and a few lines of a log."""
+
+    has_bar: ClassVar[bool] = False
+    """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
+
+    def __init__(self) -> None:
+        self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._last_s = -math.inf
+
+    def show(self, message: str) -> None:
+        """Show a message; one that carries a share replaces the one before it, or is left out of a log for a while."""
+        if not isinstance(message, ShareText):
+            self.clear()
+            print(message, file=sys.stderr, flush=True)
+        elif self._is_terminal:
+            line = format_bar(message, shutil.get_terminal_size().columns)
+            print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
+            ProgressDisplay.has_bar = True
+        elif time.monotonic() - self._last_s >= LINE_INTERVAL_S:
+            self._last_s = time.monotonic()
+            print(message, file=sys.stderr, flush=True)
+
+    def clear(self) -> None:
+        """Remove the bar."""
+        if ProgressDisplay.has_bar:
+            print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
+            ProgressDisplay.has_bar = False
+
+
+def format_bar(message: ShareText, columns: int) -> str:
+    """Format a bar with its message, in one line of a terminal."""
+    full = round(BAR_WIDTH * message.share)
+    return f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {message}"[: columns - 1]
+
+
+@contextlib.contextmanager
+def sweep_progress(console: Console, size: int) -> Iterator[Callable[[RunState], None]]:
+    """Provide a callback that shows the state of a sweep."""
+    begun = time.monotonic()
+
+    def show(state: RunState) -> None:
+        # A short sweep leaves no line in a log.
+        if sys.stderr.isatty() or time.monotonic() - begun >= LINE_INTERVAL_S:
+            console.progress(ShareText(format_state(state), state.done / size))
+
+    yield show
+    console.end_progress()
+
+
+def format_state(state: RunState) -> str:
+    """Format points done, speed, remaining time and numbers of refused and failed points."""
+    parts = [f"{state.done} of {state.size} points", f"{state.points_per_s:.3g} points/s"]
+    if state.written >= MIN_ROWS_FOR_ESTIMATE and state.remaining_s < math.inf:
+        parts.append(f"{format_duration(state.remaining_s)} left")
+    parts += [f"{state.refused} refused", f"{state.failures} failed"]
+    if state.silent_s >= state.hang_s:
+        parts.append(
+            f"no worker has answered for {format_duration(state.silent_s)}: one may hang; Ctrl-C keeps the rows, and "
+            "--resume continues"
+        )
+    return ", ".join(parts)
+
+
+# Last resort of the command line: an exception that no command expected becomes one sentence and a file of details.
+#
+# A traceback would end the process with the exit code of a failed check. The code here is that of an internal fault.
+
+
+FAULT = 70
+"""Exit code of a fault of the program (`EX_SOFTWARE` of sysexits.h)."""
+_MAX_REASON = 200
+_MACHINE_ERRORS = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOMEM})
+"""Errors that blame the machine, whatever path they meet."""
+_FULL_DISK = frozenset(getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name))
+"""Errors of a disk, which name no file when they meet one that is open."""
+_REPORT = "report it, with that file, by the form for bugs of the project's issue tracker"
+
+
+def describe_fault(error: BaseException) -> FingertipError:
+    """Describe an unexpected exception, and write its details to a file of the folder for temporary files."""
+    reason = type(error).__name__
+    if text := " ".join(str(error).split()):
+        reason = f"{reason}: {shorten(text, _MAX_REASON)}"
+    details = _write_details(error)
+    where = f"details are in {details}" if details else "no file of details could be written"
+    if isinstance(error, MemoryError):
+        message = f"the memory did not suffice ({reason}); close other programs, or give smaller input; {where}."
+    elif isinstance(error, OSError) and error.errno in (errno.EMFILE, errno.ENFILE):
+        message = f"no more files may be opened ({reason}); raise the limit, as with `ulimit -n 256`; {where}."
+    else:
+        message = f"stopped at a fault of its own, not at one of your input ({reason}); {where}; {_REPORT}."
+    return FingertipError(Issue("fingertip", message))
+
+
+def describe_path_error(error: OSError) -> FingertipError | None:
+    """Describe an error of the operating system that blames a path; None if it is another one.
+
+    A path that is too long, or a folder that may not be read, is no fault of the program, wherever it is met.
+    """
+    if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
+        return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
+    if error.errno in _FULL_DISK:
+        reason = error.strerror or type(error).__name__
+        place = str(error.filename or "disk")
+        message = f"cannot be written ({reason}); free some space there, and in TMPDIR."
+        return FingertipError(Issue(place, message))
+    if error.filename is None or error.errno in _MACHINE_ERRORS:
+        return None
+    path = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else str(error.filename)
+    reason = error.strerror or type(error).__name__
+    return FingertipError(Issue(path, f"cannot be used ({reason}); give another path, or change its mode."))
+
+
+def _is_working_folder_gone() -> bool:
+    try:
+        os.getcwd()
+    except OSError:
+        return True
+    return False
+
+
+def _write_details(error: BaseException) -> str | None:
+    """Write command, versions and traceback to a new file; return its path, or None if that fails."""
+    try:
+        import platform
+        import tempfile
+        import traceback
+
+        trace = "".join(traceback.format_exception(error))
+        lines = [
+            f"fingertip {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
+            f"command: {shorten(repr(sys.argv[1:]), 4000)}",
+            shorten(trace, 100_000),
+        ]
+        handle, path = tempfile.mkstemp(prefix="fingertip-fault-", suffix=".txt")
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
+            file.write("\n".join(lines))
+    except Exception:  # no memory, no file handle, no such folder: the sentence alone must do
+        return None
+    return path
+
 
 P = ParamSpec("P")
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import Console, JsonOption, QuietOption, SetOption, command
-from fingertip.cli.output_files import find_file_issues
+from fingertip.cli.console import BAD_INPUT, Console, JsonOption, QuietOption, SetOption, command
+from fingertip.cli.options import find_file_issues
+from fingertip.foundation.processes import INTERRUPTIONS, exit_code
+
+if TYPE_CHECKING:
+    from fingertip.design import Design
 
 
 @command
@@ -71,14 +77,13 @@ def detect(
     The detector analog takes the board's output: the column envelope_v of the trace or, if there is none, the output of
     the design's board, simulated for the voltage.
     """
-    from fingertip import extras
-    from fingertip.cli.live import detect_standard_input
-    from fingertip.cli.load import load_design
+    from fingertip.cli.options import load_design
     from fingertip.design.load import load_tables
-    from fingertip.detect_trace import detect_file
-    from fingertip.errors import TraceError
-    from fingertip.output_set import add_to_set, check_set
-    from fingertip.slip.format import as_data, as_text
+    from fingertip.detection.files import detect_file
+    from fingertip.foundation import extras
+    from fingertip.foundation.errors import TraceError
+    from fingertip.foundation.output_set import add_to_set, check_set
+    from fingertip.slip.report import as_data, as_text
 
     console = Console(as_json, quiet)
     if issues := list(find_file_issues("--plot", plot, ".png")):
@@ -109,7 +114,7 @@ def detect(
     for warning in found.warnings:
         console.progress(f"warning: {warning}")
     if plot is not None:
-        from fingertip.slip.plot import draw
+        from fingertip.slip.report import draw
 
         console.progress(f"drawing {plot}")
         add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
@@ -117,7 +122,7 @@ def detect(
 
 
 def _parse_columns(columns: list[str]) -> dict[str, str]:
-    from fingertip.errors import Issue, TraceError
+    from fingertip.foundation.errors import Issue, TraceError
 
     pairs = [column.partition("=") for column in columns]
     if invalid := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
@@ -127,7 +132,7 @@ def _parse_columns(columns: list[str]) -> dict[str, str]:
 
 
 def _parse_interval(text: str) -> tuple[float, float]:
-    from fingertip.errors import Issue, TraceError
+    from fingertip.foundation.errors import Issue, TraceError
 
     begin, _, end = text.partition(":")
     try:
@@ -138,7 +143,7 @@ def _parse_interval(text: str) -> tuple[float, float]:
 
 
 def _parse_time_scale(text: str) -> float:
-    from fingertip.errors import Issue, TraceError
+    from fingertip.foundation.errors import Issue, TraceError
     from fingertip.slip.traces.sampling import TIME_UNITS_S
 
     try:
@@ -147,3 +152,66 @@ def _parse_time_scale(text: str) -> float:
         units = ", ".join(TIME_UNITS_S)
         message = f"{text!r} is no unit of time; give seconds per unit, such as 1e-3, or one of {units}."
         raise TraceError(Issue("--time-scale", message)) from None
+
+
+# `fingertip detect -`: detection on lines from standard input; each transition is printed when it occurs.
+
+
+def detect_standard_input(
+    console: Console,
+    design: Design,
+    detector: str,
+    rate_hz: float | None,
+    scale: float,
+    time_scale: float,
+    columns: Mapping[str, str],
+    keep_window: bool,
+    plot: Path | None,
+    calibrate: str | None,
+) -> None:
+    """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
+    from fingertip.detection.files import detect_stream
+    from fingertip.detection.live import NAME
+    from fingertip.foundation.errors import FingertipError, Issue, TraceError
+
+    if not sys.stdin or sys.stdin.closed:
+        raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
+    if unavailable := [name for name, value in (("--plot", plot), ("--calibrate", calibrate)) if value is not None]:
+        message = "requires the whole recording; save the lines in a file first."
+        raise TraceError([Issue(name, message) for name in unavailable])
+    transitions: list[dict[str, Any]] = []
+    data: dict[str, Any] = {"detector": detector, "transitions": transitions}
+    any_on = False
+    try:
+        found = detect_stream(
+            sys.stdin,
+            design,
+            detector,
+            rate_hz=rate_hz,
+            scale=scale,
+            time_scale=time_scale,
+            columns=columns,
+            keep_window=keep_window,
+            progress=console.progress,
+        )
+        data["signals"] = list(found.signals.columns)
+        console.progress(f"detector {detector}, {found.signals.describe()}")
+        for warning in found.warnings:
+            console.progress(f"warning: {warning}")
+        for transition in found.transitions:
+            any_on = True
+            if console.as_json:
+                transitions.append({"on": transition.on, "time_s": round(transition.time_s, 7)})
+            else:
+                console.write(f"{'ON ' if transition.on else 'OFF'}  {transition.time_s:9.4f} s")
+    except FingertipError as error:
+        console.print_issues(error, data)
+        raise typer.Exit(BAD_INPUT) from None
+    except UnicodeDecodeError:
+        message = "is not UTF-8 text; save it in a file, which may be UTF-16."
+        console.print_issues(TraceError(Issue(NAME, message)), data)
+        raise typer.Exit(BAD_INPUT) from None
+    except INTERRUPTIONS as error:
+        console.result(data, "" if any_on else "never ON")
+        raise typer.Exit(exit_code(error)) from None
+    console.result(data, "" if any_on else "never ON")

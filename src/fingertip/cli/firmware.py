@@ -30,10 +30,10 @@ def firmware(
     The README beside it states the wiring to the board's output connector, and what the detector costs in instructions
     and memory.
     """
-    from fingertip.cli.load import load_design
-    from fingertip.firmware import firmware_differences, firmware_folder, write_firmware
-    from fingertip.firmware.costs import cost_table, read_costs
+    from fingertip.cli.options import load_design
+    from fingertip.firmware.packaging import cost_table, read_costs
     from fingertip.firmware.wiring import find_warnings
+    from fingertip.tasks.firmware import firmware_differences, firmware_folder, write_firmware
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes, console.progress)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 import typer
 
 from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command
-from fingertip.cli.output_files import find_file_issues, find_idle_issues
-from fingertip.temporary import TemporaryFolder
+from fingertip.cli.options import find_file_issues, find_idle_issues
+from fingertip.foundation.files import TemporaryFolder
 
 if TYPE_CHECKING:
     from fingertip.sim import ManipulationResult, SceneRecord, Simulation
@@ -64,11 +64,12 @@ def simulate(
     quiet: QuietOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
-    from fingertip import extras
-    from fingertip.design.force_curve import describe_force_curve
-    from fingertip.errors import FingertipError
-    from fingertip.files import open_atomic, write_file
-    from fingertip.sim import load_simulation, summary
+    from fingertip.design.silicone import describe_force_curve
+    from fingertip.foundation import extras
+    from fingertip.foundation.errors import FingertipError
+    from fingertip.foundation.files import open_atomic, write_file
+    from fingertip.sim import load_simulation
+    from fingertip.sim import report as summary
     from fingertip.sim.trace_export import SUFFIXES, signal_writer, write_trace
     from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
@@ -84,7 +85,7 @@ def simulate(
     except FingertipError as error:
         issues.extend(error.issues)
     if grip is not None:
-        from fingertip.campaign.grip import find_grip_issues
+        from fingertip.lab.campaign.grip import find_grip_issues
 
         issues.extend(find_grip_issues(grip, simulation))
     if issues or simulation is None:
@@ -129,7 +130,8 @@ def _simulate(
     progress: Callable[[str], None],
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
-    from fingertip.sim import ManipulationResult, summary
+    from fingertip.sim import ManipulationResult
+    from fingertip.sim import report as summary
     from fingertip.sim.trace_export import open_trace
 
     if grip is None and not plotted:
@@ -138,7 +140,7 @@ def _simulate(
     if grip is None:
         result = simulation.run(progress=progress)
     else:
-        from fingertip.campaign.grip import run_with_grip
+        from fingertip.lab.campaign.grip import run_with_grip
 
         gripped = run_with_grip(simulation, grip, progress)
         result, grips_s = gripped.result, gripped.grips_s
@@ -148,7 +150,7 @@ def _simulate(
     writer.close()
     picture = None
     if plotted:
-        from fingertip.sim.plot import draw
+        from fingertip.sim.report import draw
 
         progress("drawing the plot")
         picture = draw(result, summary.as_text(record, grips_s)[0])

@@ -25,10 +25,10 @@ def studio(
     import contextlib
     import webbrowser
 
-    from fingertip.cli.load import load_design
-    from fingertip.interruption import INTERRUPTIONS
+    from fingertip.cli.options import load_design
+    from fingertip.foundation.files import TemporaryFolder
+    from fingertip.foundation.processes import INTERRUPTIONS
     from fingertip.studio.server import DEFAULT_PORT, StudioServer
-    from fingertip.temporary import TemporaryFolder
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes, console.progress)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip import interruption
 from fingertip.cli.console import (
     CHECK_FAILED,
     Console,
@@ -17,7 +16,8 @@ from fingertip.cli.console import (
     QuietOption,
     command,
 )
-from fingertip.cli.output_files import find_file_issues, find_idle_issues
+from fingertip.cli.options import find_file_issues, find_idle_issues
+from fingertip.foundation import processes as interruption
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -73,7 +73,7 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.errors import Issue, SweepError
+    from fingertip.foundation.errors import Issue, SweepError
     from fingertip.sweep.engines import ProcessEngine, count_processors
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import export
@@ -112,7 +112,7 @@ def sweep(
 
 def _load_shown_plan(file: Path | None, out: Path | None, changes: Sequence[str]) -> SweepPlan | None:
     """Load the sweep to report on; None if only its folder is given."""
-    from fingertip.errors import Issue, SweepError
+    from fingertip.foundation.errors import Issue, SweepError
     from fingertip.sweep.plan import SweepPlan
 
     if file is not None:
@@ -146,7 +146,7 @@ def _open_database(console: Console, folder: Path, plan: SweepPlan, resume: bool
 
 def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     """Run the sweep, print its counts, and give the exit code."""
-    from fingertip.cli.progress import sweep_progress
+    from fingertip.cli.console import sweep_progress
     from fingertip.sweep.run import run_sweep
 
     plan, folder = database.plan, database.folder

@@ -18,7 +18,7 @@ from fingertip.design.rules import PART_RULES
 from fingertip.design.rules.remedies import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, find_violations
 from fingertip.design.rules.search import cheapest_first
-from fingertip.errors import DesignError
+from fingertip.foundation.errors import DesignError
 
 FREE: Mapping[str, tuple[float, float]] = {
     "sensor.distance_from_tip_mm": (6.5, 15.0),

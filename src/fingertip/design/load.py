@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.bundled import find_file
-from fingertip.errors import MAX_VALUE_LENGTH, DesignError, FingertipError, Issue, shorten
-from fingertip.toml_files import DESIGN, MAX_DEPTH, FileKind, UnusableTomlError, parse_toml, read_toml
+from fingertip.catalogues.bundled import find_file
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, FingertipError, Issue, shorten
+from fingertip.foundation.toml_files import DESIGN, MAX_DEPTH, FileKind, UnusableTomlError, parse_toml, read_toml
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.issues import issues_from_pydantic
 from fingertip.design.parameters import DesignTables
+from fingertip.design.parameters.issues import issues_from_pydantic
 from fingertip.design.rules import RULES
+from fingertip.design.rules.remedies import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.design.validation import describe_violations, explain_invalid, explain_violations
-from fingertip.display import Picture, html_table, plot, to_dataframe
-from fingertip.errors import DesignError
+from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
+from fingertip.foundation.errors import DesignError
 
 if TYPE_CHECKING:
     import pandas

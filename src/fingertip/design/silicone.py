@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from fingertip.design.issues import suggest_name
+from fingertip.catalogues.sensors import PART_TO_PART
+from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
 from fingertip.design.parameters import ChosenSilicone, DesignTables
-from fingertip.errors import DesignError, Issue
-from fingertip.silicones import SILICONES, MaterialProperty, Silicone
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import DesignError, Issue
 
 OWN = "own"
 """Name that stands for the user's own silicone."""
@@ -29,7 +30,7 @@ def replace_silicone(design: _Tables, name: str | None, field: str = "--material
     design
         The design.
     name
-        Name from `fingertip.silicones`, "own", or None.
+        Name from `fingertip.catalogues.silicones`, "own", or None.
     field
         Field that an issue names.
 
@@ -67,4 +68,22 @@ def describe_own(table: ChosenSilicone) -> Silicone:
         pot_life_min=stated(table.pot_life_min),
         cure_h=stated(table.cure_h),
         elongation_percent=stated(table.elongation_percent),
+    )
+
+
+# Force curve of a design in words: what a relation between force and voltage assumes of the sensor.
+
+
+def describe_force_curve(design: DesignTables) -> str:
+    """Describe in a sentence how far the forces of a design can be trusted, for wherever a force is shown."""
+    curve = design.force_curve
+    if curve.curve == "calibrated":
+        return (
+            f"forces hold for the calibrated sensor, within a factor of {curve.interval_factor:.3g} (95 %) between "
+            f"{curve.min_force_n:g} and {curve.max_force_n:g} N"
+        )
+    usual, bad = PART_TO_PART
+    return (
+        f"forces hold for a typical sensor; the readings of real ones differ by a factor of {usual:g} to {bad:g} at "
+        "the same force, so calibrate yours: fingertip calibrate sensor"
     )

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.filling.network import FlowNetwork, Mask
+from fingertip.foundation.numerics import Array
 
 SMALLEST_POCKET_MM3 = 0.5
 """Volume below which a split or a rest of air is not reported [mm3]: a bubble of 1 mm. An assumption."""

@@ -24,9 +24,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.filling.network import FlowNetwork, Mask
-from fingertip.filling.row_elimination import RowElimination
+from fingertip.filling.network import FlowNetwork, Mask, RowElimination
+from fingertip.foundation.numerics import Array
 
 LEVELS = 12
 """Number of injected volumes at which the front is computed, the full cavity included."""

@@ -16,11 +16,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
+from fingertip.catalogues.silicones import Silicone
+from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
 from fingertip.design.silicone import select_silicone
-from fingertip.filling.ducts import ConicalDuct, Duct, RectangularDuct, RoundDuct
+from fingertip.filling.mouth import ConicalDuct, Duct, RectangularDuct, RoundDuct
 from fingertip.filling.predict import (
     AirPocket,
     Course,
@@ -35,8 +36,7 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
-from fingertip.silicones import Silicone
-from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
+from fingertip.foundation.numerics import Array
 
 MAX_AIR_MM3 = 1.0
 """Volume of an air pocket from which on it is a fault [mm3]."""

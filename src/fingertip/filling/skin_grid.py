@@ -13,12 +13,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
 from fingertip.design.geometry.insert_body import insert_body
 from fingertip.filling.network import Mask
 from fingertip.filling.surface_links import Layer, NodeSums, link_layer, vector_areas
+from fingertip.foundation.numerics import Array
 
 ROWS, COLUMNS = 40, 48
 """Default numbers of rows, without the pole, and of columns."""

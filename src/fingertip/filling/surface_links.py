@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.filling.network import FlowNetwork, Mask
+from fingertip.foundation.numerics import Array
 
 TOUCHING_MM = 0.05
 """Thickness below which both surfaces are taken to touch [mm]. Silicone does not flow there."""

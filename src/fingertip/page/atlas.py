@@ -6,6 +6,7 @@ before is coloured. A parameter that a design does not use is shown on another d
 
 from __future__ import annotations
 
+import base64
 import io
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -15,17 +16,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.solids import Solid
 from fingertip.design import Design
-from fingertip.design.export import format_value
+from fingertip.design.export import Parameter, format_value
+from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
 from fingertip.design.parameters.design_tables import PARAMETERS
-from fingertip.errors import DesignError, FingertipError
-from fingertip.page.moves import parameters_of_shapes
-from fingertip.view.raster import Camera, Canvas, bounds
+from fingertip.foundation.errors import DesignError, FingertipError
+from fingertip.foundation.numerics import Array
+from fingertip.page.html import Markup, code, element, read_asset, render_document
+from fingertip.page.parameters_section import (
+    describe_effect,
+    group_parameters,
+    parameters_of_shapes,
+    shapes_of_parameters,
+)
+from fingertip.pictures.raster import Camera, Canvas, bounds
 
 _TOLERANCE_MM = 0.04
 _SEEN_MM = 0.1
@@ -260,3 +268,79 @@ def find_ring(changed: NDArray[np.bool_], height_px: int) -> tuple[float, float,
     if radius > _LARGEST_RING_PX:  # small, but in several places
         return None
     return middle[0] - radius, middle[1] - radius, middle[0] + radius, middle[1] + radius
+
+
+# Atlas of the parameters as one HTML file: each parameter with its picture, or with what it decides instead.
+
+
+_LEGEND = (
+    "Each picture shows the part that a parameter changes most, made with another value of it. Orange is nearer to you "
+    "than before, blue is farther away, and pale blue is gone; a ring marks a small change. The other parameters stay."
+)
+
+
+def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
+    """Render the atlas.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    pictures
+        Pictures by the names of their parameters.
+    """
+    tables, moved = group_parameters(), shapes_of_parameters(design)
+    links = (element("li", element("a", name or "design", href=f"#t-{name}")) for name in tables)
+    sections = (
+        element(
+            "section",
+            element("h2", name or "design", id=f"t-{name}"),
+            *_describe_table(design, name),
+            element(
+                "ul", *(_render_entry(design, one, pictures.get(one.path), moved) for one in entries), class_="atlas"
+            ),
+            aria_labelledby=f"t-{name}",
+        )
+        for name, entries in tables.items()
+    )
+    body = (
+        element("a", "Skip to the parameters", href="#content", class_="skip"),
+        element(
+            "header", element("h1", f"Parameters of {design.name}"), element("p", _LEGEND, class_="lead"),
+        ),
+        element("nav", element("ul", *links), aria_label="tables"),
+        element("main", *sections, id="content"),
+    )  # fmt: skip
+    style = read_asset("page.css") + read_asset("atlas.css")
+    return render_document(f"{design.name}: parameters", body, style, ())
+
+
+def _describe_table(design: Design, name: str) -> list[Markup]:
+    table = getattr(design, name) if name else None
+    said = " ".join((type(table).__doc__ or "").split()) if isinstance(table, ParameterTable) else ""
+    return [element("p", said)] if said else []
+
+
+def _render_entry(
+    design: Design, one: Parameter, picture: AtlasPicture | None, moved: Mapping[str, tuple[str, ...]]
+) -> Markup:
+    value = design.value(one.path)
+    shown = [element("span", f"{format_value(value)} {one.unit}".rstrip(), class_="num")]
+    if value != one.default:
+        shown.append(element("small", f" default {format_value(one.default)}"))
+    if one.bounds:
+        shown.append(element("small", f" {one.bounds}"))
+    effect = describe_effect(one.path, moved.get(one.path, ()), linked=False)
+    return element(
+        "li",
+        element("h3", code(one.path), class_="code", id=f"p-{one.path}"),
+        element("p", *shown),
+        element("p", one.description),
+        _render_picture(picture) if picture else element("p", effect),
+    )
+
+
+def _render_picture(picture: AtlasPicture) -> Markup:
+    source = f"data:image/png;base64,{base64.b64encode(picture.png).decode('ascii')}"
+    image = element("img", src=source, alt=f"{picture.path}: {picture.caption}")
+    return element("figure", image, element("figcaption", picture.caption))

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip._version import __version__
-from fingertip.page.basis_section import render_basis
+from fingertip.foundation.version import __version__
 from fingertip.page.board_section import render_board
-from fingertip.page.casting_section import render_casting, render_drawing
+from fingertip.page.casting_section import render_basis, render_casting, render_drawing
 from fingertip.page.checks_section import render_checks, render_verdict
-from fingertip.page.document import read_asset, read_viewer_library, render_document
-from fingertip.page.html import Markup, element
+from fingertip.page.html import Markup, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
 from fingertip.page.parameters_section import render_parameters
 from fingertip.page.scene import Item, list_items

@@ -16,9 +16,8 @@ import numpy as np
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.hardware import hardware
-from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
-from fingertip.cad.solids import Solid
+from fingertip.cad.kernel.solids import Solid
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.design import Design
 
 Offset = tuple[float, float, float]

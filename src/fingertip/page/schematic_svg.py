@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from fingertip.board.kicad.sexpr import Expression
 from fingertip.page.html import Markup, element, join
-from fingertip.page.kicad_text import first, is_hidden, lists, numbers, parse, points, turn, word, words
+from fingertip.page.kicad_drawing import first, is_hidden, lists, numbers, parse, points, turn, word, words
 
 _MARGIN_MM = 4.0
 _WIRE, _SYMBOL, _TEXT = "var(--series-1)", "var(--series-2)", "var(--text)"

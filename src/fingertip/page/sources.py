@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.build_result import REPORT, SHEET, STEPS_FOLDER
+from fingertip.cad.report import REPORT, SHEET, STEPS_FOLDER
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.errors import Issue, OutputError
-from fingertip.input_files import OUTPUT_LIMIT, read_input
-from fingertip.output_set import Manifest, hash_parameters, read_manifest
-from fingertip.output_set.content import hash_content
+from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
+from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
+from fingertip.foundation.output_set.replacement import hash_content
 from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
 BOARD_FOLDER = "board"

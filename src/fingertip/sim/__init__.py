@@ -2,19 +2,19 @@
 
 Scenes of one finger and manipulations with a whole hand are described by files (`SceneFile`, `ManipulationFile`).
 `load_simulation` reads them together with a design, as ``fingertip simulate`` does. `run_scene` and `run_manipulation`
-run them, and `fingertip.sim.summary` summarises their results. `simulate` runs one sliding-finger trial of the article.
+run them, and `fingertip.sim.report` summarises their results. `simulate` runs one sliding-finger trial of the article.
 """
 
-from fingertip.jit import compiled
+from fingertip.foundation.jit import compiled
 from fingertip.sim.article import Trial, article_manipulations, article_trials, simulate
-from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.finger import FingerSignals
-from fingertip.sim.grid import Grid
-from fingertip.sim.hand.controller import Controller, FixedGrip, Observation
+from fingertip.sim.contact.surface_profile import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.hand.motion import Controller, FixedGrip, Observation
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, stream_scene
 from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.signal.finger import FingerSignals
+from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Simulation, load_simulation
 from fingertip.sim.trace_export import encode_trace
 

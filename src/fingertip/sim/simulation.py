@@ -13,20 +13,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.limits import adc_range_warnings
-from fingertip.board.board_values import board_values
-from fingertip.bundled import find_file
+from fingertip.catalogues.bundled import find_file
 from fingertip.design import Design
-from fingertip.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.sim.article import Trial
-from fingertip.sim.hand.controller import Controller
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.hand.motion import Controller
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.parameters import find_converter_warnings
 from fingertip.sim.trace_export import open_trace
-from fingertip.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Simulation:
         ----------
         controller
             Controller that closes the loop of a manipulation. None keeps the planned grip. A scene of one finger
-            ignores it. `fingertip.campaign.grip.run_with_grip` provides one that reacts to a slip detector.
+            ignores it. `fingertip.lab.campaign.grip.run_with_grip` provides one that reacts to a slip detector.
         progress
             Receives progress messages.
 

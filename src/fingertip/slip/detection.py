@@ -8,18 +8,64 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.display import Picture, html_table, to_dataframe
-from fingertip.errors import Issue, TraceError
+from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel, noise_level
-from fingertip.slip.detectors.registry import UsedSignals, find_signals, make_detector, select_inputs
-from fingertip.slip.intervals import Interval, Score, intervals, score
-from fingertip.slip.threshold import UsedThreshold
+from fingertip.slip.detectors.registry import (
+    UsedSignals,
+    find_detector_type,
+    find_signals,
+    make_detector,
+    select_inputs,
+)
+from fingertip.slip.traces.intervals import Interval, Score, intervals, score
 from fingertip.slip.traces.trace import Trace, find_issues
 
 if TYPE_CHECKING:
     import pandas
+
+
+# Threshold that a detector used on a trace: of what quantity, and how far it moved. One source for every output.
+
+
+@dataclass(frozen=True)
+class UsedThreshold:
+    """Threshold in use, by the detector and over time."""
+
+    quantity: str
+    """Quantity of the detector that it applies to."""
+    first_on_v: float | None
+    """Threshold where the detector turns ON first [V]; None if it stays OFF."""
+    last_v: float
+    """Threshold at the end [V]."""
+    lowest_v: float
+    """Lowest threshold of the whole trace [V]."""
+    highest_v: float
+    """Highest threshold of the whole trace [V]."""
+
+    @classmethod
+    def of(cls, detector: str, output: DetectorOutput) -> UsedThreshold:
+        """Find the threshold in the output of a detector."""
+        used, on = output.threshold_v, np.flatnonzero(output.on)
+        first_v = float(used[on[0]]) if len(on) else None
+        quantity = find_detector_type(detector).quantity
+        return cls(quantity, first_v, float(used[-1]), float(np.nanmin(used)), float(np.nanmax(used)))
+
+    @property
+    def adapts(self) -> bool:
+        """True if it follows the noise."""
+        return self.highest_v - self.lowest_v > 1e-9 * self.highest_v
+
+    def describe(self) -> str:
+        """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the first ON``."""
+        if not self.adapts:
+            return f"threshold {1000 * self.highest_v:.3g} mV"
+        span = f"{1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} mV"
+        return f"threshold {span}" + (
+            "" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,9 +141,7 @@ class Detection:
         MissingLibraryError
             If matplotlib is not installed.
         """
-        from fingertip.slip.plot import draw
-
-        return Picture(draw(self.trace, self, title or f"detector {self.detector}"))
+        return plot("detection", self.trace, self, title or f"detector {self.detector}")
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the intervals as a data frame; `is_true` is missing where the true slip is not known.
@@ -128,7 +172,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
         Source of sampling rate, filters, window and threshold.
     detector
         Name of a detector; by default the article's chain in digital filters. The detector `analog` takes the trace's
-        `envelope_v`. For a trace without one, `fingertip.detect_trace.detect_file` simulates the board.
+        `envelope_v`. For a trace without one, `fingertip.detection.files.detect_file` simulates the board.
     noise_v
         White RMS noise of the signal; by default the design's [V].
 

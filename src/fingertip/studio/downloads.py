@@ -7,13 +7,12 @@ import zipfile
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from fingertip.build_result import DESIGN, DESIGN_HEADING
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.plates import FDM, SLA, PlateKind
-from fingertip.cad.printing.print_files import PRINT_FOLDER, make_print_files
+from fingertip.cad.kernel.solids import scaled
+from fingertip.cad.printing.print_files import FDM, PRINT_FOLDER, SLA, PlateKind, make_print_files
+from fingertip.cad.report import DESIGN, DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
-from fingertip.cad.solids import scaled
 from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.studio.answers import FILE_TOLERANCE_MM, AskingEvaluator

@@ -24,12 +24,12 @@ from typing import Any, NamedTuple
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from fingertip.design import Design
-from fingertip.errors import FingertipError, Issue, StudioError
+from fingertip.foundation.errors import FingertipError, Issue, StudioError
+from fingertip.foundation.toml_files import UnusableTomlError, check_values
 from fingertip.studio.answers import answer_all_checks, answer_checks, answer_parts, describe_issues, read_design
 from fingertip.studio.downloads import DOWNLOADS
 from fingertip.studio.page import render_locked, render_studio, render_way_in
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
-from fingertip.toml_files import UnusableTomlError, check_values
 
 ADDRESS = "127.0.0.1"
 """Address that the studio listens on."""

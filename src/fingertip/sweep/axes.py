@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.issues import find_similar_name, issues_from_pydantic, suggest_name
 from fingertip.design.parameters import DesignTables, ParameterTable
-from fingertip.errors import Issue, quote_value
+from fingertip.design.parameters.issues import find_similar_name, issues_from_pydantic, suggest_name
+from fingertip.foundation.errors import Issue, quote_value
 
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]

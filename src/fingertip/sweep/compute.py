@@ -13,14 +13,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
     from fingertip.sim.scene.scene_file import SceneFile
     from fingertip.slip.traces.trace import Trace
-    from fingertip.sweep.cached_solids import CachedEvaluator
+    from fingertip.sweep.designs import CachedEvaluator
 
 RecordedTrial: TypeAlias = "tuple[Trace, float]"
 """Trial as a recorder would store it, and the force that held the object [N]."""
@@ -58,7 +58,7 @@ def compute_lengths(context: PointContext) -> OutputValues:
 
 def compute_board(context: PointContext) -> OutputValues:
     """Compute the preferred component values of the board, and what they achieve."""
-    from fingertip.board.board_values import compute_filter
+    from fingertip.board.analysis.board_values import compute_filter
 
     board = context.design.board
     selection, achieved = compute_filter(board)
@@ -129,11 +129,16 @@ def compute_noise(context: PointContext) -> OutputValues:
 
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
-    from fingertip.campaign.evaluate import evaluate, simulate_trace
-    from fingertip.campaign.plan import Case
-    from fingertip.campaign.run import DetectorResult
-    from fingertip.campaign.true_slip import find_onset_s, measure_vibration_n, median_of_known
-    from fingertip.jit import compiled
+    from fingertip.foundation.jit import compiled
+    from fingertip.lab.campaign.evaluate import (
+        evaluate,
+        find_onset_s,
+        measure_vibration_n,
+        median_of_known,
+        simulate_trace,
+    )
+    from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.campaign.run import DetectorResult
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
@@ -164,9 +169,9 @@ def compute_detection(context: PointContext) -> OutputValues:
 
 def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
-    from fingertip.campaign.plan import Case
-    from fingertip.campaign.studies.step_sensitivity import compare_grids
-    from fingertip.jit import compiled
+    from fingertip.foundation.jit import compiled
+    from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.studies.step_sensitivity import compare_grids
 
     assert context.scene is not None
     case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector
@@ -195,7 +200,7 @@ def compute_bone(context: PointContext) -> OutputValues:
 def compute_strength(context: PointContext) -> OutputValues:
     """Compute the safety factors of the bone."""
     from fingertip.cad.strength.assess import assess_strength
-    from fingertip.cad.verification.strength import filament_grip_factor
+    from fingertip.cad.verification.bone import filament_grip_factor
 
     found = assess_strength(context.design, context.evaluator())
     return {
@@ -216,8 +221,7 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 def compute_casting(context: PointContext) -> OutputValues:
     """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
-    from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes
-    from fingertip.casting.retention import skin_pull_off_n
+    from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes, skin_pull_off_n
     from fingertip.design.silicone import select_silicone
 
     volumes = measure_volumes(context.design, context.evaluator())
@@ -229,8 +233,7 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 def compute_filling(context: PointContext) -> OutputValues:
     """Predict how the mold fills with the silicone of the design."""
-    from fingertip.cad.verification.filling import PUSH_S
-    from fingertip.cad.verification.seals import leak_mm
+    from fingertip.cad.verification.filling import PUSH_S, leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
@@ -248,7 +251,7 @@ def compute_filling(context: PointContext) -> OutputValues:
 
 def compute_play(context: PointContext) -> OutputValues:
     """Compute the skin that is left where bone or core lies off as far as its supports allow."""
-    from fingertip.design.geometry.bone_play import worst
+    from fingertip.design.geometry.seat import worst
 
     losses = context.design.dimensions.losses
     return {
@@ -287,7 +290,7 @@ def compute_printing(context: PointContext) -> OutputValues:
 
 def compute_acceptance(context: PointContext) -> OutputValues:
     """Compute the voltages that an accepted finger shows."""
-    from fingertip.acceptance.expectation import expect_drop_ratio, expect_open_v, expect_readings
+    from fingertip.documents.acceptance import expect_drop_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
     ratio = expect_drop_ratio(context.design).expected

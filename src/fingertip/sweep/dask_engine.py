@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from typing import Any
 
-from fingertip import extras
-from fingertip._version import __version__
-from fingertip.errors import Issue, SweepError
+from fingertip.foundation import extras
+from fingertip.foundation.errors import Issue, SweepError
+from fingertip.foundation.version import __version__
 
 _CONNECT_TIMEOUT_S = 4.0
 """Time allowed for the scheduler to answer, and for the first worker to appear [s]."""

@@ -24,9 +24,9 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import InputFileError, Issue, OutputError, SweepError
-from fingertip.input_files import check_regular
-from fingertip.output_set.trial import find_place_issues
+from fingertip.foundation.errors import InputFileError, Issue, OutputError, SweepError
+from fingertip.foundation.input_files import check_regular
+from fingertip.foundation.output_set.writer import find_place_issues
 from fingertip.sweep import sweep_file
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.rows import STATUSES, SweepRow, SweepTable

@@ -18,7 +18,7 @@ from multiprocessing.context import SpawnContext
 from multiprocessing.process import BaseProcess
 from typing import Protocol
 
-from fingertip.errors import Issue, SweepError
+from fingertip.foundation.errors import Issue, SweepError
 
 NO_POINT = -1
 """Point number of a worker that is idle."""

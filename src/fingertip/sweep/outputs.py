@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.design.issues import suggest_name
-from fingertip.errors import Issue
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import Issue
 
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
 """Tables that define the shape of the finger."""

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip import extras
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import RULES
 from fingertip.design.rules.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.errors import FingertipError, Issue, SweepError
+from fingertip.foundation import extras
+from fingertip.foundation.errors import FingertipError, Issue, SweepError
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis
 from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups, find_shareable

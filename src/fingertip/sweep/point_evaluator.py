@@ -6,25 +6,31 @@ is not computed again, and a solid that was meshed before is not meshed again.
 
 from __future__ import annotations
 
+import contextlib
+import faulthandler
 import math
-from collections.abc import Callable, Mapping
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from fingertip.design.model import Design
-from fingertip.errors import FingertipError, Issue
-from fingertip.files import round_for_output
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.files import round_for_output
 from fingertip.sweep.axes import Value
-from fingertip.sweep.cache import LruCache
-from fingertip.sweep.chunk import PointResult
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext, RecordedTrial
-from fingertip.sweep.design_builder import DesignBuilder, apply_changes
+from fingertip.sweep.designs import DesignBuilder, LruCache, apply_changes
+from fingertip.sweep.engines import NO_POINT, set_current_point
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.rows import Chunk, ChunkResult, PointResult
 
 if TYPE_CHECKING:
     from fingertip.sim.scene.scene_file import SceneFile
-    from fingertip.sweep.cached_solids import CachedEvaluator
+    from fingertip.sweep.designs import CachedEvaluator
+
 
 MAX_GROUP_RESULTS = 4096
 """Number of cached results of output groups; each holds a few numbers."""
@@ -80,7 +86,7 @@ class PointEvaluator:
     def load_mesh_evaluator(self) -> CachedEvaluator:
         """Load the mesh kernel, which all points share."""
         if self._mesh_evaluator is None:
-            from fingertip.sweep.cached_solids import CachedEvaluator, restrict_kernel_to_one_thread
+            from fingertip.sweep.designs import CachedEvaluator, restrict_kernel_to_one_thread
 
             restrict_kernel_to_one_thread()
             self._mesh_evaluator = CachedEvaluator(self.plan.file.tolerance_mm)
@@ -159,3 +165,80 @@ def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | N
     """Find the axes that a group reads, which are its cache key; None if it reads all axes, so no points share it."""
     axes = tuple(axis.name for axis in plan.axes if group.depends_on(axis.name))
     return axes if len(axes) < len(plan.axes) else None
+
+
+# Time limit of a point, enforced inside the worker: when it expires, the worker process exits.
+#
+# An exception raised in the running code would leave half-imported modules and half-filled caches behind, and later
+# points would suffer from them. faulthandler ends the process from its own thread. That thread needs no Python lock,
+# so it also ends a compiled kernel stuck in an endless loop. The engine notices the exit and starts another worker.
+
+
+_null_file: IO[str] | None = None
+
+
+@contextlib.contextmanager
+def limit_time(limit_s: float) -> Iterator[None]:
+    """Run the block for at most `limit_s` seconds; this process exits if the block takes longer."""
+    global _null_file
+    if _null_file is None:
+        # faulthandler writes its traceback there. The file stays open until the process ends.
+        _null_file = open(os.devnull, "w")  # noqa: SIM115
+    faulthandler.dump_traceback_later(limit_s, exit=True, file=_null_file)
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+# Loop that a worker runs over the points of a chunk, each within the time limit.
+#
+# The engine reads from shared memory which point a worker is computing, so it can tell which point a crash belongs to.
+
+
+_one_chunk_at_a_time = threading.Lock()
+"""A Dask worker may have several threads. Time limits and caches are made for one point at a time."""
+
+
+def evaluate_chunk(chunk: Chunk) -> ChunkResult:
+    """Evaluate every point of a chunk; this is the task that engines send to workers."""
+    # Imported here, because a process that only submits tasks does not need the evaluator
+
+    with _one_chunk_at_a_time:
+        start = time.perf_counter()
+        evaluator = load_evaluator(chunk.text)
+        limit_s = evaluator.plan.file.time_limit_s
+        results = evaluate_points(chunk, limit_s, evaluator.points_per_limit, evaluator.evaluate)
+        return ChunkResult(results, time.perf_counter() - start)
+
+
+def evaluate_points(
+    chunk: Chunk,
+    limit_s: float,
+    points_per_limit: int,
+    evaluate: Callable[[int, dict[str, Any]], PointResult],
+) -> list[PointResult]:
+    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit.
+
+    Parameters
+    ----------
+    chunk
+        The points.
+    limit_s
+        Time limit of a group of points [s].
+    points_per_limit
+        Number of points that share a time limit. Starting a limit takes longer than computing a quick point.
+    evaluate
+        Function of a point's number and its swept parameters.
+    """
+    names, values = list(chunk.columns), list(zip(*chunk.columns.values(), strict=True))
+    results: list[PointResult] = []
+    try:
+        for first in range(0, len(chunk.points), points_per_limit):
+            with limit_time(limit_s):
+                for i in range(first, min(first + points_per_limit, len(chunk.points))):
+                    set_current_point(chunk.points[i])
+                    results.append(evaluate(chunk.points[i], dict(zip(names, values[i], strict=True))))
+    finally:
+        set_current_point(NO_POINT)
+    return results

@@ -14,33 +14,37 @@ from typing import Literal
 
 import numpy as np
 
-from fingertip.amplifiers import Amplifier
-from fingertip.board.analysis.figures import format_figure
 from fingertip.board.analysis.limits import VoltageLimits
-from fingertip.board.analysis.loads import OutputCurrent, compute_output_currents, signal_band_hz
-from fingertip.board.analysis.offsets import BLOCKING_DIODE, OutputOffset
+from fingertip.board.analysis.loads import (
+    OutputCurrent,
+    compute_output_currents,
+    compute_peaking_db,
+    compute_phase_margins_deg,
+    signal_band_hz,
+)
 from fingertip.board.analysis.response import RECTIFYING_DIODE
-from fingertip.board.analysis.stability import compute_peaking_db, compute_phase_margins_deg
-from fingertip.board.analysis.threshold_spread import ThresholdSpread
-from fingertip.board.circuit import Circuit, parse_component_value
-from fingertip.board.components.amplifiers import AMPLIFIERS
-from fingertip.board.components.anti_aliasing import CLAMP as CLAMP_DIODES
-from fingertip.board.components.anti_aliasing import LOW_LEAKAGE_CLAMP
-from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.nets import FILTERED, STAGE1_OUT, VMID
-from fingertip.board.network import build_network, list_amplifiers
-from fingertip.board.supplies import SUPPLIES
+from fingertip.board.analysis.thresholds import BLOCKING_DIODE, OutputOffset, ThresholdSpread
+from fingertip.board.circuits.network import build_network, list_amplifiers
+from fingertip.board.components.bridge import AMPLIFIERS, MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.values import CLAMP as CLAMP_DIODES
+from fingertip.board.components.values import LOW_LEAKAGE_CLAMP
+from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, VMID, Circuit, parse_component_value
+from fingertip.catalogues.amplifiers import Amplifier
+from fingertip.catalogues.preferred_series import find_preferred_neighbours
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import choose_amplifier, choose_low_offset_amplifier, total_supply_v
-from fingertip.design.amplifier_stages import (
+from fingertip.design.formulas.amplifiers import (
     GOOD_PHASE_MARGIN_DEG,
     MID_RAIL_RATIO,
+    choose_amplifier,
+    choose_low_offset_amplifier,
     compute_charging_current_a,
     input_swing_v,
     loaded_swing_v,
+    total_supply_v,
 )
-from fingertip.design.preferred_series import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
+from fingertip.foundation.files import format_figure
 
 GOOD_OFFSET_RATIO = 0.25
 """Ratio of an output's offset to its swing above which a warning is due."""

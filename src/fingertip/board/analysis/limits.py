@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from fingertip.amplifiers import Amplifier
 from fingertip.board.analysis.response import RECTIFYING_DIODE
-from fingertip.board.circuit import Circuit
+from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.nets import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE
-from fingertip.board.network import build_network
-from fingertip.board.supplies import Supply
-from fingertip.design.amplifier_stages import DIODE_V
+from fingertip.board.components.supplies import Supply
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, Circuit
+from fingertip.catalogues.amplifiers import Amplifier
+from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.parameters import Detector
 
 # Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
@@ -218,4 +217,52 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
         common_v + _INPUT_SHIFT_V - half_v - lower_v,
         supply_v - OUTPUT_UPPER_MARGIN_V - output_v,
         output_v - lower_v - OUTPUT_LOWER_MARGIN_V,
+    )
+
+
+# Constant voltages of the bridge and its amplifier, from the network.
+
+
+@dataclass(frozen=True)
+class TactileResponse:
+    """Tactile voltage as a function of the sensor's conductance.
+
+    The bridge drives the sensor like a source of voltage with a resistance (Thevenin), and the current through the
+    sensor lowers the tactile voltage in proportion.
+    """
+
+    open_v: float
+    """Tactile voltage with an open sensor, against ground [V]."""
+    sensor_v: float
+    """Voltage across an open sensor [V]."""
+    source_ohm: float
+    """Resistance of the bridge as the sensor sees it."""
+    transfer_ohm: float
+    """Tactile voltage lost per current through the sensor."""
+
+    def tactile_v(self, conductance_s: float) -> float:
+        """Tactile voltage [V] for a sensor of this conductance [S], without the limits of the amplifier's output."""
+        current_a = self.sensor_v * conductance_s / (1.0 + self.source_ohm * conductance_s)
+        return self.open_v - self.transfer_ohm * current_a
+
+
+def compute_tactile_response(circuit: Circuit, rails: Mapping[str, float], signal_ground: str) -> TactileResponse:
+    """Compute the tactile response of a board.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of the board.
+    rails
+        Voltages of the rails [V].
+    signal_ground
+        Net at the sensor's other end.
+    """
+    network = build_network(circuit).restrict(TACTILE, signal_ground)
+    volts = network.operating_point(rails)
+    return TactileResponse(
+        open_v=volts[TACTILE],
+        sensor_v=volts[SENSOR] - volts[signal_ground],
+        source_ohm=network.constant_transfers(SENSOR)[SENSOR],
+        transfer_ohm=network.constant_transfers(TACTILE)[SENSOR],
     )

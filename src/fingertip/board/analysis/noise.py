@@ -14,25 +14,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.board.circuit import Circuit, Component, Net, format_component_value, parse_component_value
-from fingertip.board.components.amplifiers import (
+from fingertip.board.circuits.network import Network, build_network, list_amplifiers
+from fingertip.board.components.bridge import (
     AD623_NOISE_V,
     AD623_OFFSET_V,
     AD623_OUTPUT_NOISE_V,
     AMPLIFIERS,
     BOLTZMANN_J_PER_K,
+    GAIN_CONSTANT_OHM,
     GAIN_RESISTOR,
     LOW_NOISE_NAME,
     LOW_NOISE_V,
     TEMPERATURE_K,
+    sensor_conductance_s,
 )
-from fingertip.board.components.bridge import GAIN_CONSTANT_OHM, sensor_conductance_s
 from fingertip.board.components.preferred_values import nearest_value
-from fingertip.board.kicad import symbols
-from fingertip.board.nets import ADC_TACTILE, FEEDBACK, FILTERED, STAGE1_OUT, TACTILE
-from fingertip.board.network import Network, build_network, list_amplifiers
-from fingertip.design.filter_components import compute_limiting_capacitor_f
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import (
+    ADC_TACTILE,
+    FEEDBACK,
+    FILTERED,
+    STAGE1_OUT,
+    TACTILE,
+    Circuit,
+    Component,
+    Net,
+    format_component_value,
+    parse_component_value,
+)
+from fingertip.design.formulas.filter import compute_limiting_capacitor_f
+from fingertip.foundation.numerics import Array
 
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
 """Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""

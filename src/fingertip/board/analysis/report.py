@@ -1,18 +1,182 @@
-"""The analysis of a board as text tables."""
+"""Analysis of a design's board: Bode table of each stage, noise, offsets and tolerances. Needs numpy."""
 
 from __future__ import annotations
 
-from fingertip.amplifiers import CATALOGUE
-from fingertip.board.analysis.aliasing import AliasAttenuation
-from fingertip.board.analysis.analyse import BRIDGE_TOLERANCE, Analysis
-from fingertip.board.analysis.figures import format_figure
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.analysis.interference import DEAD_ZONE_V, AliasAttenuation, SupplyRipple, describe_supply_ripple
 from fingertip.board.analysis.limits import VoltageLimits, describe_adc_range, describe_filter_swing
-from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, NOISE_FORCE_N, Contribution
-from fingertip.board.analysis.offsets import describe_output_offset
-from fingertip.board.analysis.supply_ripple import DEAD_ZONE_V, describe_supply_ripple
-from fingertip.board.analysis.thresholds import describe_comparator_levels
-from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
-from fingertip.board.components.amplifiers import LOW_NOISE_NAME
+from fingertip.board.analysis.noise import (
+    NETS,
+    NOISE_BAND_HZ,
+    NOISE_FORCE_N,
+    Contribution,
+    NoiseAlternative,
+    NoisyNetwork,
+    add_noise,
+    compare_noise_alternatives,
+    noise_budget,
+)
+from fingertip.board.analysis.response import model_filter
+from fingertip.board.analysis.thresholds import (
+    ComparatorLevels,
+    OutputOffset,
+    describe_comparator_levels,
+    describe_output_offset,
+)
+from fingertip.board.analysis.tolerance import (
+    ARTICLE_CAPACITOR_PERCENT,
+    CUTOFF_CAPACITORS,
+    Spread,
+    TolerancedFilter,
+    component_tolerances,
+    compute_sensitivities,
+    monte_carlo,
+    state_capacitors,
+)
+from fingertip.board.circuits.network import Network, Value, build_network
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.components.bridge import LOW_NOISE_NAME
+from fingertip.board.components.values import Tolerance, select_components
+from fingertip.board.parts.circuit import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
+from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.foundation.files import format_figure
+
+BRIDGE_RESISTORS = ("R10", "R11", "R12", "R13", "R14")
+BRIDGE_TOLERANCE = 1e-3
+"""Tolerance of R10 to R14, as the bill of materials specifies it."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Results of the analysis of one board."""
+
+    noise: tuple[Contribution, ...]
+    """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
+    noise_total_v: tuple[float, ...]
+    noise_alternatives: tuple[NoiseAlternative, ...]
+    """Total noise of this variant and with changes that affect it, and the mean envelope due to it."""
+    threshold_v: float
+    """Threshold of the detector, for comparison with the mean envelope due to noise."""
+    amplifier: str
+    """Dual amplifier of filter and rectifier."""
+    aliasing: AliasAttenuation
+    voltage_limits: VoltageLimits
+    output_offset: OutputOffset | None
+    """Envelope offset; None in variant article."""
+    supply_ripple: SupplyRipple
+    comparator_levels: ComparatorLevels | None
+    tolerance: Tolerance
+    """Tolerances that the design states."""
+    offset: tuple[Contribution, ...]
+    """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
+    the bridge with the worst-case resistors of 0.1 % and no force. U3 is part of `output_offset`."""
+    component_percent: dict[str, float]
+    """Tolerance of each component [%], as it is bought."""
+    boards: int
+    """Number of boards for which `spread` is computed."""
+    spread: dict[str, Spread]
+    article_spread: dict[str, Spread]
+    """Spread with C1 to C3 of the article's tolerance, for comparison."""
+    sensitivity: dict[str, dict[str, float]]
+
+    def as_data(self) -> dict[str, Any]:
+        """Return plain mappings and lists for JSON."""
+        return {"nets": NETS, **asdict(self)}
+
+
+def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
+    """Analyse a design's board.
+
+    Parameters
+    ----------
+    design
+        Design of the board.
+    boards, seed
+        Number of boards and seed of the Monte Carlo analysis of tolerances.
+    """
+    values, board = board_values(design), design.board
+    circuit = board_circuit(values)
+    bandwidth_hz, has_diode = find_gain_bandwidth_hz(board), board.variant == "article"
+    network = build_network(circuit, bandwidth_hz)
+    model, noisy = model_filter(circuit, has_diode), add_noise(circuit, bandwidth_hz)
+    toleranced = TolerancedFilter(model, network.values)
+    noise, total = noise_budget(noisy)
+    percent = component_tolerances(circuit)
+    return Analysis(
+        noise=noise,
+        noise_total_v=total,
+        noise_alternatives=compare_noise_alternatives(
+            circuit, bandwidth_hz, board.band_limit_hz,
+            None if has_diode else float(model.envelope.gain(network.values)),
+        ),
+        threshold_v=design.detector.threshold_v,
+        amplifier=values.amplifier,
+        aliasing=values.aliasing,
+        voltage_limits=values.voltage_limits,
+        output_offset=values.output_offset,
+        supply_ripple=values.supply_ripple,
+        comparator_levels=values.comparator_levels,
+        tolerance=values.tolerance,
+        offset=(*_offsets(noisy), _bridge_offset(network, board.supply_v)),
+        component_percent=percent,
+        boards=boards,
+        spread=monte_carlo(toleranced, percent, boards, seed),
+        article_spread=monte_carlo(toleranced, state_capacitors(percent, ARTICLE_CAPACITOR_PERCENT), boards, seed),
+        sensitivity=compute_sensitivities(toleranced),
+    )  # fmt: skip
+
+
+def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_decade: int = 40) -> str:
+    """Tabulate the article's figure 4 as CSV: magnitude [dB] and phase [degree] of each stage and of the whole filter.
+
+    The response starts at the tactile voltage. Amplifiers have one pole, so their gain falls with their gain-bandwidth
+    product. The last column is that product over the frequency [dB], the asymptote of the amplifier's open-loop gain.
+    """
+    network = build_network(board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board))
+    f = np.logspace(math.log10(low_hz), math.log10(high_hz), round(per_decade * math.log10(high_hz / low_hz)) + 1)
+    filter_network = network.drive(TACTILE).restrict(FILTERED)
+    first, whole = filter_network.response(f, {TACTILE: 1.0}, STAGE1_OUT, FILTERED).T
+    lines = ["frequency_hz,stage1_db,stage1_deg,stage2_db,stage2_deg,whole_db,whole_deg,gbw_over_f_db"]
+    for i, hz in enumerate(f):
+        cells = [f"{hz:.6g}"]
+        for value in (first[i], whole[i] / first[i], whole[i]):
+            cells += [f"{20 * math.log10(abs(value)):.4f}", f"{math.degrees(np.angle(value)):.3f}"]
+        cells.append(f"{20 * math.log10(find_gain_bandwidth_hz(design.board) / hz):.4f}")
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+def _offsets(board: NoisyNetwork) -> list[Contribution]:
+    columns = zip(*(board.offsets_v(net) for net in NETS), strict=True)
+    pairs = zip(board.sources, columns, strict=True)
+    # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
+    return [Contribution(source.name, volts) for source, volts in pairs if source.offset and any(volts)]
+
+
+def _bridge_offset(network: Network, supply_v: float) -> Contribution:
+    """Offset of the bridge at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
+    path = network.restrict(TACTILE)
+
+    def tactile_v(values: Mapping[str, Value]) -> float:
+        return path.with_values(values).operating_point({VCC: supply_v, VEE: -supply_v})[TACTILE]
+
+    worst_v, nominal_v = 0.0, tactile_v({})
+    for name in BRIDGE_RESISTORS:
+        worst_v += abs(tactile_v({name: network.values[name] / (1 + BRIDGE_TOLERANCE)}) - nominal_v)
+    return Contribution("R10 to R14", tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS))
+
+
+# The analysis of a board as text tables.
+
 
 _LABELS = {
     "cutoff_hz": "lower -3 dB [Hz]",

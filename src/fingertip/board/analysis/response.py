@@ -12,17 +12,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fingertip.board.circuit import Circuit
-from fingertip.board.nets import ENVELOPE, FILTERED, TACTILE
-from fingertip.board.network import Value, build_network
-from fingertip.board.transfer_function import Rational, Stage, find_stages, multiply
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
-from fingertip.design.filter_components import SECTION_QUALITY
+from fingertip.board.circuits.network import Value, build_network
+from fingertip.board.circuits.transfer_function import Rational, Stage, find_stages, multiply
+from fingertip.board.parts.circuit import ENVELOPE, FILTERED, TACTILE, Circuit
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.design.formulas.filter import SECTION_QUALITY
 from fingertip.design.parameters import Board
-from fingertip.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
+from fingertip.foundation.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
 
 if TYPE_CHECKING:
-    from fingertip.arrays import Array
+    from fingertip.foundation.numerics import Array
 
 RECTIFYING_DIODE = "D1"
 """Diode that conducts while the filtered signal is positive, in every variant."""

@@ -7,16 +7,31 @@ the bridge through a capacitor and a large resistor, so that some millivolts at 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fingertip.board.circuit import Circuit, Component, Net
+from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.board.components.preferred_values import nearest_value
-from fingertip.board.kicad.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
-from fingertip.board.nets import FILTERED, SENSOR
-from fingertip.board.network import build_network
+from fingertip.board.parts.circuit import (
+    ADC_ENVELOPE,
+    ADC_FILTERED,
+    ADC_TACTILE,
+    ENVELOPE,
+    FILTERED,
+    GND,
+    SENSOR,
+    TACTILE,
+    VMID,
+    VMID_OUT,
+    Circuit,
+    Component,
+    Net,
+    parse_component_value,
+)
+from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 
 TONE = "TONE"
 """Net that the generator drives, above ground."""
@@ -79,3 +94,182 @@ def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:
     nets = [Net(net.name, (*net.nodes, (COUPLING_OHM, "2"))) if net.name == SENSOR else net for net in circuit.nets]
     nets += [Net(_MIDDLE, ((COUPLING_OHM, "1"), (COUPLING_F, "2"))), Net(TONE, ((COUPLING_F, "1"),))]
     return Circuit(circuit.name, (*circuit.components, resistor, capacitor), tuple(nets))
+
+
+# Faults of single parts: what goes wrong when a board is soldered, each as a changed circuit.
+
+
+_OPEN_OHM, _SHORT_OHM = "1e10", "1e-2"
+_OPEN_FARAD = "1e-16"
+_WRONG_VALUES = ((0.1, "a tenth of its value"), (0.5, "half its value"), (2.0, "twice its value"), (10.0, "ten times"))
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Fault of one part."""
+
+    reference: str
+    """Reference of the part; empty for a board without a fault."""
+    description: str
+    circuit: Circuit
+    rarity: int = 0
+    """Rank by how rare the fault is: 0 not soldered or reversed, 1 bridged, 2 a wrong value, 3 a whole amplifier. An
+    assumption, which only orders what the readings do not tell apart."""
+    stuck_v: dict[str, float] = field(default_factory=dict)
+    """Nets that an amplifier's output holds at a voltage [V]."""
+
+    @property
+    def sentence(self) -> str:
+        """The part and what is wrong with it."""
+        return f"{self.reference} {self.description}"
+
+
+def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> Iterator[Fault]:
+    """Yield the faults of a circuit, one part at a time.
+
+    Parameters
+    ----------
+    circuit
+        The circuit without a fault.
+    ends_v
+        Ends of the swing of each measured output of an amplifier above ground [V], by its net.
+    """
+    for component in circuit.components:
+        if component.symbol.name in ("R", "C"):
+            yield from _list_passive_faults(circuit, component)
+        elif component.symbol.name == "1N4148W":
+            yield from _list_diode_faults(circuit, component)
+    for output in list_amplifiers(circuit):
+        if output.net in ends_v:
+            for volts, end in zip(ends_v[output.net], ("lowest", "highest"), strict=True):
+                what = f"holds {output.net} at its {end} voltage: rotated, not soldered, or with bridged pins"
+                yield Fault(output.reference, what, circuit, 3, {output.net: volts})
+
+
+def _list_passive_faults(circuit: Circuit, part: Component) -> Iterator[Fault]:
+    reference, is_resistor = part.reference, part.symbol.name == "R"
+    value = parse_component_value(part.value)
+    opened = circuit.replace(reference, _OPEN_OHM if is_resistor else _OPEN_FARAD)
+    yield Fault(reference, "is open: not soldered, or cracked", opened)
+    yield Fault(reference, "is bridged", _replace(circuit, replace(part, symbol=RESISTOR, value=_SHORT_OHM)), 1)
+    for factor, description in _WRONG_VALUES:
+        yield Fault(reference, f"has {description}", circuit.replace(reference, f"{factor * value:.10g}"), 2)
+
+
+def _list_diode_faults(circuit: Circuit, part: Component) -> Iterator[Fault]:
+    swapped = {(part.reference, "1"): (part.reference, "2"), (part.reference, "2"): (part.reference, "1")}
+    nets = tuple(Net(net.name, tuple(swapped.get(node, node) for node in net.nodes)) for net in circuit.nets)
+    yield Fault(part.reference, "is reversed", Circuit(circuit.name, circuit.components, nets))
+    yield Fault(part.reference, "is open: not soldered", circuit.without(part.reference))
+    yield Fault(part.reference, "is bridged", _replace(circuit, replace(part, symbol=RESISTOR, value=_SHORT_OHM)), 1)
+
+
+def _replace(circuit: Circuit, part: Component) -> Circuit:
+    components = tuple(part if c.reference == part.reference else c for c in circuit.components)
+    return Circuit(circuit.name, components, circuit.nets)
+
+
+# Readings at the pins of J3: what the controller will see, behind the resistors and capacitors ahead of it.
+#
+# They are taken against supply ground, as the controller reads them. The meter's own resistance is part of the
+# circuit, so that a pin whose resistor is open reads nothing instead of floating.
+
+
+HOST = "J3"
+METER_OHM = 10e6
+"""Input resistance of a multimeter."""
+TOP_HZ = 400.0
+"""Tone at which S is measured: the upper end of a simple meter's range, where C25 attenuates most."""
+
+
+@dataclass(frozen=True)
+class OutputPin:
+    """Pin of J3 that carries a signal."""
+
+    letter: str
+    """Letter that the board prints beside it."""
+    net: str
+    source: str
+    """Net with a test point that feeds it."""
+    meter: str
+    """Reference of the meter's resistance."""
+
+    @property
+    def constant_name(self) -> str:
+        """Name of the reading of its constant voltage with the sensor open."""
+        return f"j3_{self.letter.lower()}_open_v"
+
+    @property
+    def tone_name(self) -> str:
+        """Name of the reading of its tone."""
+        return f"j3_{self.letter.lower()}_{TOP_HZ:.0f}hz_v"
+
+
+_PINS = (
+    OutputPin("T", ADC_TACTILE, TACTILE, "R91"),
+    OutputPin("S", ADC_FILTERED, FILTERED, "R92"),
+    OutputPin("E", ADC_ENVELOPE, ENVELOPE, "R93"),
+    OutputPin("M", VMID_OUT, VMID, "R94"),
+)
+
+
+def list_output_pins(circuit: Circuit) -> tuple[OutputPin, ...]:
+    """List the pins of J3 that are measured."""
+    nets = {net.name for net in circuit.nets if any(reference == HOST for reference, _ in net.nodes)}
+    return tuple(pin for pin in _PINS if pin.net in nets)
+
+
+def has_tone(pin: OutputPin) -> bool:
+    """Return whether a pin's tone is large enough for a meter: that of the filtered signal."""
+    return pin.source == FILTERED
+
+
+def connect_meter(circuit: Circuit) -> Circuit:
+    """Connect a meter between each measured pin and supply ground."""
+    pins = {pin.net: pin for pin in list_output_pins(circuit)}
+    meters = tuple(
+        Component(pin.meter, f"{METER_OHM:.10g}", RESISTOR, R_0603, "test: input of the meter") for pin in pins.values()
+    )
+    nets = []
+    for net in circuit.nets:
+        if net.name in pins:
+            nets.append(Net(net.name, (*net.nodes, (pins[net.name].meter, "1"))))
+        elif net.name == GND:
+            nets.append(Net(net.name, (*net.nodes, *((meter.reference, "2") for meter in meters))))
+        else:
+            nets.append(net)
+    return Circuit(circuit.name, (*circuit.components, *meters), tuple(nets))
+
+
+def predict_constants(circuit: Circuit, sources_v: Mapping[str, float]) -> dict[str, float]:
+    """Constant voltages of the pins above supply ground [V], from those of the nets that feed them."""
+    pins = list_output_pins(circuit)
+    network = build_network(connect_meter(circuit)).drive(*(pin.source for pin in pins))
+    path = network.restrict(*(pin.net for pin in pins))
+    given = {name: sources_v.get(name, 0.0) for name in path.inputs}
+    volts = path.operating_point(given)
+    return {pin.constant_name: volts[pin.net] for pin in pins}
+
+
+def attenuate_tones(circuit: Circuit) -> dict[str, float]:
+    """Ratio of the tone at each pin that is measured with it to that at the net which feeds it."""
+    found = {}
+    for pin in filter(has_tone, list_output_pins(circuit)):
+        path = build_network(connect_meter(circuit)).drive(pin.source).restrict(pin.net)
+        found[pin.tone_name] = float(abs(path.response(np.array([TOP_HZ]), {pin.source: 1.0}, pin.net)[0, 0]))
+    return found
+
+
+def largest_drop_v(circuit: Circuit, expected_v: Mapping[str, float]) -> float:
+    """Largest voltage that the meter's own current takes from a pin [V]."""
+    return max(
+        (abs(expected_v[pin.constant_name]) * (1.0 / ratio - 1.0) for pin, ratio in _ratios(circuit).items()),
+        default=0.0,
+    )
+
+
+def _ratios(circuit: Circuit) -> dict[OutputPin, float]:
+    """Share of each source's constant voltage that its pin has with the meter connected."""
+    pins = list_output_pins(circuit)
+    volts = predict_constants(circuit, {pin.source: 1.0 for pin in pins})
+    return {pin: volts[pin.constant_name] for pin in pins}

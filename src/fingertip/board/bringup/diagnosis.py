@@ -7,16 +7,96 @@ mistake is named ahead of all faults if it explains the readings better than any
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
-from fingertip.board.bringup.faults import Fault, list_faults
+from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.limits import METER_AC, Limits
-from fingertip.board.bringup.prediction import Board, is_tone, name_voltage, predict
-from fingertip.board.bringup.probing import Mistake, list_mistakes
-from fingertip.board.components.amplifiers import AMPLIFIERS
-from fingertip.board.nets import STAGE1_OUT
-from fingertip.board.network import build_network
+from fingertip.board.bringup.plan import BringUp, resistance_limits
+from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
+from fingertip.board.circuits.network import build_network
+from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.parts.circuit import ENVELOPE, STAGE1_OUT, VMID
+
+# Mistakes of the person with the meter: readings that were taken between other points than the sheet says.
+#
+# A board whose signal ground is half of the supply has two grounds. With the black probe at the wrong one, every
+# direct voltage is off by the same amount, and each looks like a fault of another part. Alternating voltages are the
+# same at both grounds.
+
+
+Voltages = Mapping[str, float]
+_GROUND = name_voltage(VMID)
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """Way to take the readings wrongly."""
+
+    sentence: str
+    remedy: str
+    apply: Callable[[Voltages], Voltages]
+    """Readings that result [V], from those that the sheet asks for."""
+
+
+def list_mistakes(board: Board) -> tuple[Mistake, ...]:
+    """List the mistakes that are possible with the grounds of a board; none where both are one net."""
+    return _TWO_GROUNDS if board.signal_ground == VMID else ()
+
+
+def is_direct(name: str) -> bool:
+    """Return whether a reading is a direct voltage: any without the tone, and the envelope and rectifier with it."""
+    return not is_tone(name) or name.startswith(tuple(f"{POINTS[net].lower()}_" for net in (ENVELOPE, RECT_OUT)))
+
+
+def _from_supply_ground(values: Voltages) -> Voltages:
+    ground_v = values[_GROUND]
+    return {name: v + ground_v if is_above_signal_ground(name) else v for name, v in values.items()}
+
+
+def _from_signal_ground(values: Voltages) -> Voltages:
+    ground_v = values[_GROUND]
+    return {name: v - ground_v if _is_at_host(name) else v for name, v in values.items()}
+
+
+def is_above_signal_ground(name: str) -> bool:
+    """Return whether a reading is a direct voltage with the black probe at signal ground."""
+    return is_direct(name) and name != _GROUND and not _is_at_host(name)
+
+
+def _is_at_host(name: str) -> bool:
+    """Return whether a reading is a direct voltage at a pin of the output connector, against supply ground."""
+    return name.startswith(f"{HOST.lower()}_") and is_direct(name)
+
+
+def _replace_ground(values: Voltages, ratio: float) -> Voltages:
+    return {**values, _GROUND: ratio * values[_GROUND]}
+
+
+_TWO_GROUNDS = (
+    Mistake(
+        "the direct voltages were taken with the black probe at supply ground (GND) instead of signal ground (TP5)",
+        f"move the black probe to TP5, for all but {_GROUND} and those at {HOST}, and measure again",
+        _from_supply_ground,
+    ),
+    Mistake(
+        f"the direct voltages at {HOST} were taken with the black probe at signal ground (TP5)",
+        "move the black probe to supply ground (GND) for them, and measure again",
+        _from_signal_ground,
+    ),
+    Mistake(
+        f"{_GROUND} was taken with the black probe at TP5 and the red one at supply ground (GND)",
+        "exchange the probes for it, and measure again",
+        lambda values: _replace_ground(values, -1.0),
+    ),
+    Mistake(
+        f"{_GROUND} was taken with both probes at signal ground (TP5)",
+        "move the black probe to supply ground (GND) for it, and measure again",
+        lambda values: _replace_ground(values, 0.0),
+    ),
+)
+
 
 MIN_READINGS = 3
 """Least number of readings for a diagnosis."""
@@ -192,3 +272,40 @@ def _difference(name: str, predicted_v: float, measured_v: float, limits: Mappin
         spread = spread / limits[name].expected_v * abs(predicted_v) + METER_AC[1]
     spread += _MODEL_RATIO * abs(predicted_v)
     return (measured_v - predicted_v) / spread
+
+
+# Faults that no reading of a bring-up reveals: every reading of a board that has one is within its limits.
+
+
+_VALUES = 2
+"""Rarity from which a fault is a wrong value: those are left to the placement file."""
+
+
+def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
+    """List the parts whose fault shows in no reading, by what is wrong with them."""
+    board = plan.board
+    faults = [fault for fault in list_faults(board.circuit, board.ends_v) if fault.rarity < _VALUES]
+    hidden: dict[str, list[str]] = {}
+    first_stage = name_voltage(STAGE1_OUT)
+    beyond = {first_stage: 2.0 * plan.levels[first_stage].high_v}
+    for fault, found in zip(faults, predict(board, faults), strict=True):
+        # An offset that the fault lets through shows, unless it happens to be nearly none.
+        values = fit_offset(board, fault, found, beyond)
+        is_within = all(limits.low_v <= values[name] <= limits.high_v for name, limits in plan.levels.items())
+        if is_within and not any(_list_wrong_resistances(plan, fault)):
+            what = fault.description.removeprefix("is ").partition(":")[0]
+            hidden.setdefault(what, []).append(fault.reference)
+    return hidden
+
+
+def list_unsimulated(plan: BringUp) -> list[str]:
+    """List the clamps, whose faults are not simulated: without them every reading is as it should be."""
+    return [part.reference for part in plan.board.circuit.components if part.symbol.name == "BAT54S"]
+
+
+def _list_wrong_resistances(plan: BringUp, fault: Fault) -> Iterator[str]:
+    """Yield the readings of the ohmmeter that a fault takes out of their limits."""
+    found = resistance_limits(replace(plan.board, circuit=fault.circuit))
+    for name, limits in plan.before_power.items():
+        if not limits.low_v <= found[name].expected_v <= limits.high_v:
+            yield name

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fingertip.board.bringup.pins import HOST
+from fingertip.board.bringup.bench import HOST
 from fingertip.board.bringup.plan import QUIET_ENVELOPE, BringUp
-from fingertip.board.nets import VMID
+from fingertip.board.parts.circuit import VMID
 
 _SHARE = 0.5
 """Share of the detector's threshold above which the envelope at rest is to be added to it."""

@@ -7,11 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.board.board_values import BoardValues
-from fingertip.board.bringup.bench import COUPLING_F, COUPLING_OHM, TONE, TONE_V, connect_tone
-from fingertip.board.bringup.faults import Fault
-from fingertip.board.bringup.pins import TOP_HZ, connect_meter, has_tone, list_output_pins
+from fingertip.board.analysis.board_values import BoardValues
+from fingertip.board.bringup.bench import (
+    COUPLING_F,
+    COUPLING_OHM,
+    TONE,
+    TONE_V,
+    TOP_HZ,
+    Fault,
+    connect_meter,
+    connect_tone,
+    has_tone,
+    list_output_pins,
+)
 from fingertip.board.bringup.prediction import (
     Board,
     batch_constant,
@@ -21,12 +29,11 @@ from fingertip.board.bringup.prediction import (
     name_voltage,
     predict,
 )
-from fingertip.board.circuit import Circuit, parse_component_value
+from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.circuits.signal_paths import RECT_OUT
-from fingertip.board.components.amplifiers import AD623_OFFSET_V, AMPLIFIERS, GAIN_RESISTOR
-from fingertip.board.components.bridge import GAIN_CONSTANT_OHM
-from fingertip.board.nets import ENVELOPE, FILTERED, GND, TACTILE
-from fingertip.board.network import Network, Value, build_network, list_amplifiers
+from fingertip.board.components.bridge import AD623_OFFSET_V, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
+from fingertip.board.parts.circuit import ENVELOPE, FILTERED, GND, TACTILE, Circuit, parse_component_value
+from fingertip.foundation.numerics import Array
 
 RECTIFIER_V = 0.15
 """Deviation of the mean of a precision rectifier's amplifier: the drops of two diodes differ by less [V]."""

@@ -14,16 +14,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.board.analysis.limits import OUTPUT_LOWER_MARGIN_V, OUTPUT_UPPER_MARGIN_V
-from fingertip.board.bringup.bench import TONE, TONE_V, Bench, connect_tone, set_up_bench
-from fingertip.board.bringup.faults import Fault
-from fingertip.board.bringup.pins import TOP_HZ, attenuate_tones, list_output_pins, predict_constants
+from fingertip.board.bringup.bench import (
+    TONE,
+    TONE_V,
+    TOP_HZ,
+    Bench,
+    Fault,
+    attenuate_tones,
+    connect_tone,
+    list_output_pins,
+    predict_constants,
+    set_up_bench,
+)
 from fingertip.board.bringup.rectifier import Drive, mean_voltages
-from fingertip.board.circuit import Circuit
+from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.circuits.signal_paths import RECT_OUT
-from fingertip.board.components.amplifiers import AMPLIFIERS
-from fingertip.board.nets import (
+from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
@@ -36,11 +45,11 @@ from fingertip.board.nets import (
     VEE,
     VMID,
     VREF,
+    Circuit,
 )
-from fingertip.board.network import Network, build_network, list_amplifiers
-from fingertip.board.supplies import SUPPLIES
 from fingertip.design import Design
-from fingertip.design.amplifier_choice import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.foundation.numerics import Array
 
 _MAX_SATURATED = 8
 _TONE_END = "hz_v"

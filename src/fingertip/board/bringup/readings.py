@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fingertip.board.bringup.bench import TONE_V
-from fingertip.board.bringup.plan import BringUp
-from fingertip.board.nets import VCC
-from fingertip.design.issues import suggest_name
-from fingertip.errors import BoardError, Issue
-from fingertip.toml_files import read_toml
+from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
+from fingertip.board.bringup.idle_level import note_idle_level
+from fingertip.board.bringup.limits import SUPPLY_PERCENT, Limits
+from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, BringUp
+from fingertip.board.bringup.prediction import Board, is_tone, name_tone
+from fingertip.board.circuits.signal_paths import RECT_OUT
+from fingertip.board.parts.circuit import VCC
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import BoardError, Issue
+from fingertip.foundation.toml_files import read_toml
 
 IDENTITY, TONE = "board", "tone_v"
 UNITS = {"_v": "V", "_ohm": "ohm", "_ma": "mA"}
@@ -102,3 +107,225 @@ def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterat
             yield Issue(name, f"{value} {unit_of(name)} is no reading; write a number, or nan.")
     if not any(n in names and isinstance(v, int | float) and not math.isnan(v) for n, v in tables.items()):
         yield Issue(str(path), "holds no reading; write at least one in place of nan.")
+
+
+# Readings that are all off by one ratio: what feeds the board differs from what the sheet assumes, and no part does.
+#
+# Constant voltages are proportional to the supply, and readings with the tone to the tone.
+
+
+_MIN_READINGS = 3
+_LEAST_V = 0.05
+"""Least expected voltage from which a ratio is computed; a smaller one is an offset."""
+_MOST = 4.0
+_DEAD = 0.02
+"""Ratio below which there is no supply, or no tone."""
+_LEAST_TONE_CHANGE = 0.1
+"""Least deviation of the tone's ratio from 1 that is named: the meter for alternating voltage has some percent."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Supply and tone that explain readings which fail."""
+
+    sentences: tuple[str, ...] = ()
+    """Sentences on them, each without a full stop."""
+    explain_all: bool = False
+    """True if they explain every reading that fails."""
+
+
+def find_sources(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Sources:
+    """Find the supply and the tone that explain the readings which fail, if those of each are off by one ratio.
+
+    `tone_v` is the tone's RMS for which the limits hold [V]. A tone is named only if nothing else is wrong: a fault may
+    weaken all readings with it too.
+    """
+    failed = [name for name, volts in readings.items() if not limits[name].low_v <= volts <= limits[name].high_v]
+    supply = _describe_supply(board, limits, readings)
+    tone = _describe_tone(board, limits, readings, tone_v)
+    explained = {name for name in failed if (tone if is_tone(name) else supply)}
+    if explained == {*failed}:
+        return Sources(tuple(each for each in (supply, tone) if each), bool(failed))
+    return Sources((supply,) if supply else ())
+
+
+def _describe_supply(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float]) -> str | None:
+    """Describe the supply that explains all constant voltages; None if they are not off by one ratio."""
+    ratio = _find_ratio([name for name in readings if not is_tone(name)], limits, readings)
+    nominal_v = board.rails_v[VCC]
+    if ratio is None or abs(ratio - 1.0) <= 0.01 * SUPPLY_PERCENT:
+        return None
+    if ratio < _DEAD:
+        return "no direct voltage is there: check that the supply is on and not reversed"
+    return (
+        f"all direct voltages are {ratio:.3g} of those expected: check the supply, which would be "
+        f"{ratio * nominal_v:.2f} V and has to be {nominal_v:g} V within {SUPPLY_PERCENT:g} %"
+    )
+
+
+def _describe_tone(
+    board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float
+) -> str | None:
+    """Describe the tone that explains all readings with it; None if they are not off by one ratio."""
+    # The rectifier's output holds the drops of its diodes, which do not follow the tone.
+    drops = name_tone(RECT_OUT, board.bench.tones_hz[-1])
+    ratio = _find_ratio([name for name in readings if is_tone(name) and name != drops], limits, readings)
+    if ratio is None or abs(ratio - 1.0) < _LEAST_TONE_CHANGE:
+        return None
+    if ratio < _DEAD:
+        return "nothing of the tone is there: check the generator and its wires"
+    return (
+        f"all readings with the tone are {ratio:.2g} of those expected: the tone would be {ratio * tone_v:.2g} V RMS; "
+        f"check that tone_v = {tone_v:g} is what the generator gave"
+    )
+
+
+def _find_ratio(names: Iterable[str], limits: Mapping[str, Limits], readings: Mapping[str, float]) -> float | None:
+    """Find the ratio that these readings have to those expected, if they have one, and if any is beyond its limits."""
+    names = list(names)
+    large = [n for n in names if abs(limits[n].expected_v) >= _LEAST_V]
+    if len(large) < _MIN_READINGS:
+        return None
+    # A reading counts the more, the narrower its limits are.
+    weights = {n: (limits[n].expected_v / (limits[n].high_v - limits[n].low_v)) ** 2 for n in large}
+    ratio = sum(weights[n] * readings[n] / limits[n].expected_v for n in large) / sum(weights.values())
+    failed = any(not limits[n].low_v <= readings[n] <= limits[n].high_v for n in names)
+    if not failed or not 0.0 <= ratio <= _MOST:
+        return None
+    return ratio if all(_fits(readings[n], ratio, limits[n]) for n in names) else None
+
+
+def _fits(volts: float, ratio: float, limits: Limits) -> bool:
+    """Return whether a reading lies where the ratio moves its limits, which keep the meter's constant error."""
+    below, above = limits.expected_v - limits.low_v, limits.high_v - limits.expected_v
+    width = max(ratio, 0.1) if abs(limits.expected_v) >= _LEAST_V else 1.0
+    expected_v = ratio * limits.expected_v
+    return expected_v - width * below <= volts <= expected_v + width * above
+
+
+# Readings of a board against their limits, and the likely fault, as data and as text.
+
+
+_HINTS = {
+    "supply_ohm": "the supply is shorted: look for a bridge at the connector, the capacitors and the amplifiers",
+    "negative_supply_ohm": "the negative supply is shorted: look for a bridge at the connector and the amplifiers",
+    SENSOR_OHM: "the bridge is wrong: R10 to R13, C7 or the sensor's connector",
+    SUPPLY_MA: "too much: an amplifier is rotated or bridged; too little: an amplifier is not soldered",
+    "tp3_quiet_v": "hum or oscillation: shorten and twist the wires, and use a battery for the supply",
+    "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
+}
+"""Meanings of the readings that are not part of the diagnosis."""
+_NO_CURRENT = 0.1
+"""Share of the least current up to which the board draws none."""
+
+
+def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None = None) -> dict[str, Any]:
+    """Compare readings with their limits and name the likely fault, as plain data.
+
+    `threshold_v` is that of a detector of the envelope in software [V], if the board has no comparator.
+    """
+    limits = plan.all
+    rows = [
+        {
+            "name": name,
+            "unit": unit_of(name),
+            "measured": value if math.isfinite(value) else None,
+            # Beyond a lower limit alone, what a good board reads depends on the amplifiers and on the meter.
+            "expected": _round(limits[name].expected_v) if math.isfinite(limits[name].high_v) else None,
+            "limits": [_round(limits[name].low_v), _round(limits[name].high_v)],
+            "passed": limits[name].low_v <= value <= limits[name].high_v,
+        }
+        for name, value in readings.values.items()
+    ]
+    levels = {name: value for name, value in readings.values.items() if name in plan.levels}
+    diagnosis = diagnose(plan.board, plan.levels, levels, readings.tone_v)
+    hints = [f"{row['name']}: {_explain_reading(row)}." for row in rows if row["name"] in _HINTS and not row["passed"]]
+    if threshold_v is not None and QUIET_ENVELOPE in levels and not diagnosis.mistake:
+        hints += note_idle_level(plan, levels[QUIET_ENVELOPE], threshold_v)
+    sources = find_sources(plan.board, plan.levels, levels, readings.tone_v)
+    return {
+        "passed": all(row["passed"] for row in rows),
+        "readings": rows,
+        "missing": [name for name in limits if name not in readings.values],
+        "hints": hints,
+        "likely": [each.fault.sentence for each in diagnosis.likely if each.fault.reference],
+        "mistake": diagnosis.mistake.sentence if diagnosis.mistake else None,
+        "explained": diagnosis.is_explained,
+        "verdict": _verdict(diagnosis, len(levels), rows, sources),
+    }
+
+
+def _explain_reading(row: dict[str, Any]) -> str:
+    """Say what a reading that fails means."""
+    if row["name"] == SUPPLY_MA and abs(row["measured"]) <= _NO_CURRENT * row["limits"][0]:
+        return "no current: the supply is reversed or not connected, or the meter is not in series with it"
+    return _HINTS[row["name"]]
+
+
+def format_assessment(data: dict[str, Any]) -> str:
+    """Format an assessment as text, the verdict first."""
+    lines = [data["verdict"], *data["hints"], ""]
+    lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':24}")
+    for row in data["readings"]:
+        measured = "infinite" if row["measured"] is None else f"{row['measured']:.4g}"
+        low, high = row["limits"]
+        bounds = f"above {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
+        expected = _text(row["expected"], "-")
+        mark = "" if row["passed"] else "  FAILS"
+        lines.append(f"{row['name']:20} {measured:>10} {expected:>10}   {bounds:24}{row['unit']:4}{mark}")
+    if data["missing"]:
+        lines.append(f"not measured: {', '.join(data['missing'])}")
+    return "\n".join(lines)
+
+
+def _verdict(diagnosis: Diagnosis, count: int, rows: list[dict[str, Any]], sources: Sources) -> str:
+    """Say what is likely: what feeds the board where all readings are off by one ratio, mistakes, and faults."""
+    failed = [row["name"] for row in rows if not row["passed"]]
+    if not failed:
+        return "All readings are within their limits."
+    if not diagnosis.failed and not count:
+        return f"Readings fail: {', '.join(failed)}. No voltage was entered."
+    if not diagnosis.failed:
+        return "The voltages entered are within their limits; see the readings that fail."
+    likely, said = _name_likely(diagnosis, count), "; and ".join(sources.sentences)
+    if not said:
+        return likely
+    if not sources.explain_all:
+        return f"First, {said}. Beside that: {likely}"
+    return f"No part need be faulty: {said}." + (f" Or: {likely}" if diagnosis.is_explained else "")
+
+
+def _name_likely(diagnosis: Diagnosis, count: int) -> str:
+    """Name the likely faults, or the mistake of the measurement."""
+    names = [each.fault.sentence for each in diagnosis.likely if each.fault.reference]
+    again = f"measure {', '.join(diagnosis.failed)} again"
+    if not diagnosis.likely and count >= MIN_READINGS:
+        return f"No single fault explains this; {again}."
+    if not diagnosis.likely:
+        needed = f"take at least {MIN_READINGS} voltages for a diagnosis ({count} so far)"
+        return f"Readings fail: {', '.join(diagnosis.failed)}; {needed}."
+    if not (mistake := diagnosis.mistake):
+        return _name_faults(names, diagnosis.is_explained, again)
+    said = f"Likely a mistake of the measurement{'' if names else ', and no fault'}: {mistake.sentence}."
+    if names:
+        said += f" Together with it: {_name_faults(names, diagnosis.is_explained, again)}"
+    return f"{said} To be sure, {mistake.remedy}."
+
+
+def _name_faults(names: list[str], is_explained: bool, again: str) -> str:
+    if not is_explained:
+        return f"No single fault explains all readings. Nearest: {names[0]}. Look for two faults, or {again}."
+    if len(names) == 1:
+        return f"Likely fault: {names[0]}."
+    return (
+        f"Likely fault, one of these, which the readings do not tell apart, the more common first: {'; '.join(names)}."
+    )
+
+
+def _round(value: float) -> float | None:
+    """Round to five significant digits; None for infinity."""
+    return float(f"{value:.5g}") if math.isfinite(value) else None
+
+
+def _text(value: float | None, missing: str) -> str:
+    return missing if value is None else f"{value:.4g}"

@@ -15,12 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
-from fingertip.board.circuit import RAILS, Circuit
+from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.circuits.signal_paths import RECT_OUT
-from fingertip.board.components.diodes import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
-from fingertip.board.nets import ENVELOPE, FILTERED
-from fingertip.board.network import Network, build_network, list_amplifiers
+from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
+from fingertip.board.parts.circuit import ENVELOPE, FILTERED, RAILS, Circuit
+from fingertip.foundation.numerics import Array
 
 Indices = NDArray[np.int_]
 

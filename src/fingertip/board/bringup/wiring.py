@@ -9,10 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
-from fingertip.board.circuit import Circuit, Component, parse_component_value
 from fingertip.board.circuits.signal_paths import SLIP
-from fingertip.board.kicad.symbols import AO3401A, LOCKING_CONNECTORS
-from fingertip.board.nets import (
+from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_FILTERED,
     ADC_TACTILE,
@@ -22,10 +20,15 @@ from fingertip.board.nets import (
     VEE,
     VMID,
     VMID_OUT,
+    Circuit,
+    Component,
+    parse_component_value,
 )
 from fingertip.board.parts.mating import group_plug_wires
-from fingertip.board.readme_parts.signals import NEEDED_PINS
+from fingertip.board.parts.symbols import AO3401A, LOCKING_CONNECTORS
 
+NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
+"""Outputs that a controller samples, by what it runs."""
 SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
 MOUNTING_PIN = "MP"
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}

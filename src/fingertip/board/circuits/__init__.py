@@ -1,1 +1,1 @@
-"""Circuits of all board variants, as components, pins and nets."""
+"""Circuits of all board variants, the equations that follow from them, and the SPICE deck."""

@@ -16,12 +16,19 @@ an open-collector output: SLIP is low (asserted) while slip is detected and high
 
 from __future__ import annotations
 
-from fingertip.board.circuit import Circuit, Component, format_component_value
-from fingertip.board.circuits.components import SelectedComponents, Wiring, amplifier, component, supply_capacitor
-from fingertip.board.circuits.front_end_and_supply import DECOUPLING_F, complete_circuit
-from fingertip.board.components.component_values import ComponentValues
-from fingertip.board.kicad import symbols
-from fingertip.board.nets import (
+from fingertip.board.circuits.blocks import (
+    DECOUPLING_F,
+    SelectedComponents,
+    Wiring,
+    amplifier,
+    complete_circuit,
+    component,
+    supply_capacitor,
+)
+from fingertip.board.components.supplies import SUPPLIES, Supply
+from fingertip.board.components.values import ComponentValues
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import (
     ENVELOPE,
     FEEDBACK,
     FILTERED,
@@ -33,9 +40,11 @@ from fingertip.board.nets import (
     TACTILE,
     VCC,
     VEE,
+    Circuit,
+    Component,
+    format_component_value,
 )
-from fingertip.board.supplies import SUPPLIES, Supply
-from fingertip.errors import BoardError
+from fingertip.foundation.errors import BoardError
 
 SERIES = "SERIES"
 RECT_IN = "RECT_IN"

@@ -25,7 +25,8 @@ import math
 from dataclasses import dataclass
 
 from fingertip.board.components.preferred_values import neighbouring_values, values_around
-from fingertip.design.parameters.force_curve import TURN_ON_N
+from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design.parameters.finger import TURN_ON_N
 
 INTERLINK_CURVE = ((20.0, 30e3), (50.0, 10e3), (100.0, 6e3), (250.0, 3.5e3), (1000.0, 1.25e3), (10000.0, 250.0))
 """Load [gram force] and resistance [ohm], read off Interlink's typical curve (part to part 6 % at best)."""
@@ -233,3 +234,47 @@ def _slope(points: list[tuple[float, float]]) -> float:
     """Slope of the least-squares line through points (x, y)."""
     x0, y0 = (sum(p[i] for p in points) / len(points) for i in (0, 1))
     return sum((x - x0) * (y - y0) for x, y in points) / sum((x - x0) ** 2 for x, _ in points)
+
+
+# Amplifiers of the board as its circuit names them, and data-sheet values of the bridge's AD623.
+#
+# The operational amplifiers and their figures are in `fingertip.catalogues.amplifiers`; no other module repeats these
+# values.
+
+
+BOLTZMANN_J_PER_K = 1.380649e-23
+TEMPERATURE_K = 300.15
+"""Temperature: 27 degrees Celsius, as in SPICE."""
+
+AMPLIFIERS = {amplifier.symbol: amplifier for amplifier in CATALOGUE.values()}
+"""Amplifiers of the catalogue by the name of their symbol, by which circuits know them."""
+
+AD623_NOISE_V = 35e-9
+"""Noise density at the input [V/sqrt(Hz)]."""
+AD623_OUTPUT_NOISE_V = 50e-9
+"""Noise density at the output in addition to the input's, for a gain of 1 [V/sqrt(Hz)]."""
+AD623_OFFSET_V = 200e-6
+"""Typical input offset voltage [V]."""
+AD623_BANDWIDTH_HZ = 800e3
+"""Bandwidth for a gain of 1 [Hz]. It falls with the gain; the data sheet has 10 kHz for 100, slightly above that."""
+AD623_SUPPLY_A, COMPARATOR_SUPPLY_A = 375e-6, 60e-6
+"""Typical supply currents of AD623 and LMV331 [A] (recalled, unverified)."""
+
+GAIN_RESISTOR = "R14"
+"""Resistor between the gain pins of the bridge's amplifier."""
+
+LOW_NOISE_NAME, LOW_NOISE_V = "INA821", 7e-9
+"""Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison.
+
+It has another footprint and pinout, and another gain equation, so that it requires another R14.
+"""
+
+
+# Model of the rectifier's diodes. SPICE deck, simulation and bring-up read these figures.
+
+
+SATURATION_A, EMISSION, SERIES_OHM = 2.52e-9, 1.752, 0.568
+"""1N4148: saturation current [A], emission coefficient and series resistance [ohm] of a common SPICE model. It drops
+0.62 V at 1 mA; not measured."""
+THERMAL_V = 0.025864951
+"""Thermal voltage k T / q at SPICE's 27 degrees Celsius [V]."""

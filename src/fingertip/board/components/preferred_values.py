@@ -9,9 +9,9 @@ import math
 from bisect import bisect_left
 from functools import lru_cache
 
-from fingertip.design.filter_components import MAX_OHM, MIN_OHM
-from fingertip.design.preferred_series import MANTISSAS
-from fingertip.errors import BoardError, Issue
+from fingertip.catalogues.preferred_series import MANTISSAS
+from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM
+from fingertip.foundation.errors import BoardError, Issue
 
 
 def mantissas(series: str) -> tuple[int, ...]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import csv
+import functools
 import io
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.board.circuit import Circuit, Component, reference_sort_key
+from fingertip.board.kicad.footprints import FOOTPRINTS, Point
+from fingertip.board.kicad.placement import Placement, rotate_offset
+from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import Part, load_sources
+from fingertip.board.parts.table import Part, load_sources, read_rows
 
 COLUMNS = (
     "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", "Source",
@@ -94,3 +98,111 @@ def _format_source(selection: Selection) -> str:
 
 def _format_part(part: Part | None) -> str:
     return f"{part.manufacturer} {part.number}".strip() if part else ""
+
+
+# Files in the columns of the assembly house JLCPCB: bill of materials, and placement with its rotations.
+#
+# The house turns some packages differently from KiCad. `rotations.csv` in the parts table holds the offsets, with
+# their source; a package that is not in it keeps KiCad's rotation. The house places a part by the centre of its pads.
+
+
+ASSEMBLY_BOM, ASSEMBLY_PLACEMENT = "bom_assembly.csv", "placement_assembly.csv"
+BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer")
+"""The four columns that the house reads, and the number to search for where the fourth is empty."""
+PLACEMENT_COLUMNS = ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
+
+
+@dataclass(frozen=True)
+class RotationOffset:
+    """Rotation of the house's parts relative to KiCad's footprints."""
+
+    pattern: str
+    """Regular expression that the name of the footprint begins with."""
+    rotation_deg: int
+    """Anticlockwise rotation to add to KiCad's [degree]."""
+    source: str
+    """Key of the source."""
+
+
+def is_assembled(component: Component) -> bool:
+    """Return whether the house fits a component; pin headers are soldered by hand."""
+    return "PinHeader" not in component.footprint
+
+
+def assembly_bom_file(circuit: Circuit) -> bytes:
+    """Bill of materials in the house's columns, with its part numbers where the parts table has them.
+
+    The comment of a resistor, a capacitor or a trimmer includes the rating, because its value alone does not determine
+    what to buy. The lines are those of `bom.csv`, without pin headers.
+    """
+    rows = []
+    for line in _list_assembled(circuit):
+        fields = line.selection.fields
+        has_type_name = line.references[0].rstrip("0123456789") not in ("R", "C", "RV")
+        comment = line.value if has_type_name else f"{line.value}, {line.rating}"
+        numbers = (fields["LCSC"], fields["MPN"], fields["Manufacturer"])
+        rows.append((comment, ",".join(line.references), line.footprint, *numbers))
+    return format_csv(BOM_COLUMNS, rows)
+
+
+def missing_numbers_note(circuit: Circuit) -> str:
+    """Describe the lines of the assembly's bill of materials without an LCSC number; empty if all have one."""
+    lines = _list_assembled(circuit)
+    missing = [line for line in lines if not line.selection.fields["LCSC"]]
+    if not missing:
+        return ""
+    named = ", ".join(
+        f"{' '.join(line.references)} ({line.selection.fields['MPN'] or f'{line.value}, no number known'})"
+        for line in missing
+    )
+    have = "has" if len(missing) == 1 else "have"
+    return (
+        f"{len(missing)} of {len(lines)} lines {have} no LCSC number in `{ASSEMBLY_BOM}`: {named}. Search for the "
+        "manufacturer's number at the assembly house, order the part there, or solder it yourself."
+    )
+
+
+def _list_assembled(circuit: Circuit) -> list[BomLine]:
+    return [line for line in list_bom(circuit) if is_assembled(line.components[0])]
+
+
+def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:
+    """Centres [mm] and rotations [degree] of the components that the house fits.
+
+    The origin is the lower left corner of the board, as in the gerbers.
+    """
+    rows = []
+    for component in filter(is_assembled, purchased_components(circuit)):
+        position = placement.positions[component.reference]
+        x, y = rotate_offset(position.angle, *find_pad_centre(component.footprint))
+        rotation = (position.angle + find_rotation_deg(component.footprint)) % 360
+        mid_x, mid_y = position.x + x, placement.height - position.y - y
+        rows.append((component.reference, f"{mid_x:.4f}mm", f"{mid_y:.4f}mm", "Top", str(rotation)))
+    return format_csv(PLACEMENT_COLUMNS, rows)
+
+
+@functools.cache
+def load_rotations() -> tuple[RotationOffset, ...]:
+    """Load the rotation offsets. The first whose pattern matches holds."""
+    rows = read_rows("rotations.csv")
+    return tuple(RotationOffset(row["footprint"], int(row["rotation_deg"]), row["source"]) for row in rows)
+
+
+def find_rotation(footprint: str) -> RotationOffset | None:
+    """Find the rotation offset of a footprint, "library:name"; None if the table has none."""
+    name = footprint.split(":")[1]
+    return next((offset for offset in load_rotations() if re.match(offset.pattern, name)), None)
+
+
+def find_rotation_deg(footprint: str) -> int:
+    """Find the rotation offset of a footprint [degree]; 0 if the table has none."""
+    offset = find_rotation(footprint)
+    return offset.rotation_deg if offset else 0
+
+
+def find_pad_centre(footprint: str) -> Point:
+    """Find the centre of the box around a footprint's pads [mm], relative to its origin."""
+    pads = FOOTPRINTS[footprint].pads
+    xs = [pad.x + sign * pad.width / 2 for pad in pads for sign in (-1, 1)]
+    ys = [pad.y + sign * pad.height / 2 for pad in pads for sign in (-1, 1)]
+    return round((min(xs) + max(xs)) / 2, 6), round((min(ys) + max(ys)) / 2, 6)

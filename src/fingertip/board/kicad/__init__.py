@@ -1,1 +1,1 @@
-"""KiCad files: s-expressions, UUIDs, symbols and footprints, the netlist and the project file."""
+"""KiCad files: netlist, schematic, layout with its placement and tracks, and 3D models."""

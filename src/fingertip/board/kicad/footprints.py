@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from fingertip.board.kicad import symbols
+from fingertip.board.parts import symbols
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]

@@ -16,11 +16,28 @@ Other readers require a `comment` in the title block.
 
 from __future__ import annotations
 
-from fingertip.board.circuit import Circuit, Component, Symbol, kicad_net_name, reference_sort_key
+import uuid
+
 from fingertip.board.kicad.project import REVISION
 from fingertip.board.kicad.sexpr import Expression, format_expression, quote
-from fingertip.board.kicad.uuids import component_uuid
+from fingertip.board.parts.circuit import Circuit, Component, Symbol, kicad_net_name, reference_sort_key
 from fingertip.board.parts.select_part import symbol_fields
+
+# UUIDs derived from names instead of random ones, so that the same design gives the same bytes.
+
+
+# Any fixed UUID serves. It keeps this project's names apart from those of others.
+_NAMESPACE = uuid.uuid5(uuid.NAMESPACE_OID, "fingertip.board")
+
+
+def component_uuid(circuit: Circuit, reference: str) -> str:
+    """UUID by which KiCad identifies a component. It depends on circuit and reference only, not on the value."""
+    return named_uuid(circuit, reference)
+
+
+def named_uuid(circuit: Circuit, name: str) -> str:
+    """UUID of any other item in the circuit's files, from a name that is unique in the circuit."""
+    return str(uuid.uuid5(_NAMESPACE, f"{circuit.name}/{name}"))
 
 
 def kicad_netlist_file(circuit: Circuit) -> bytes:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 
-from fingertip.board.circuit import Circuit
 from fingertip.board.kicad.footprints import SILK_CLEARANCE_MM, SILK_LINE_MM, TEXT_HEIGHT_MM
 from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
+from fingertip.board.parts.circuit import Circuit
 
 REVISION = "2"
 """Revision of the boards: higher where parts, nets or copper have changed."""

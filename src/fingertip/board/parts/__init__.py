@@ -1,1 +1,1 @@
-"""Parts table: manufacturer's and distributor's number of each component that can be bought, with its source."""
+"""Parts of a board as data: components, pins and nets, symbols, and what can be bought."""

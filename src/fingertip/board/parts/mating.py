@@ -9,7 +9,7 @@ import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fingertip.board.circuit import Circuit, Component
+from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.board.parts.table import Part, read_rows
 
 _PER_CONNECTOR, _PER_WIRE, _PER_TWO_WIRES = "connector", "wire", "two wires"

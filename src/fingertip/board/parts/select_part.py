@@ -8,9 +8,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from fingertip.board.circuit import Component, parse_component_value
-from fingertip.board.parts.ordering_code import load_ordering_codes
-from fingertip.board.parts.requirement import CapacitorRequirement, ResistorRequirement
+from fingertip.board.parts.circuit import (
+    CapacitorRequirement,
+    Component,
+    ResistorRequirement,
+    format_component_value,
+    parse_component_value,
+)
 from fingertip.board.parts.table import (
     ChipCapacitor,
     ChipResistor,
@@ -18,7 +22,77 @@ from fingertip.board.parts.table import (
     load_capacitors,
     load_named_parts,
     load_resistors,
+    parse_value,
+    read_rows,
 )
+from fingertip.catalogues.preferred_series import find_preferred_neighbours
+from fingertip.design.formulas.filter import MAX_1206_F
+
+# Part numbers of chip resistors by their makers' published ordering codes.
+#
+# The resistance is written with its letter R, K or M in the place of the decimal point, and zeros after it are left
+# out: 120 ohm is 120R, 1.24 kohm is 1K24, 10 kohm is 10K (the data sheets in `sources.csv`).
+
+
+@dataclass(frozen=True)
+class OrderingCode:
+    """Ordering code of a series of resistors."""
+
+    manufacturer: str
+    prefix: str
+    suffix: str
+    tolerance_percent: float
+    drift_ppm_per_k: float
+    """Temperature coefficient [ppm/K]; infinite where the code states none."""
+    power_w: float
+    package: str
+    min_ohm: float
+    max_ohm: float
+    series: tuple[str, ...]
+    """Series of values that it is made in."""
+    source: str
+
+    def is_made(self, ohm: float) -> bool:
+        """Return whether a resistance [ohm] is a value of the series, within its range."""
+        if not self.min_ohm <= ohm <= self.max_ohm:
+            return False
+        return any(low == high for low, high in (find_preferred_neighbours(ohm, series) for series in self.series))
+
+    def compose(self, ohm: float) -> ChipResistor:
+        """Compose the resistor of this series with a resistance [ohm]."""
+        number = f"{self.prefix}{resistance_code(ohm)}{self.suffix}"
+        part = Part(self.manufacturer, number, "", self.source)
+        return ChipResistor(ohm, self.tolerance_percent, self.drift_ppm_per_k, self.power_w, self.package, part)
+
+
+@functools.cache
+def load_ordering_codes() -> tuple[OrderingCode, ...]:
+    """Load the ordering codes. Of several that fit, the first is to be preferred."""
+    return tuple(
+        OrderingCode(
+            row["manufacturer"],
+            row["prefix"],
+            row["suffix"],
+            float(row["tolerance_percent"]),
+            float(row["drift_ppm_per_k"] or "inf"),
+            float(row["power_w"]),
+            row["package"],
+            parse_value(row["min_ohm"]),
+            parse_value(row["max_ohm"]),
+            tuple(row["series"].split()),
+            row["source"],
+        )
+        for row in read_rows("ordering_codes.csv")
+    )
+
+
+def resistance_code(ohm: float) -> str:
+    """Write a resistance [ohm] as in an ordering code: 1240 is "1K24", 82 is "82R"."""
+    text = format_component_value(ohm)
+    digits, letter = (text[:-1], text[-1].upper()) if text[-1] in "kM" else (text, "R")
+    whole, _, fraction = digits.partition(".")
+    return f"{whole}{letter}{fraction}"
+
 
 _PACKAGE = re.compile(r"[RC]_(\d{4})_")
 _ROUNDING = 1e-9
@@ -122,3 +196,56 @@ def _explain_missing(value: str, package: str, requirement: CapacitorRequirement
             "board.capacitor_tolerance_percent=0 accepts the tolerance that is sold"
         )
     return f"the parts table has no {what}; board.capacitor_series=preferred selects values that it has"
+
+
+# Capacitors of the board: which dielectric a value needs, which tolerance is sold, and which values the table has.
+#
+# C0G is made up to some capacitance in each size. Above it X7R is required, whose capacitance falls with direct
+# voltage and age, and which is sold with 10 %. Capacitors of 5 % are C0G.
+
+
+MAX_C0G_F = {"1206": 100e-9, "0603": 10e-9}
+"""Largest capacitance [F] that each size is made with as C0G."""
+SOLD_PERCENT = {"C0G": 5.0, "X7R": 10.0, "X5R": 20.0}
+"""Tolerance [%] to expect of a dielectric where the parts table does not have the value."""
+
+_C0G = CapacitorRequirement(("C0G",), 25.0, 0.0)
+_X7R = CapacitorRequirement(("X7R",), 16.0, 0.0)
+_LARGE = CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
+"""Large capacitors have no direct voltage across them and set no cutoff."""
+SUPPLY_CAPACITOR = CapacitorRequirement(("X7R",), 25.0, 10.0)
+"""Decoupling capacitors."""
+BULK_CAPACITOR = CapacitorRequirement(("X5R", "X7R"), 25.0, 10.0)
+"""Large capacitors at the entry of the supply and across dividers, whose capacitance matters little."""
+
+
+def require_capacitor(farad: float, package: str, stated_percent: float = 0.0) -> CapacitorRequirement:
+    """Return the requirement for a capacitor of the signal path.
+
+    Parameters
+    ----------
+    farad
+        Capacitance [F].
+    package
+        Size by its inch code.
+    stated_percent
+        Tolerance that the design states [%]; 0 for the one that is sold. Large capacitors ignore it.
+    """
+    if farad > MAX_1206_F * (1.0 + _ROUNDING):
+        return replace(_LARGE, tolerance_percent=find_sold_percent(farad, package, _LARGE))
+    kind = _C0G if farad <= MAX_C0G_F[package] * (1.0 + _ROUNDING) else _X7R
+    return replace(kind, tolerance_percent=stated_percent or find_sold_percent(farad, package, kind))
+
+
+def find_sold_percent(farad: float, package: str, kind: CapacitorRequirement) -> float:
+    """Find the tolerance [%] with which a capacitor [F] is sold: the table's, or that of its dielectric."""
+    any_tolerance = replace(kind, tolerance_percent=float("inf"))
+    found = next(find_capacitors(farad, package, any_tolerance), None)
+    return found.tolerance_percent if found else max(SOLD_PERCENT[name] for name in kind.dielectrics)
+
+
+@functools.cache
+def list_capacitances(package: str) -> tuple[float, ...]:
+    """List the capacitances [F] of the signal path that the table has in a package, in ascending order."""
+    farads = {item.farad for item in load_capacitors() if item.package == package}
+    return tuple(sorted(f for f in farads if any(find_capacitors(f, package, require_capacitor(f, package)))))

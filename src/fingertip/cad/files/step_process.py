@@ -17,10 +17,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
 
-from fingertip import errors
-from fingertip.cad.solids import Solid
-from fingertip.errors import GeometryError, Issue
-from fingertip.temporary import TemporaryFolder
+from fingertip.cad.kernel.solids import Solid
+from fingertip.foundation import errors
+from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.foundation.files import TemporaryFolder
 
 TIME_LIMIT_S = 180.0
 """Time after which the process is stopped [s]."""

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.files.step_process import STATUS_FILE, BrepMeasurements, StepJob
-from fingertip.child_process import end_with_parent
-from fingertip.errors import FingertipError, GeometryError, Issue
+from fingertip.foundation.errors import FingertipError, GeometryError, Issue
+from fingertip.foundation.processes import end_with_parent
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
 from fingertip.cad.kernel.brep import assemble
-from fingertip.errors import GeometryError, Issue
+from fingertip.foundation.errors import GeometryError, Issue
 
 ColouredSolid = tuple[str, cq.Solid, tuple[float, float, float]]
 """Name, solid and colour of a part."""

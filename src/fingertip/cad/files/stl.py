@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.errors import GeometryError, Issue
+from fingertip.foundation.errors import GeometryError, Issue
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 

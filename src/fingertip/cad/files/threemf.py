@@ -14,8 +14,8 @@ from html import escape
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.foundation.numerics import Array
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _MODEL_TYPE = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"

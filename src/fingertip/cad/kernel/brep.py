@@ -16,8 +16,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from fingertip import extras
-from fingertip.cad.solids import (
+from fingertip.cad.kernel.solids import (
     Box,
     Cone,
     Difference,
@@ -33,7 +32,8 @@ from fingertip.cad.solids import (
     axis_point,
 )
 from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.errors import GeometryError, Issue, MissingLibraryError
+from fingertip.foundation import extras
+from fingertip.foundation.errors import GeometryError, Issue, MissingLibraryError
 
 try:
     import cadquery as cq

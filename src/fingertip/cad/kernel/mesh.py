@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
+from fingertip.cad.kernel.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
-from fingertip.cad.solids import Difference, Intersection, Placed, Scaled, Solid, Union
-from fingertip.errors import GeometryError, Issue
-from fingertip.interruption import hold_interruptions
+from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.processes import hold_interruptions
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -16,8 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
-from fingertip.cad.solids import (
+from fingertip.cad.kernel.solids import (
     Box,
     Cone,
     DraftedExtrusion,
@@ -29,6 +28,7 @@ from fingertip.cad.solids import (
     axis_point,
 )
 from fingertip.design.geometry.conic import ELLIPSE, ConicBody, arc_point
+from fingertip.foundation.numerics import Array
 
 Triangles: TypeAlias = NDArray[np.int64]
 Point2: TypeAlias = tuple[float, float]

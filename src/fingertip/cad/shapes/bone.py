@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.chaplet import pilot_hole
-from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.kernel.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
+from fingertip.cad.shapes.insert import filled_bone, pilot_hole
 from fingertip.cad.shapes.interface import interface, interface_genus
-from fingertip.cad.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
+from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.tail_fold import END_ROOM_MM, SLIDING_MM, TailFold
-from fingertip.design.geometry.tangency import TANGENT_STEP_MM
 
 FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 
-from fingertip.cad.solids import Box, Prism, Solid, difference
-from fingertip.design.geometry.tangency import TANGENT_STEP_MM
+from fingertip.cad.kernel.solids import Box, Prism, Solid, difference
+from fingertip.design.geometry.conic import TANGENT_STEP_MM
 
 BRIDGE_STEP_MM = 0.25
 """Height of a step [mm]: more than a layer of 0.2 mm, at the smallest scale of a print too (printer.scale_percent).

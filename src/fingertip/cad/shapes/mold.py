@@ -8,13 +8,7 @@ from __future__ import annotations
 
 import math
 
-from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM, bridge_ceiling
-from fingertip.cad.shapes.chaplet import screw_hole
-from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
-from fingertip.cad.shapes.insert import above_collar_foot
-from fingertip.cad.shapes.runners import luer_cone, runners
-from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.solids import (
+from fingertip.cad.kernel.solids import (
     Box,
     Cone,
     DraftedExtrusion,
@@ -27,10 +21,13 @@ from fingertip.cad.solids import (
     intersection,
     union,
 )
+from fingertip.cad.shapes.bridged_pocket import CEILING_STEPS_MM, bridge_ceiling
+from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
+from fingertip.cad.shapes.insert import above_collar_foot, cavity, screw_hole
+from fingertip.cad.shapes.runners import luer_cone, runners
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.design.geometry.draft import add_draft
-from fingertip.design.geometry.insert_body import offset_section
+from fingertip.design.geometry.insert_body import add_draft, offset_section
 
 _OVERLAP_MM = 0.25  # united solids overlap by this length: solids that only touch would leave coincident faces
 

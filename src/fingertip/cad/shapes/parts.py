@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from fingertip.cad.shapes import bone, insert, mold, skin
-from fingertip.cad.solids import Solid
+from fingertip.cad.kernel.solids import Solid, cylinder, difference, hexagon, union
+from fingertip.cad.shapes import bone, insert, mold
+from fingertip.cad.shapes import insert as skin
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.insert import axis_z, head_y
+from fingertip.catalogues.threads import Thread
 from fingertip.design import Design
+from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.filling.mold_filling import place_vents
 
 
@@ -72,3 +77,79 @@ def parts_by_name(design: Design) -> dict[str, Part]:
 def print_scale(design: Design, part: Part) -> float:
     """Return the scale of a part's STL and 3MF files: the printer's compensation, or 1 for cast parts."""
     return design.printer.scale_percent / 100.0 if part.is_printed else 1.0
+
+
+# Bought hardware as plain solids, for the assembly only: sensor, bolts and nuts of the mold, chaplet screw, joint pin.
+#
+# Threads are cylinders of their nominal diameter. No check of a part reads these solids.
+
+
+_STEEL, _BRASS, _FILM = (0.55, 0.56, 0.58), (0.78, 0.66, 0.33), (0.20, 0.22, 0.25)
+
+
+@dataclass(frozen=True)
+class HardwareItem:
+    """Bought item in its place."""
+
+    name: str
+    solid: Solid
+    colour: tuple[float, float, float]
+    """Red, green and blue in STEP files, 0 to 1."""
+    thread_in: tuple[str, ...] = ()
+    """Parts in which it cuts its thread; it overlaps no other part."""
+
+
+def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]:
+    """List the hardware that belongs to the given parts.
+
+    Bolts need both mold halves. A finger in the hand's fork gets a pin as long as its own base is wide.
+    """
+    items: list[HardwareItem] = []
+    if "bone" in parts:
+        items.append(HardwareItem("sensor", sensor_body(design), _FILM))
+    if {"mold_palmar", "mold_dorsal"} <= set(parts):
+        items += _mold_bolts(design)
+    if "mold_dorsal" in parts and design.dimensions.chaplet:
+        held = tuple(part for part in ("bone", "core") if part in parts)
+        items.append(HardwareItem("chaplet_screw", _chaplet_screw(design), _STEEL, held))
+    if "bone" in parts and design.dimensions.joint:
+        items.append(HardwareItem("joint_pin", _joint_pin(design), _STEEL))
+    return tuple(items)
+
+
+def screw(thread: Thread, x: float, z: float, under_head_y: float, length: float) -> Solid:
+    """Build a screw along y, its head above `under_head_y` [mm].
+
+    The head is as wide as the nut over its flats, and as high as the thread is thick, about as in ISO 4762.
+    """
+    head = cylinder("y", (z, x), under_head_y, under_head_y + thread.diameter_mm, thread.nut_flats_mm / 2)
+    shank = cylinder("y", (z, x), under_head_y - length, under_head_y, thread.diameter_mm / 2)
+    return union(head, shank)
+
+
+def _mold_bolts(design: Design) -> list[HardwareItem]:
+    """Build the bolts, which enter from the dorsal face, and their nuts at the bottom of the traps."""
+    m, bolts = design.mold_layout, size_clamp_bolts(design)
+    thread, top = bolts.thread, -m.palmar_height + design.mold.nut_depth_mm
+    items = []
+    for i, (x, z) in enumerate(m.bolts, 1):
+        bolt = screw(thread, x, z, m.dorsal_height, bolts.length_mm)
+        outline = hexagon(z, x, thread.nut_flats_mm, top - thread.nut_height_mm, top)
+        # The hole reaches past both faces, by a length that scales with the nut.
+        low, high = top - 2 * thread.nut_height_mm, top + thread.nut_height_mm
+        nut = difference(outline, cylinder("y", (z, x), low, high, thread.diameter_mm / 2))
+        items += [HardwareItem(f"mold_bolt_{i}", bolt, _STEEL), HardwareItem(f"mold_nut_{i}", nut, _BRASS)]
+    return items
+
+
+def _chaplet_screw(design: Design) -> Solid:
+    chaplet = design.dimensions.chaplet
+    assert chaplet
+    length = chaplet.screw_length(design.mold_layout.dorsal_height)
+    return screw(chaplet.thread, 0.0, axis_z(design), head_y(design), length)
+
+
+def _joint_pin(design: Design) -> Solid:
+    joint, half = design.dimensions.joint, design.dimensions.pin_length / 2
+    assert joint
+    return cylinder("x", (joint.axis_y, joint.axis_z), -half, half, joint.pin_radius)

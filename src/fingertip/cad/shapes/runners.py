@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from fingertip.cad.shapes.chaplet import axis_z, contact_y
-from fingertip.cad.solids import Cone, Prism, Solid, cylinder, union
+from fingertip.cad.kernel.solids import Cone, Prism, Solid, cylinder, union
+from fingertip.cad.shapes.insert import axis_z, contact_y
+from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
 from fingertip.filling.mold_filling import Vent, place_vents
-from fingertip.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER
 
 _SPRUE_DRAFT = 0.03
 """Draft of the sprue, which widens towards the parting plane, so that it lifts out: radius per length."""

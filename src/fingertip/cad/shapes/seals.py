@@ -7,10 +7,9 @@ tape is wound around the base, where the mold holds it, and covers the window of
 
 from __future__ import annotations
 
+from fingertip.cad.kernel.solids import Box, Solid, difference, intersection
 from fingertip.cad.shapes.bone import lid, sensor_body, tail_space, trough
-from fingertip.cad.shapes.chaplet import pilot_hole
-from fingertip.cad.shapes.insert import filled_bone
-from fingertip.cad.solids import Box, Solid, difference, intersection
+from fingertip.cad.shapes.insert import filled_bone, pilot_hole
 from fingertip.design import Design
 
 TAPE_MM = 0.1

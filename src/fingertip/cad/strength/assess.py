@@ -21,16 +21,21 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.strength.concentration import hole_in_tension, shoulder_in_bending
-from fingertip.cad.strength.pin_joint import stress_joint, tendon_force_per_n
-from fingertip.cad.strength.sections import Section, measure_section
+from fingertip.cad.strength.stress import (
+    Section,
+    hole_in_tension,
+    measure_section,
+    shoulder_in_bending,
+    stress_joint,
+    tendon_force_per_n,
+)
+from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
-from fingertip.files import round_for_output
-from fingertip.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.foundation.files import round_for_output
+from fingertip.foundation.numerics import Array
 
 STATIONS = 160
 """Number of cross-sections."""

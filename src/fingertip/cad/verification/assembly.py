@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import Box, Cone, Prism, Solid, SuperconicSolid, intersection, scaled, union
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.bridged_pocket import (
     ceiling_steps_volume_mm3,
@@ -20,10 +21,7 @@ from fingertip.cad.shapes.bridged_pocket import (
     half_slot,
     hexagon_slot_area_mm2,
 )
-from fingertip.cad.shapes.chaplet import boss, contact_y, head_y
-from fingertip.cad.shapes.insert import mold_insert
-from fingertip.cad.shapes.skin import cavity, cavity_outline
-from fingertip.cad.solids import Box, Cone, Prism, Solid, SuperconicSolid, intersection, scaled, union
+from fingertip.cad.shapes.insert import boss, cavity, cavity_outline, contact_y, head_y, mold_insert
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, check_zero_volume
 from fingertip.design import Design
 

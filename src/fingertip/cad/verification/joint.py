@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.clevis import eye_profile, knuckle, pin_bore, space
+from fingertip.cad.kernel.solids import Box, cylinder, intersection
 from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.shapes.interface import eye_profile, knuckle, pin_bore, space
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.solids import Box, cylinder, intersection
 from fingertip.cad.verification.check import (
     VOLUME_TOLERANCE_MM3,
     Check,

@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
+from fingertip.cad.kernel.solids import Solid, difference, intersection, union
 from fingertip.cad.shapes import bone, mold
-from fingertip.cad.shapes.chaplet import screw_hole
-from fingertip.cad.shapes.insert import filled_bone, mold_insert
+from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
 from fingertip.cad.shapes.runners import openings, runner, runners, runners_with_axes, side_vents, sprue
-from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.solids import Solid, difference, intersection, union
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
     Check,

@@ -7,20 +7,237 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays
+from fingertip.cad.kernel.solids import SuperconicSolid
+from fingertip.cad.kernel.tessellate import Triangles
 from fingertip.cad.shapes.insert import filled_bone, skin_interior
-from fingertip.cad.solids import SuperconicSolid
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z
-from fingertip.cad.verification.enclosing_surface import EnclosingSurface
-from fingertip.cad.verification.surface_deviation import max_facet_deviation
 from fingertip.design import Design
-from fingertip.design.geometry.bone_play import Loss, Motion, worst
+from fingertip.design.geometry.conic import ConicBody
+from fingertip.design.geometry.seat import Loss, Motion, worst
 from fingertip.design.rules.chaplet import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
+from fingertip.foundation.numerics import Array
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
+
+
+# Distance of a body from the surface of a convex one around it, such as the thickness of the skin over the bone.
+#
+# The distance of a point inside a convex polyhedron from its surface is the distance from the nearest of the facets'
+# planes. Each of these is linear in the point, so the smallest distance of a body is that of one of its corners. Were
+# the surface not convex, the planes would cut into it, and the result would be too small, never too large.
+
+
+_BLOCK = 2**15
+"""Number of distances that are computed at once. They fit into the cache of a processor, and the linear algebra library
+starts no threads for so few."""
+
+_PLANE_DIGITS = 9
+"""Decimals to which planes agree that are the same."""
+
+
+class EnclosingSurface:
+    """Planes of the facets of a convex surface.
+
+    Parameters
+    ----------
+    vertices
+        Coordinates, shape (n, 3) [mm].
+    triangles
+        Vertex indices, shape (m, 3), counter-clockwise seen from outside. None of them is degenerate. Sides on which
+        the body may leave the surface are left out.
+    """
+
+    def __init__(self, vertices: Array, triangles: Triangles) -> None:
+        a, b, c = (vertices[triangles[:, i]] for i in range(3))
+        normals = np.cross(b - a, c - a)
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        planes = np.column_stack((normals, -np.einsum("ij,ij->i", normals, a)))
+        # Two triangles share a plane wherever a ring of the mesh is a scaled copy of the next one.
+        _, distinct = np.unique(np.round(planes, _PLANE_DIGITS), axis=0, return_index=True)
+        self._planes = np.ascontiguousarray(planes[distinct].T)
+
+    def distance_to(self, points: Array) -> float:
+        """Measure the smallest distance [mm] of points inside from the surface; negative if one lies outside."""
+        homogeneous = np.column_stack((points, np.ones(len(points))))
+        size = max(1, _BLOCK // self._planes.shape[1])
+        blocks = (homogeneous[i : i + size] for i in range(0, len(points), size))
+        return -max(float((block @ self._planes).max()) for block in blocks)
+
+
+# Distance of points and facets from the exact surface of a superconic body.
+#
+# The surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are reflected
+# to x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two parameters of
+# the patch, which are clamped to it. The distance from the surface is the smallest distance from any patch.
+
+
+STEPS = 12
+"""Gauss-Newton steps that reduce the error of a distance to rounding."""
+_NEARBY_STEPS = 3
+"""Gauss-Newton steps that suffice for points very near the surface."""
+_REACH_MM = 1.5  # exceeds the deviation of every facet, since the tolerance is at most 1 mm
+_PARAMETERS = np.linspace(0.0, 1.0, 4001)
+"""Parameters at which curves are sampled for a first estimate of the nearest point."""
+_ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface; the vertex grid is ten times finer
+
+
+def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.int64]) -> float:
+    """Measure the largest distance [mm] of facet centres from the surface.
+
+    Only facets whose corners lie on the surface are measured. A surface of constant curvature is farthest from a facet
+    at its centre. Few Gauss-Newton steps are needed so near the surface.
+    """
+    corners, patches = vertices[triangles], [*surface_patches(body)]
+    on_surface = (_nearby_distance(patches, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
+    level = np.ptp(corners[:, :, 2], axis=1) == 0.0  # facets of the flat end are exact
+    centres = corners[on_surface & ~level].mean(axis=1)
+    return float(_nearby_distance(patches, centres).max()) if len(centres) else 0.0
+
+
+def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
+    """Measure the distance [mm] of points that lie near the surface, each from the patches it lies over.
+
+    For points farther away the result is an upper bound, or infinite. The flat end is left out.
+    """
+    folded = points.copy()
+    folded[:, 0] = np.abs(folded[:, 0])
+    best = np.full(len(points), np.inf)
+    for patch in patches:
+        nearby = patch.in_range(folded, _REACH_MM)
+        best[nearby] = np.minimum(best[nearby], patch.distance(folded[nearby], steps=_NEARBY_STEPS))
+    return best
+
+
+def distance_to_surface(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
+    """Measure the distance [mm] of each point (n, 3) from the surface."""
+    folded = points.copy()
+    folded[:, 0] = np.abs(folded[:, 0])
+    best = _distance_to_end(body, folded)
+    for patch in surface_patches(body):
+        best = np.minimum(best, patch.distance(folded, steps))
+    return best
+
+
+class Patch:
+    """Patch of the surface, one quadrant of a taper or of the tip.
+
+    It is the tensor product of a section arc (parameter t) and a profile (parameter v).
+
+    Parameters
+    ----------
+    a, b
+        Half width and signed half height of the section; negative on the palmar side [mm].
+    weight
+        Weight of the section arc.
+    profile
+        Control points (z [mm], scale, weight) of the profile: two for a taper, three for the tip.
+    """
+
+    def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
+        self.a, self.b, self.profile = a, b, profile
+        self._section = ((1.0, 0.0, 1.0), (1.0, 1.0, weight), (0.0, 1.0, 1.0))
+
+    def evaluate(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Evaluate points of the patch and their derivatives by t and v, each of shape (n, 3)."""
+        (x, dx), (y, dy) = _rational(t, self._section)
+        (z, dz), (s, ds) = _rational(v, self.profile)
+        x, dx, y, dy = self.a * x, self.a * dx, self.b * y, self.b * dy
+        zero = np.zeros_like(z)
+        return (
+            np.column_stack((s * x, s * y, z)),
+            np.column_stack((s * dx, s * dy, zero)),
+            np.column_stack((ds * x, ds * y, dz)),
+        )
+
+    def in_range(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
+        """Select points by a mask: those within the height and side of the patch, extended by `reach_mm`."""
+        low, high = self.profile[0][0], self.profile[-1][0]
+        y, z = points[:, 1] * np.sign(self.b), points[:, 2]
+        within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
+        return within
+
+    def distance(self, points: Array, steps: int) -> Array:
+        """Measure the distance [mm] of points from the patch."""
+        if not len(points):
+            return np.zeros(0)
+        t, v = self._start(points)
+        position, by_t, by_v = self.evaluate(t, v)
+        best: Array = np.linalg.norm(position - points, axis=1)
+        for _ in range(steps):
+            # Solve the normal equations of the linearised distance for the step in (t, v), by Cramer's rule.
+            r = points - position
+            tt, tv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((by_t, by_t), (by_t, by_v), (by_v, by_v)))
+            rt, rv = np.einsum("ij,ij->i", by_t, r), np.einsum("ij,ij->i", by_v, r)
+            # The section has zero width at the apex. A small ridge term keeps the step finite there.
+            tt, vv = tt + 1e-9 * tt.max(), vv + 1e-9 * vv.max()
+            det = tt * vv - tv * tv
+            t = np.clip(t + (vv * rt - tv * rv) / det, 0.0, 1.0)
+            v = np.clip(v + (tt * rv - tv * rt) / det, 0.0, 1.0)
+            position, by_t, by_v = self.evaluate(t, v)
+            best = np.minimum(best, np.linalg.norm(position - points, axis=1))
+        return best
+
+    def _start(self, points: Array) -> tuple[Array, Array]:
+        """Estimate the parameters of the nearest point: same height, and about the same direction from the axis."""
+        heights, scales, angles = self._samples
+        v = np.interp(points[:, 2], heights, _PARAMETERS)
+        scale = np.maximum(np.interp(v, _PARAMETERS, scales), 1e-9)
+        angle = np.arctan2(np.maximum(points[:, 1] / (self.b * scale), 0.0), points[:, 0] / (self.a * scale))
+        return np.interp(angle, angles, _PARAMETERS), v
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array, Array]:
+        """Height [mm] and scale along the profile, and angle [rad] along the section arc, at `_PARAMETERS`."""
+        (x, _), (y, _) = _rational(_PARAMETERS, self._section)
+        (z, _), (s, _) = _rational(_PARAMETERS, self.profile)
+        return z, s, np.arctan2(y, x)
+
+
+def _rational(t: Array, poles: Iterable[tuple[float, float, float]]) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Evaluate both coordinates of a plane rational Bezier curve of degree 1 or 2, each with its derivative.
+
+    The poles are two coordinates and a weight.
+    """
+    *coordinates, weights = (np.array(column) for column in zip(*poles, strict=True))
+    u, is_line = 1.0 - t, len(weights) == 2
+    basis = np.array((u, t) if is_line else (u * u, 2.0 * u * t, t * t))
+    slope = np.array((-np.ones_like(t), np.ones_like(t)) if is_line else (-2.0 * u, 2.0 * (u - t), 2.0 * t))
+    d, dd = weights @ basis, weights @ slope
+    first, second = ((values * weights) @ basis / d for values in coordinates)
+    by_first, by_second = (
+        ((values * weights) @ slope - value * dd) / d
+        for values, value in zip(coordinates, (first, second), strict=True)
+    )
+    return (first, by_first), (second, by_second)
+
+
+def surface_patches(body: ConicBody) -> Iterator[Patch]:
+    """List the patches of the side x >= 0 of a body with a tip, dorsal and palmar."""
+    assert body.tip is not None
+    spans = [((z0, s0, 1.0), (z1, s1, 1.0)) for (z0, s0), (z1, s1) in pairwise(body.stations)]
+    z, s = body.stations[-1]
+    tip = ((z, s, 1.0), (body.tip.z, body.tip_control(), body.tip.weight), (body.tip.z, 0.0, 1.0))
+    section = body.section
+    for height, weight in ((section.dorsal, section.dorsal_weight), (-section.palmar, section.palmar_weight)):
+        for profile in (*spans, tip):
+            yield Patch(section.half_width, height, weight, profile)
+
+
+def _distance_to_end(body: ConicBody, points: Array) -> Array:
+    """Measure the distance from the flat end for points over it, else infinity; the rim belongs to the side patches."""
+    z, scale = body.stations[0]
+    over = np.array([body.section.half_width_at(y, scale) for y in points[:, 1]]) >= points[:, 0] - 1e-12
+    return np.where(over, np.abs(points[:, 2] - z), np.inf)
+
 
 _STEEP = 0.5
 """Component of a normal from which on it points to the dorsal or palmar side, or to the tip."""

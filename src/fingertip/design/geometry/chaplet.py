@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fingertip.design.threads import Thread, find_thread
+from fingertip.catalogues.threads import Thread, find_thread
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.conic import ConicBody

@@ -177,3 +177,12 @@ class ConicBody:
     def dorsal_height_at(self, x: float, z: float) -> float:
         """Return the height y [mm] of the dorsal side at (x, z) [mm]; 0 outside it."""
         return self.section.dorsal_height_at(x, self.scale_at(z))
+
+
+# Step between a round surface and the flat ones beside it.
+#
+# Tangent surfaces would leave a stray edge in the B-rep solid, so a round end stands a little above its flat sides.
+
+
+TANGENT_STEP_MM = 0.05
+"""Height of the step [mm]."""

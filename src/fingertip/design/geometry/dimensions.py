@@ -10,13 +10,13 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.bone_play import Loss, find_losses
+from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
+from fingertip.design.geometry.seat import Loss, find_losses
 from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, TailFold, fold_tail
-from fingertip.numerics import bisect
-from fingertip.sensors import CATALOGUE, ForceSensor
+from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import DesignTables

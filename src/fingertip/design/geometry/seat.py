@@ -6,10 +6,18 @@ Reference of the flow: H. Schlichting, Boundary-Layer Theory, chapter 6 (creepin
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
+
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.skin_thickness import quarter_outline, skin_thicknesses
+from fingertip.foundation.numerics import maximise_linear
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import DesignTables
+
 
 _RIM_MM = 0.5
 """Distance that the tape keeps from the skin, from the foot of the collar and from the end of the recess [mm]."""
@@ -57,3 +65,207 @@ def creep_mm(integral: float, gap_mm: float, tape_mm: float, span_mm: tuple[floa
     # a x2^2 + b x2 = c, solved in the form that does not cancel.
     a, b, c = 6.0 / h2**2, 12.0 * h2 * x1 / h1**3, integral - 6.0 * (x1 / h1) ** 2
     return x1 + 2.0 * c / (b + math.sqrt(b * b + 4.0 * a * c))
+
+
+# Play of bone or core in the closed mold: how far it can lie off, and the silicone that this costs.
+#
+# The bone is a rigid body. Base and collar lie in their recess with a clearance on all sides, and the screw of the
+# chaplet pulls the facet against the boss. Each surface that locates the bone may be off by the error of the print.
+# For small motions, a shift t and a rotation w, a contact at r with the normal n allows n . (t + w x r) <= gap. The
+# silicone lost at a point of the skin is the same expression, so its largest value is the solution of a linear
+# program.
+#
+# Reference of the method: V. Chvatal, Linear Programming, 1983, chapter 3 (simplex method).
+
+
+Vector: TypeAlias = tuple[float, float, float]
+Motion: TypeAlias = tuple[float, float, float, float, float, float]
+"""Shift in x, y, z [mm] and rotation about x, y, z [rad]."""
+
+_CHORDS = 5
+"""Contacts of a quarter of an outline."""
+_POINTS, _SURFACE_CHORDS = 5, 20
+"""Points of a quarter of a section at which the silicone is measured, and chords of the outer surface."""
+_TIP_SECTIONS = 2
+"""Sections of the rounded tip that are measured."""
+_LIMIT = 100.0
+"""Bound of every component of a motion, which no support at all would leave unbounded [mm or rad]."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Surface that limits the motion of the bone."""
+
+    point_mm: Vector
+    normal: Vector
+    """Direction in which the bone cannot move further than the gap; a unit vector."""
+    gap_mm: float
+
+
+@dataclass(frozen=True)
+class SkinPoint:
+    """Point of the skin, and the silicone over it."""
+
+    point_mm: Vector
+    """Point of the bone."""
+    normal: Vector
+    """Direction in which the silicone is thickness_mm thick; a unit vector."""
+    thickness_mm: float
+    over_sensor: bool = False
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Worst loss of silicone at a point of the skin."""
+
+    point: SkinPoint
+    loss_mm: float
+    motion: Motion
+    """Motion of the bone that causes it."""
+
+    @property
+    def retained(self) -> float:
+        """Thickness that is left, relative to the nominal one."""
+        return 1.0 - self.loss_mm / self.point.thickness_mm
+
+    @property
+    def left_mm(self) -> float:
+        """Thickness that is left [mm]; 0 where bone and mold touch."""
+        return max(0.0, self.point.thickness_mm - self.loss_mm)
+
+
+def list_contacts(design: DesignTables, fit_clearance_mm: float | None = None) -> tuple[Contact, ...]:
+    """List what limits the motion of bone or core.
+
+    Parameters
+    ----------
+    design
+        The design.
+    fit_clearance_mm
+        Clearance of the recess [mm]; that of the design if None.
+    """
+    dims, error = design.dimensions, 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
+    drawn = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
+    gap = max(0.0, drawn - design.printer.offset_mm) + error
+    foot = -design.bone.collar_length_mm
+    low = max(-design.mold.recess_length_mm, -dims.full_base_length)
+    contacts = [
+        *_around(dims.collar, 0.0, gap),
+        *_around(dims.collar, foot, gap),
+        *_around(dims.bone_outline, foot, gap, dims.base_flat_depth),
+        *_around(dims.bone_outline, low, gap, dims.base_flat_depth),
+    ]
+    chaplet = dims.chaplet
+    if chaplet is None:
+        # The collar's foot lies on its shelf, and nothing else holds the bone along the finger.
+        return (*contacts, *(Contact((0.0, 0.0, 0.0), (0.0, 0.0, sign), gap) for sign in (-1.0, 1.0)))
+    centre = (0.0, chaplet.facet_y, chaplet.z)
+    across = chaplet.play + error
+    for sign in (-1.0, 1.0):
+        contacts += [Contact(centre, (sign, 0.0, 0.0), across), Contact(centre, (0.0, 0.0, sign), across)]
+        # The screw presses the facet on the whole boss.
+        for x, z in ((chaplet.radius, 0.0), (-chaplet.radius, 0.0), (0.0, chaplet.radius), (0.0, -chaplet.radius)):
+            contacts.append(Contact((x, chaplet.facet_y, chaplet.z + z), (0.0, sign, 0.0), error))
+    return tuple(contacts)
+
+
+def list_skin_points(design: DesignTables) -> tuple[SkinPoint, ...]:
+    """List points of the skin: where it begins and where its tip begins, along the tip, at the apex, over the sensor.
+
+    The finger is symmetric, so that points on one side are enough.
+    """
+    dims = design.dimensions
+    assert dims.bone_outline.tip is not None
+    join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
+    inset = sleeve_inset_mm(design)
+    points = []
+    for z in (0.0, join, *(join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))):
+        narrowing = _narrowing(dims.outer, z)
+        for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS):
+            slope = sample.support_mm * narrowing
+            cosine = 1.0 / math.hypot(1.0, slope)
+            normal = (sample.x * cosine, sample.y * cosine, slope * cosine)
+            points.append(SkinPoint((sample.bone_x, sample.bone_y, z), normal, sample.thickness_mm * cosine))
+    points.append(SkinPoint((0.0, 0.0, apex), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset))
+    head = dims.sensor.active_diameter_mm / 2
+    for x, z in ((0.0, 0.0), (head, 0.0), (0.0, head), (0.0, -head)):
+        height = _palmar_height(dims.outer, x, dims.sensor_z + z)
+        point = (x, -dims.flat_depth, dims.sensor_z + z)
+        points.append(SkinPoint(point, (0.0, -1.0, 0.0), height - dims.flat_depth + inset, over_sensor=True))
+    return tuple(points)
+
+
+def find_losses(
+    design: DesignTables, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
+) -> tuple[Loss, ...]:
+    """Find the worst loss of silicone at each point, over all positions that the contacts allow.
+
+    Parameters
+    ----------
+    design
+        The design.
+    fit_clearance_mm
+        Clearance of the recess [mm]; that of the design if None.
+    points
+        Points of the skin; those of `list_skin_points` if None.
+    """
+    contacts = list_contacts(design, fit_clearance_mm)
+    rows = [_moment(contact.point_mm, contact.normal) for contact in contacts]
+    gaps = [contact.gap_mm for contact in contacts]
+    points = list_skin_points(design) if points is None else points
+    solutions = maximise_linear([_moment(point.point_mm, point.normal) for point in points], rows, gaps, _LIMIT)
+    return tuple(
+        Loss(point, value, (m[0], m[1], m[2], m[3], m[4], m[5]))
+        for point, (value, m) in zip(points, solutions, strict=True)
+    )
+
+
+def worst(losses: Sequence[Loss], over_sensor: bool) -> Loss:
+    """Select the point that keeps the smallest share of its thickness, over the sensor or elsewhere."""
+    return min((loss for loss in losses if loss.point.over_sensor == over_sensor), key=lambda loss: loss.retained)
+
+
+def sleeve_inset_mm(design: DesignTables) -> float:
+    """Return the inset of the silicone's inside from the bone [mm]: the interference of a sleeve, else 0."""
+    return design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0
+
+
+def _moment(point: Vector, normal: Vector) -> list[float]:
+    """Return n and r x n, whose product with a motion is n . (t + w x r)."""
+    (x, y, z), (a, b, c) = point, normal
+    return [a, b, c, y * c - z * b, z * a - x * c, x * b - y * a]
+
+
+def _around(body: ConicBody, z: float, gap_mm: float, flat: float | None = None) -> Iterator[Contact]:
+    """List contacts around an outline at a height, cut at its palmar flat, on both sides."""
+    section = body.section
+    for dorsal in (True, False):
+        sign = 1.0 if dorsal else -1.0
+        points = quarter_outline(section, dorsal, _CHORDS)
+        for (x0, y0), (x1, y1) in pairwise(points):
+            x, y = (x0 + x1) / 2, (y0 + y1) / 2
+            if not dorsal and flat is not None and y > flat:
+                continue
+            length = math.hypot(x1 - x0, y1 - y0)
+            nx, ny = (y1 - y0) / length, (x0 - x1) / length
+            for side in (-1.0, 1.0):
+                yield Contact((side * x, sign * y, z), (side * nx, sign * ny, 0.0), gap_mm)
+    if flat is not None:
+        for side in (-1.0, 1.0):
+            yield Contact((side * section.half_width_at(-flat), -flat, z), (0.0, -1.0, 0.0), gap_mm)
+
+
+def _palmar_height(body: ConicBody, x: float, z: float) -> float:
+    """Depth [mm] of the palmar side at (x, z)."""
+    scale, section = body.scale_at(z), body.section
+    mirrored = CrossSection(
+        section.half_width, section.dorsal, section.palmar, section.dorsal_weight, section.palmar_weight
+    )
+    return mirrored.dorsal_height_at(x, scale)
+
+
+def _narrowing(outer: ConicBody, z: float) -> float:
+    """Rate at which the outer surface narrows at height z [mm], relative to its size there [1/mm]."""
+    step = 1e-3
+    here, above = outer.scale_at(z), outer.scale_at(z + step)
+    return (here - above) / step / here

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.design.geometry.tangency import TANGENT_STEP_MM
+from fingertip.design.geometry.conic import TANGENT_STEP_MM
 
 SLIDING_MM = 0.3
 """Gap beside and above film, crimps and wires [mm]. An assumption."""

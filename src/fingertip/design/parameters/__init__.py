@@ -4,10 +4,8 @@ from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
 from fingertip.design.parameters.design_tables import DesignTables
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
-from fingertip.design.parameters.force_curve import ForceCurve
+from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
-from fingertip.design.parameters.silicone import ChosenSilicone
 
 __all__ = [
     "Board",

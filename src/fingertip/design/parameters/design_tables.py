@@ -14,10 +14,8 @@ from fingertip.design.geometry.mold_layout import MoldLayout
 from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import CustomSensor, Sensor, Skin
-from fingertip.design.parameters.force_curve import ForceCurve
+from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
-from fingertip.design.parameters.silicone import ChosenSilicone
 
 ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
 """Tables of the electronics, on which no part's shape depends."""

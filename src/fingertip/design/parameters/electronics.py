@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from fingertip.amplifiers import AmplifierName
+from fingertip.catalogues.amplifiers import AmplifierName
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from fingertip.catalogues.threads import MIN_HOLE_MM
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
-from fingertip.design.threads import MIN_HOLE_MM
 
 
 class Mold(ParameterTable):

@@ -5,31 +5,33 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from fingertip.amplifiers import Amplifier, list_dual_amplifiers
-from fingertip.design.amplifier_choice import choose_amplifier, total_supply_v, works_on_supply
-from fingertip.design.amplifier_stages import (
+from fingertip.catalogues.amplifiers import Amplifier, list_dual_amplifiers
+from fingertip.design.formulas.amplifiers import (
     BAND_CUTOFFS,
+    choose_amplifier,
     compute_envelope_current_a,
     compute_filter_current_a,
     compute_peaking_db,
     compute_phase_margin_deg,
     first_stage_feedback,
     input_swing_v,
+    total_supply_v,
+    works_on_supply,
 )
-from fingertip.design.comparator_data import (
+from fingertip.design.formulas.filter import to_farads
+from fingertip.design.formulas.supply import (
     MAX_AVERAGING_F,
     MAX_BIAS_A,
     MAX_COMPARATOR_V,
     MIN_COMPARATOR_V,
     max_window_s,
+    upper_headroom_v,
 )
-from fingertip.design.filter_components import to_farads
 from fingertip.design.parameters import Board, DesignTables
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_most
-from fingertip.design.signal_ground import upper_headroom_v
-from fingertip.numerics import bisect
+from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design import filter_components
-from fingertip.design.amplifier_stages import (
+from fingertip.catalogues.preferred_series import CAPACITOR_SERIES, find_preferred_neighbours
+from fingertip.design.formulas import filter as filter_components
+from fingertip.design.formulas.amplifiers import (
     BAND_CUTOFFS,
 )
-from fingertip.design.filter_components import MAX_1206_F, MAX_OHM, MIN_CUTOFF_RATIO, MIN_OHM, to_farads
+from fingertip.design.formulas.filter import MAX_1206_F, MAX_OHM, MIN_CUTOFF_RATIO, MIN_OHM, to_farads
 from fingertip.design.parameters import DesignTables
-from fingertip.design.preferred_series import CAPACITOR_SERIES, find_preferred_neighbours
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()

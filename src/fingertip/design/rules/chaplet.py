@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fingertip.design.geometry.bone_play import Loss, find_losses, worst
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
+from fingertip.design.geometry.seat import Loss, find_losses, worst
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
 from fingertip.design.rules.ruleset import SLACK, Interval, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
-from fingertip.numerics import bisect
+from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
 MIN_RETAINED_OVER_SENSOR, MIN_RETAINED = 0.9, 0.8

@@ -10,7 +10,7 @@ from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
-from fingertip.numerics import bisect
+from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
 

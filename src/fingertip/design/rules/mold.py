@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from fingertip.catalogues.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_most
-from fingertip.design.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
 
 RULES = Ruleset()
 _BESIDE_PRY_SLOT = 0.4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design.geometry.draft import add_draft
+from fingertip.design.geometry.insert_body import add_draft
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most

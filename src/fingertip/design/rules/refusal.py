@@ -11,7 +11,7 @@ from fingertip.design.parameters.declaration import find_unit, format_unit
 from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
 from fingertip.design.rules.ruleset import BrokenRule
 from fingertip.design.rules.search import Search, format_value, is_number, join_assignments
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
 
 _MAX_ALTERNATIVES = 2
 """Maximum number of alternatives of a message."""

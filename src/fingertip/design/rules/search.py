@@ -10,7 +10,7 @@ from typing import Any
 from fingertip.design.parameters.declaration import Bounds, find_bounds
 from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES, PARAMETERS, DesignTables
 from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
-from fingertip.numerics import bisect
+from fingertip.foundation.numerics import bisect
 
 SMALLEST = 1e-300
 """Absolute value below which a number has no digits that count."""

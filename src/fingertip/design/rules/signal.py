@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from fingertip.design.formulas.supply import upper_headroom_v
 from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import Ruleset, Violation, at_least, at_most
-from fingertip.design.signal_ground import upper_headroom_v
 
 RULES = Ruleset()
 

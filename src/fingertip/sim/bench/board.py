@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from fingertip._version import __version__
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.jit import compile_for_process
+from fingertip.foundation.jit import compile_for_process
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.version import __version__
 from fingertip.sim.bench import spice
 from fingertip.sim.bench.cvode import CvodeLibrary
 from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy

@@ -16,10 +16,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from fingertip._version import __version__
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.jit import compile_for_process
+from fingertip.foundation.jit import compile_for_process
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.version import __version__
 from fingertip.sim.bench.cvode import CvodeLibrary
 from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
 from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.numerics import Array
 
 SOLVE_IVP = ("LSODA", "Radau", "BDF")
 """Methods of scipy's `solve_ivp`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fingertip.plot_style import (
+from fingertip.foundation.plot_style import (
     BLUE,
     BROWN,
     ORANGE,

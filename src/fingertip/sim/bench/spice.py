@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.arrays import Array
+from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.numerics import Array
 from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.temporary import TemporaryFolder
 
 _DECK = """slip filter
 {source}

@@ -18,7 +18,7 @@ import time
 print(time.process_time())
 """
 _LOAD_LOOPS = """
-from fingertip.jit import compiled
+from fingertip.foundation.jit import compiled
 from fingertip.sim.bench.board import BoardProblem
 from fingertip.sim.bench.contact import ContactProblem
 from fingertip.design import Design

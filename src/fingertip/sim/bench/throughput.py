@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.foundation.files import TemporaryFolder
 from fingertip.sim.article import article_manipulations, article_trials
-from fingertip.sim.hand.controller import FixedGrip
 from fingertip.sim.hand.manipulation import run_manipulation
+from fingertip.sim.hand.motion import FixedGrip
 from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_boards
 from fingertip.sim.signal.monte_carlo import draw_boards
-from fingertip.temporary import TemporaryFolder
 
 CAMPAIGN_TARGET_S = 3.0
 MANIPULATION_TARGET_S = 1.0
@@ -30,7 +30,7 @@ import time
 start = time.process_time()
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from fingertip.jit import compiled
+from fingertip.foundation.jit import compiled
 scene = SceneFile(slide={"distance_m": 0.01}, outputs=["voltage_v", "envelope_v"])
 with compiled():
     run_scene(Design(), scene)

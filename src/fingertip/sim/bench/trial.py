@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
+from fingertip.foundation.numerics import Array
 from fingertip.sim.article import Trial
 from fingertip.sim.bench.trial_reference import AFTER_S, BEFORE_S, solve_with_scipy
-from fingertip.sim.finger import FingerSignals
-from fingertip.sim.grid import BASE_HZ, Grid
 from fingertip.sim.scene.run import SceneRun, run_scene
+from fingertip.sim.signal.finger import FingerSignals
+from fingertip.sim.signal.grid import BASE_HZ, Grid
 
 QUANTITIES = ("force_n", "tactile_v", "envelope_v")
 VARIANTS = ("article", "precision", "comparator")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fingertip.plot_style import BLUE, RED, REFERENCE, TEAL, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.foundation.plot_style import BLUE, RED, REFERENCE, TEAL, TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sim.bench.trial import QUANTITIES, TARGETS, VARIANTS, TrialAccuracy
 
 _STYLES = {"article": (RED, "o"), "precision": (BLUE, "s"), "comparator": (TEAL, "x")}

@@ -13,16 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.jit import compile_for_process
+from fingertip.foundation.jit import compile_for_process
+from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.contact.pad import DAMPING_RATIO
 from fingertip.sim.scene.run import SceneRun
 from fingertip.sim.scene.sliding import mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space
-from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge
-from fingertip.sim.signal.fsr import HYSTERESIS, LOAD_SHIFT_PER_M
+from fingertip.sim.signal.bridge import HYSTERESIS, LOAD_SHIFT_PER_M, TURN_ON_WIDTH_N, Bridge
 
 RATE_HZ = 160_000.0
 """Rate at which the parts of the chain are joined [Hz]."""

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from fingertip import extras
-from fingertip.arrays import Array
+from fingertip.foundation import extras
+from fingertip.foundation.numerics import Array
 
 MIN_ERROR_RATIO = 100.0
 """Smallest ratio of an error to the difference of the two references at which the error counts as known."""

@@ -25,12 +25,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 from fingertip.sim.contact import coupled_loop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
-from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 
 MAX_STEPS = 200_000
 """Maximum number of steps between two samples."""

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import MutableSequence, Sequence
 
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
 from fingertip.sim.contact.rodas_coefficients import ALPHA, A, C, D
 
 _, ALPHA2, ALPHA3, ALPHA4, _, _ = ALPHA

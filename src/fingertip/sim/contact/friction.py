@@ -27,8 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
-from fingertip.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
 
 ELASTO_PLASTIC = 0.7
 """Usual value of `Friction.elastic`: bristles yield from 0.7 of their deflection in fast sliding. Assumption."""

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
 from fingertip.design.geometry.conic import weight_of_fullness
+from fingertip.foundation.numerics import Array
 
 YOUNG_PA = 1.0e6
 """Young's modulus of silicone of Shore hardness 40 A [Pa]. Published values range from 0.7 to 2.0 MPa."""

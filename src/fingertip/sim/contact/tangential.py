@@ -20,11 +20,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.errors import Issue
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import (
+    find_column_issues,
+    find_negative,
+    find_not_positive,
+    raise_issues,
+    round_down,
+)
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
-from fingertip.sim.validation import find_column_issues, find_negative, find_not_positive, raise_issues, round_down
 
 MAX_PHASE = 0.5
 """Longest step, as the angle by which the stuck pad oscillates on its bristles in one step [rad].

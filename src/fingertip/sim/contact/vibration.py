@@ -15,8 +15,8 @@ from collections.abc import MutableSequence, Sequence
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.contact.pad import Pad, cube_root
 from fingertip.sim.contact.surface_profile import SurfaceProfile

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import MutableSequence, Sequence
 
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
 from fingertip.sim.contact.friction import ROS2_GAMMA
 
 PAD_STATES = 3

@@ -21,23 +21,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.design.issues import suggest_name
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.errors import Issue, TraceError
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.cost import StageCost
-from fingertip.sim.grid import Grid
-from fingertip.sim.hand.controller import Controller, Observation
 from fingertip.sim.hand.manipulation_file import Hand, ManipulationFile
-from fingertip.sim.hand.motion_plan import MotionPlan, plan_motion, thumb_force_n
+from fingertip.sim.hand.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.progress import ShareDone
-from fingertip.sim.scene.scene_issues import find_filtered_issues
+from fingertip.sim.scene.scene_file import find_filtered_issues
 from fingertip.sim.signal.comparator import describe_missing_comparator
-from fingertip.sim.validation import check_type, raise_issues, round_down, round_up
-from fingertip.slip.intervals import Interval, intervals
+from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
+from fingertip.slip.traces.intervals import Interval, intervals
 from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
 

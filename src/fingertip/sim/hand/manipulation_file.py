@@ -13,12 +13,12 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict, Field
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.toml_files import MANIPULATION, FileKind
+from fingertip.foundation.validation import round_up
 from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.sim.scene.timeline import ACCELERATION_M_S2
 from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
-from fingertip.sim.validation import round_up
-from fingertip.toml_files import MANIPULATION, FileKind
 
 OUTPUTS = (
     "voltage_v",

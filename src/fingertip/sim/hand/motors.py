@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.hand.manipulation_file import Hand
 

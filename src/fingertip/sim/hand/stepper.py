@@ -12,19 +12,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
+from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.surface_profile import SURFACES
 from fingertip.sim.contact.tangential import MAX_PHASE
-from fingertip.sim.cost import CostMeter
-from fingertip.sim.finger import Finger, FingerDrive, FingerSetup, FingerSignals
-from fingertip.sim.grid import BASE_HZ, Grid, SampleClock, Sampler
 from fingertip.sim.hand import grasp_loop
 from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.hand.motion_plan import MotionPlan
+from fingertip.sim.hand.motion import MotionPlan
 from fingertip.sim.hand.motors import Motors
+from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
+from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
 
 PROFILE_MARGIN_M = 2e-3
 """Length of the surface profile before the point of first touch [m], because objects are also pushed back a little."""

@@ -1,7 +1,7 @@
 """Run a scene: its events drive one finger, chunk by chunk.
 
 A scene without a slide has no friction. A scene without vibration sources has no disturbances. Parts that no recorded
-output depends on do not run (`fingertip.sim.finger`).
+output depends on do not run (`fingertip.sim.signal.finger`).
 """
 
 from __future__ import annotations
@@ -16,23 +16,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip import jit
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.errors import Issue, TraceError
-from fingertip.progress import ReportProgress
+from fingertip.foundation import jit
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.progress import ReportProgress
+from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import SurfaceProfile
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.surface_profile import SURFACES, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.cost import CostMeter, StageCost
-from fingertip.sim.finger import OF_BOARD, OF_BRIDGE, Finger, FingerDrive, FingerSetup, FingerSignals, needs_contact
-from fingertip.sim.grid import Grid, count_samples
-from fingertip.sim.progress import ShareDone
-from fingertip.sim.scene import disturbances
-from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.scene.scene_issues import find_scene_issues
+from fingertip.sim.scene import sliding as disturbances
+from fingertip.sim.scene.scene_file import SceneFile, find_scene_issues
 from fingertip.sim.scene.sliding import (
     CoupledPad,
     ErrorControlledPad,
@@ -42,8 +37,17 @@ from fingertip.sim.scene.sliding import (
     mount_pad,
 )
 from fingertip.sim.scene.timeline import Timeline, build_timeline
-from fingertip.sim.validation import check_type, raise_issues
-from fingertip.slip.intervals import Interval, SlipCollector
+from fingertip.sim.signal.finger import (
+    OF_BOARD,
+    OF_BRIDGE,
+    Finger,
+    FingerDrive,
+    FingerSetup,
+    FingerSignals,
+    needs_contact,
+)
+from fingertip.sim.signal.grid import CostMeter, Grid, ShareDone, StageCost, count_samples
+from fingertip.slip.traces.intervals import Interval, SlipCollector
 from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
 

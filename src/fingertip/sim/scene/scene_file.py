@@ -8,17 +8,20 @@ as assumptions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from fingertip.design import Design
+from fingertip.design.formulas.supply import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import ParameterTable, choice, quantity
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.toml_files import SCENE, FileKind
+from fingertip.foundation.validation import round_down
 from fingertip.sim.scene.simulation_file import SimulationFile
+from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
-from fingertip.sim.validation import round_down
-from fingertip.toml_files import SCENE, FileKind
 
 MAX_TAPS_S = 3600.0
 """Longest time from the first knock to the last one [s]. A trace of it has 250 MB at 2 kHz."""
@@ -207,3 +210,29 @@ class SceneFile(SimulationFile):
             message = f"{self.load_change.by_n:g} N ends the contact; it must be above {-minimum:g} N; "
             message += "to end the contact, set load_change.by_n=0 and hold.release=true."
             yield Issue("load_change.by_n", message), {"load_change.by_n", "hold.min_force_n", "hold.share"}
+
+
+# Reasons why a scene cannot be simulated with a design.
+
+
+def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[Issue]:
+    """Yield the reasons why a scene cannot be simulated with a design."""
+    if seed < 0:
+        yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
+    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
+        yield Issue("outputs", describe_missing_comparator(design))
+    yield from find_filtered_issues(design, scene.outputs)
+    half = design.detector.sample_rate_hz / 2
+    if scene.motor.force_n and scene.motor.frequency_hz >= half:
+        message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."
+        yield Issue("motor.frequency_hz", message)
+
+
+def find_filtered_issues(design: Design, outputs: Sequence[str]) -> Iterator[Issue]:
+    """Yield an issue if outputs name the filtered signal, and the design's board does not give it to a controller."""
+    if "sampled_filtered_v" in outputs and design.board.supply not in CONTROLLER_SUPPLIES:
+        message = (
+            "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
+            f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
+        )
+        yield Issue("outputs", message)

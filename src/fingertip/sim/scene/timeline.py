@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
+from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.scene_file import SceneFile
 

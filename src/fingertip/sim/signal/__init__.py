@@ -1,1 +1,1 @@
-"""Electronics from force to samples: sensor, bridge, filter board in the time domain, comparator and ADC."""
+"""One finger from its load to samples: sensor, bridge, filter board in the time domain, comparator and ADC."""

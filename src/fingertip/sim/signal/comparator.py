@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.errors import Issue, TraceError
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import find_column_issues, find_not_positive, raise_issues
 from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
 PIN_LOW_V = 0.0
 """Voltage of the pin while it indicates slip [V]: an open collector's 0.05 V at 1 mA are neglected."""

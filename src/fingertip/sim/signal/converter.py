@@ -2,7 +2,7 @@
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
 envelope; R27, C25 for the filtered signal of a board for 3.3 V). Between the points of a grid the voltage is linear,
-which two RC sections follow exactly (`fingertip.sim.signal.exact_steps`). They delay by some 1.3 samples, whatever the
+which two RC sections follow exactly (`analog_circuit`). They delay by some 1.3 samples, whatever the
 sampling rate, because the board's values are selected for it.
 """
 
@@ -13,18 +13,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.board import board_circuit
-from fingertip.board.circuit import Circuit
-from fingertip.board.components.component_values import select_components
-from fingertip.board.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
-from fingertip.board.network import build_network
-from fingertip.board.supplies import SUPPLIES
+from fingertip.board.circuits.network import build_network
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.values import select_components
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE, Circuit
 from fingertip.design import Design
-from fingertip.jit import CompiledLoop
-from fingertip.sim.grid import Instants, Sampler
-from fingertip.sim.randomness import Stream, draw_noise
-from fingertip.sim.signal.exact_steps import augment, exponentials
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
+from fingertip.sim.signal.analog_circuit import augment, exponentials
+from fingertip.sim.signal.grid import Instants, Sampler, Stream, draw_noise
 from fingertip.sim.signal.parameters import ConverterInput
 
 _FIRST, _SECOND, _INPUT = range(3)

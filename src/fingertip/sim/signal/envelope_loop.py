@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import MutableSequence, Sequence
 
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
 
 LEVELS = 25
 """Number of step sizes, from the sampling interval down to the interval over 2^24: 30 ps at 2 kHz."""

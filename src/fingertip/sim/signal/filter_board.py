@@ -1,6 +1,6 @@
 """Filter board in the time domain: tactile voltage in, filtered voltage and envelope out, for one board or thousands.
 
-Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.signal.exact_steps`).
+Between samples the input is linear, which the linear stages follow exactly (`fingertip.sim.signal.analog_circuit`).
 The rectifier and the envelope are solved with error control (`fingertip.sim.signal.envelope_loop`). A jump of the
 input is given as two values at one sample.
 """
@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import find_column_issues, find_not_positive, raise_issues
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
-from fingertip.sim.validation import find_column_issues, find_not_positive, raise_issues
 
 MAX_V = 1e4
 """Largest input voltage [V], of either sign. A diode that is driven harder has no current that a number can hold."""

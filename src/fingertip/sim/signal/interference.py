@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.jit import CompiledLoop
-from fingertip.sim.grid import BASE_HZ, Grid
-from fingertip.sim.randomness import OpenStream, Stream
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
+from fingertip.sim.signal.grid import BASE_HZ, Grid, OpenStream, Stream
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 
 HAND_BAND_HZ = (30.0, 90.0)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 RESISTOR_TOLERANCE = 0.01

@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import Field
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
-from fingertip.errors import Issue
+from fingertip.foundation.errors import Issue
 
 MIN_BITS = 8
 """Smallest resolution of a converter."""

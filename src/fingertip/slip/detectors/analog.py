@@ -14,7 +14,7 @@ from collections.abc import Iterable, MutableSequence, Sequence
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples
 
 

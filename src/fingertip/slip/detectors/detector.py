@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
+from fingertip.foundation.numerics import Array
 
 
 @dataclass(frozen=True, eq=False)

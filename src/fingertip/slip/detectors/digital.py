@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.design.filter_components import SECTION_QUALITY as Q
-from fingertip.jit import CompiledLoop
+from fingertip.design.formulas.filter import SECTION_QUALITY as Q
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples
 
 

@@ -2,7 +2,7 @@
 
 A contact, a release, a change of grip and a knock leave energy in the band of slip, as slip does. What distinguishes
 them is the slow force: it changes much for the energy it leaves, and one way, and the energy of a knock decays. The
-detector computes sixteen features that express this (`fingertip.slip.detectors.fast_model.FEATURES`), and a sum of
+detector computes sixteen features that express this (`fast_coefficients.FEATURES`), and a sum of
 small decision trees weighs them. The trees were fitted to simulated slips and to a wider mix of what is not slip
 (`tools/detector_training/`).
 
@@ -30,21 +30,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.design.signal_ground import filtered_range_v
+from fingertip.design.formulas.supply import filtered_range_v
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples
-from fingertip.slip.detectors.fast_coefficients import FastCoefficients
-from fingertip.slip.detectors.fast_filters import (
+from fingertip.slip.detectors.fast_coefficients import (
     HIGH_HZ,
     LOW_HZ,
+    FastCoefficients,
+    FastModel,
     design_board_filter,
     design_filters,
+    load_model,
     noise_energies,
 )
 from fingertip.slip.detectors.fast_loop import COUNT, LOOP
-from fingertip.slip.detectors.fast_model import FastModel, load_model
 from fingertip.slip.detectors.noise import input_noise_v
 
 SHORT_S, LONG_S = 0.006, 0.02

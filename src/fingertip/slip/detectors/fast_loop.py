@@ -15,9 +15,8 @@ from __future__ import annotations
 import math
 from collections.abc import MutableSequence, Sequence
 
-from fingertip.jit import CompiledLoop
-from fingertip.slip.detectors.fast_coefficients import FastCoefficients
-from fingertip.slip.detectors.fast_model import DEPTH, FEATURES, NODES
+from fingertip.foundation.jit import CompiledLoop
+from fingertip.slip.detectors.fast_coefficients import DEPTH, FEATURES, NODES, FastCoefficients
 
 COUNT = len(FEATURES)
 RING = 26

@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.digital import ChainSettings, SlipChain
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from fingertip.arrays import Array
 from fingertip.design import Design
-from fingertip.design.issues import suggest_name
-from fingertip.design.signal_ground import filtered_range_v
-from fingertip.errors import Issue, TraceError
+from fingertip.design.formulas.supply import filtered_range_v
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog import AnalogDetector
 from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.digital import ChainSettings, SlipChain

@@ -9,10 +9,17 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from fingertip.design.issues import suggest_name
-from fingertip.errors import Issue, TraceError
-from fingertip.slip.traces.cells import DELIMITERS, SPACES, is_value, split_cells, unquote
-from fingertip.slip.traces.guess_columns import suggest_numbers, suggest_options
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.slip.traces.columns import (
+    DELIMITERS,
+    SPACES,
+    is_value,
+    split_cells,
+    suggest_numbers,
+    suggest_options,
+    unquote,
+)
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap
 
 MAX_PREAMBLE = 200

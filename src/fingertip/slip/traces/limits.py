@@ -1,6 +1,6 @@
 """Bounds of what is read from a trace file, so that no file, damaged or made to harm, fills the memory.
 
-`fingertip.input_files` states the limits and the environment variables that raise them.
+`fingertip.foundation.input_files` states the limits and the environment variables that raise them.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from fingertip.errors import InputFileError, Issue, TraceError
-from fingertip.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
+from fingertip.foundation.errors import InputFileError, Issue, TraceError
+from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 
 MAX_LINE = 2**20
 """Maximum length of a line of text [characters]. Ten thousand columns need a third of it."""

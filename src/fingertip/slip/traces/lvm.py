@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from fingertip.errors import Issue, TraceError
-from fingertip.slip.traces.cells import DELIMITERS, is_number
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.slip.traces.columns import DELIMITERS, is_number
 from fingertip.slip.traces.trace import ColumnMap
 
 MAX_LINES = 200

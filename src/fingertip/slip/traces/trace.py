@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.arrays import Array
 from fingertip.design.parameters import Detector as DetectorParameters
-from fingertip.display import Picture, html_table, to_dataframe
-from fingertip.errors import Issue, TraceError
+from fingertip.foundation.display import Picture, html_table, to_dataframe
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL, new_figure, style_axes, to_png
+from fingertip.slip.traces.intervals import intervals
 from fingertip.slip.traces.origin import UNKNOWN, Origin
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
 
 if TYPE_CHECKING:
     import pandas
+
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
 """Names of a trace's columns."""
@@ -69,7 +72,6 @@ class Trace:
         MissingLibraryError
             If matplotlib is not installed.
         """
-        from fingertip.slip.trace_plot import draw_trace
 
         return Picture(draw_trace(self))
 
@@ -334,3 +336,37 @@ def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]
             f"{count} samples are at the limits of the ADC range, {detector.adc_range_text}: slip is not visible "
             "there. Attenuate the signal before the ADC, or record with a wider range (detector.adc_range_v)."
         )
+
+
+# Plot of a trace without a detection.
+
+
+def draw_trace(trace: Trace) -> bytes:
+    """Draw the columns of a trace below each other, with the true slips shaded, as PNG.
+
+    Raises
+    ------
+    MissingLibraryError
+        If matplotlib is not installed.
+    """
+    columns = [
+        (label, values, colour)
+        for label, values, colour in (
+            ("tactile voltage [V]", trace.voltage_v, BLUE),
+            ("normal force [N]", trace.force_n, TEAL),
+            ("envelope [V]", trace.envelope_v, ORANGE),
+            ("filtered signal [V]", trace.filtered_v, RED),
+        )
+        if values is not None
+    ]
+    figure = new_figure(10, 1.0 + 2.2 * len(columns))
+    panels = figure.subplots(len(columns), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (label, values, colour) in zip(panels, columns, strict=True):
+        style_axes(axes, "both")
+        for slip in () if trace.slip is None else intervals(trace.time_s, trace.slip):
+            axes.axvspan(slip.onset_s, slip.end_s, color="0.8", linewidth=0)
+        axes.plot(trace.time_s, values, color=colour, linewidth=0.8)
+        axes.set_ylabel(label)
+    panels[-1].set_xlabel("time [s]; shaded: true slip" if trace.slip is not None else "time [s]")
+    figure.align_ylabels()
+    return to_png(figure)

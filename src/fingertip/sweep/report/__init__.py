@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fingertip import extras
+from fingertip.foundation import extras
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -52,7 +52,7 @@ def write_report(
     SweepError
         If the database holds a different sweep than the plan.
     """
-    from fingertip.output_set import SetWriter, hash_parameters
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.sweep.report.best_design import format_best_design
     from fingertip.sweep.report.summary import describe_best, format_text, summarise, to_json_data
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from fingertip.design.export import to_toml
 from fingertip.design.model import Design
-from fingertip.errors import DesignError
-from fingertip.sweep.design_builder import apply_changes
+from fingertip.foundation.errors import DesignError
+from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.report.feasibility import find_feasible
 from fingertip.sweep.report.statistics import find_nearest_to_ideal, find_pareto_front
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from fingertip import extras
-from fingertip.files import open_atomic
+from fingertip.foundation import extras
+from fingertip.foundation.files import open_atomic
 
 if TYPE_CHECKING:
     from fingertip.sweep.plan import SweepPlan

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.plot_style import (
+from fingertip.foundation.plot_style import (
     AREAS,
     GRID_COLOUR,
     PALE_GREY,

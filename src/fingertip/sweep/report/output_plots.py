@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.plot_style import PALE_BLUE, PALE_GREY, RED, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.foundation.plot_style import PALE_BLUE, PALE_GREY, RED, TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.sweep.report.best_design import Objective
+from fingertip.sweep.report.feasibility import OutputSensitivity
 from fingertip.sweep.report.plot_scales import PlotScale, choose_points, make_scale, wrap_name
-from fingertip.sweep.report.sensitivity import OutputSensitivity
 from fingertip.sweep.report.statistics import Column, compute_cell_statistics
 
 if TYPE_CHECKING:

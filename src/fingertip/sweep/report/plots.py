@@ -2,18 +2,164 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fingertip.sweep.report.feasibility import FEASIBLE, find_feasible
+from fingertip.foundation.plot_style import BLUE, PALE_RED, TEXT_COLOUR, new_figure, to_png
+from fingertip.sweep.report.feasibility import FEASIBLE, find_feasible, select_strongest_axes
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.output_plots import draw_heat_map, draw_pareto_front, draw_sensitivities
-from fingertip.sweep.report.scatter_matrix import MAX_COLUMNS, draw_scatter_matrix
-from fingertip.sweep.report.sensitivity import select_strongest_axes
-from fingertip.sweep.report.statistics import Column
+from fingertip.sweep.report.plot_scales import PlotScale, choose_points, histogram_edges, make_scale
+from fingertip.sweep.report.statistics import Column, compute_correlation, compute_ranks, is_categorical
 from fingertip.sweep.report.summary import SweepSummary
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+# Scatter matrix: every axis and output against every other.
+
+
+MAX_COLUMNS = 8
+_MAX_POINTS = 2000
+_HISTOGRAM_BINS = 24
+_CHARACTER_IN, _LINE_IN = 0.078, 0.15
+"""Largest mean width of a character, and height of a line, in the heading [inch]."""
+
+
+def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
+    """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it.
+
+    Parameters
+    ----------
+    columns
+        Axes and outputs, name -> values of shape (points,), at most `MAX_COLUMNS`. A value that was not computed is
+        not finite.
+    feasible
+        Whether each point is feasible, shape (points,).
+    left_out
+        Names of further columns, which the heading lists.
+
+    Returns
+    -------
+    bytes
+        A PNG.
+    """
+    size = len(columns)
+    panel = 1.75 if size > 4 else 2.4
+    points = choose_points(len(feasible), _MAX_POINTS)
+    width = panel * size + 1.0
+    heading = _write_heading(len(points), len(feasible), left_out, width)
+    top = 0.15 + _LINE_IN * len(heading)
+    height = panel * size + 0.65 + top
+    # Automatic layout would take seconds for so many panels.
+    figure = new_figure(width, height, automatic_layout=False)
+    figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - top / height, 0.12, 0.12)
+    panels = figure.subplots(size, size, squeeze=False)
+    scales = [make_scale(name, _select_finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
+    values = list(columns.values())
+    for i, y in enumerate(scales):
+        for j, x in enumerate(scales):
+            plot = panels[i, j]
+            plot.spines[["top", "right"]].set_visible(False)
+            plot.tick_params(labelsize=7)
+            if j > i:
+                _draw_correlation(plot, values[j][feasible], values[i][feasible])
+                continue
+            x.apply(plot, "x", size=8, margin=0.03, max_label=20)
+            if i == j:
+                _draw_histogram(plot, x, values[j], feasible)
+            else:
+                y.apply(plot, "y", size=8, margin=0.03, max_label=20)
+                positions = _locate_with_jitter(x, values[j][points]), _locate_with_jitter(y, values[i][points])
+                _draw_scatter(plot, *positions, feasible[points])
+            # Few ticks, and labels only on the outer panels
+            for side, scale in (("x", x), ("y", y)):
+                if not scale.categories and not scale.log and (i != j or side == "x"):
+                    plot.locator_params(side, nbins=3)
+            if i < size - 1:
+                plot.set_xlabel("")
+                plot.tick_params(labelbottom=False)
+            if j > 0 or i == j:
+                plot.set_ylabel("")
+                plot.tick_params(labelleft=False)
+    panels[0, 0].set_ylabel("points", fontsize=8)
+    for i in range(size):
+        panels[i, 0].yaxis.set_label_coords(-0.58 / (panel * 0.9), 0.5)
+    figure.suptitle("\n".join(heading), x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
+    return to_png(figure)
+
+
+def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: float) -> list[str]:
+    """Write the lines of the heading, none wider than the figure."""
+    points = f"all {count} points" if shown == count else f"{shown} of {count} points, chosen at random"
+    sentences = [
+        f"{points}; blue: feasible, red: infeasible; above the diagonal: rank correlation of the feasible points"
+    ]
+    if left_out:
+        sentences.append(f"not shown for lack of space: {', '.join(left_out)}")
+    characters = int(width_in / _CHARACTER_IN)
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, characters, break_long_words=False)]
+
+
+def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]:
+    """Compute the positions of points; those of a category are spread out, or they would cover each other."""
+    positions = scale.locate(column)
+    if not scale.categories:
+        return positions
+    return positions + np.random.default_rng(1).uniform(-0.3, 0.3, len(positions))
+
+
+def _select_finite(column: Column) -> Column:
+    finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
+    return finite if len(finite) else np.zeros(1)
+
+
+def _draw_scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], feasible: NDArray[np.bool_]) -> None:
+    size = min(5.0, max(2.4, 90 / math.sqrt(len(x))))
+    for selected, colour in ((~feasible, PALE_RED), (feasible, BLUE)):
+        plot.plot(x[selected], y[selected], ".", color=colour, markersize=size, markeredgewidth=0)
+
+
+def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
+    """Draw how many points there are at each value; bars of unequal width show their number per mean width."""
+    positions = x.locate(column)
+    edges = x.edges if x.categories else histogram_edges(positions, x, _HISTOGRAM_BINS)
+    widths = np.diff(np.log(edges) if x.log else edges)
+    per_width = widths.mean() / widths if len(widths) > 1 and not x.bins.is_exact else np.ones(len(widths))
+    feasible_heights = per_width * np.histogram(positions[feasible], edges)[0]
+    infeasible_heights = per_width * np.histogram(positions[~feasible], edges)[0]
+    plot.bar(edges[:-1], feasible_heights, np.diff(edges), align="edge", color=BLUE)
+    plot.bar(edges[:-1], infeasible_heights, np.diff(edges), feasible_heights, align="edge", color=PALE_RED)
+
+
+def _draw_correlation(plot: Axes, a: Column, b: Column) -> None:
+    plot.set_axis_off()
+    if is_categorical(a) or is_categorical(b):
+        return
+    finite = np.isfinite(a.astype(float)) & np.isfinite(b.astype(float))
+    a, b = a[finite], b[finite]
+    if len(a) < 3 or np.ptp(a) == 0 or np.ptp(b) == 0:
+        return
+    value = compute_correlation(compute_ranks(a), compute_ranks(b))
+    plot.text(
+        0.5,
+        0.5,
+        f"{round(value, 2) + 0.0:+.2f}",
+        ha="center",
+        va="center",
+        transform=plot.transAxes,
+        fontsize=8 + 8 * abs(value),
+        color=TEXT_COLOUR,
+        alpha=0.35 + 0.65 * abs(value),
+    )
+
 
 _MAX_HEAT_MAPS = 3
 

@@ -11,13 +11,15 @@ import numpy as np
 
 from fingertip.sweep.report.best_design import Selection, explain_refusal, list_objectives, select_best
 from fingertip.sweep.report.feasibility import (
+    AxisSensitivity,
     LimitingRule,
+    OutputSensitivity,
     PointClasses,
     classify_points,
+    compute_sensitivities,
     find_feasible,
     find_limiting_rules,
 )
-from fingertip.sweep.report.sensitivity import AxisSensitivity, OutputSensitivity, compute_sensitivities
 from fingertip.sweep.report.statistics import Column
 from fingertip.sweep.rows import STATUSES
 

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.arrays import Array
-from fingertip.temporary import TemporaryFolder
+from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.numerics import Array
 
 _FLAGS = ("-O3", "-march=native", "-shared", "-fPIC", "-std=c11", "-D_POSIX_C_SOURCE=199309L")
 _LIBRARIES = (

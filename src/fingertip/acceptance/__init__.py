@@ -1,1 +1,0 @@
-"""Acceptance of a finger: tests of its sensor before and after casting, and of the finished finger."""

@@ -1,0 +1,174 @@
+"""Figures of a design's board: the values of its components, and the response, noise and limits of its circuit."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from fingertip.board.analysis.errata import Erratum, board_errata
+from fingertip.board.analysis.gate import GateCondition, check_gate
+from fingertip.board.analysis.interference import (
+    AliasAttenuation,
+    SupplyRipple,
+    compute_alias_attenuation,
+    compute_supply_ripple,
+)
+from fingertip.board.analysis.limits import (
+    TactileResponse,
+    VoltageLimits,
+    compute_output_swing,
+    compute_tactile_response,
+    compute_voltage_limits,
+)
+from fingertip.board.analysis.loads import AmplifierLoad, compute_amplifier_loads, find_filter_load_ohm
+from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
+from fingertip.board.analysis.response import (
+    FilterModel,
+    FrequencyResponse,
+    compute_response,
+    model_filter,
+    target_response,
+)
+from fingertip.board.analysis.thresholds import (
+    ComparatorLevels,
+    OutputOffset,
+    ThresholdSpread,
+    compute_comparator_levels,
+    compute_output_offset,
+    compute_threshold_spread,
+)
+from fingertip.board.circuits.network import Value, build_network, filter_quantities
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.components.filter import FilterSelection, select_filter
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.values import ComponentValues, select_components
+from fingertip.board.parts.circuit import GND, VCC, VEE
+from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import choose_amplifier, choose_low_offset_amplifier, find_gain_bandwidth_hz
+from fingertip.design.parameters import Board
+
+
+@dataclass(frozen=True)
+class BoardValues(ComponentValues):
+    """Component values of one design's board, and the resulting response, noise and limits."""
+
+    tactile_response: TactileResponse
+    """Tactile voltage as a function of the sensor's conductance."""
+    target_response: FrequencyResponse
+    """Response that the design asks for."""
+    achieved_response: FrequencyResponse
+    """Response of the circuit with preferred values and amplifiers as built."""
+    output_offset: OutputOffset | None
+    """Envelope offset due to the amplifiers' offsets; None in variant article: it is below the diode's threshold."""
+    supply_ripple: SupplyRipple
+    """Effect of ripple on the supply."""
+    noise: NoiseLevels
+    """Noise of the bridge and its amplifier, and the mean envelope due to it."""
+    comparator_levels: ComparatorLevels | None
+    """Thresholds of the comparator; None in variants without one."""
+    aliasing: AliasAttenuation
+    """Attenuation of the frequencies that alias."""
+    voltage_limits: VoltageLimits
+    """Levels at which the signals clip."""
+    amplifier_loads: tuple[AmplifierLoad, ...]
+    """Load of each amplifier between bridge and envelope in the band of the vibrations."""
+    filter_load_ohm: float
+    """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
+    threshold_spread: ThresholdSpread | None
+    """Mean and worst case of the comparator's threshold; None in variants without one."""
+    gate: tuple[GateCondition, ...]
+    """Conditions that the board must meet to work, each with its value and limit."""
+    errata: tuple[Erratum, ...]
+    """Errata of the article, with notes on those that do not apply to this board."""
+
+    def as_data(self) -> dict[str, Any]:
+        """Return plain mappings and lists for JSON. Keys contain their units."""
+        plain: dict[str, Any] = _round_to_ten_digits(asdict(self))
+        return plain
+
+
+def _round_to_ten_digits(data: Any) -> Any:
+    """Round all numbers of plain data to ten significant digits: their last bits differ between processors."""
+    if isinstance(data, dict):
+        return {key: _round_to_ten_digits(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_round_to_ten_digits(value) for value in data]
+    return float(f"{data:.10g}") if isinstance(data, float) else data
+
+
+def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
+    """Compute the filter alone: its components and the response they achieve. A sweep computes thousands of them."""
+    selection, amplifier = select_filter(board), choose_amplifier(board)
+    model, values = _model_configuration(board.variant, board.supply)
+    values = {**values, **filter_quantities(selection.by_reference(), amplifier)}
+    return selection, compute_response(model, values, amplifier.bandwidth_hz)
+
+
+@functools.cache
+def _model_configuration(variant: str, supply: str) -> tuple[FilterModel, Mapping[str, Value]]:
+    """Model a filter once for all designs with a variant and a supply: they differ in values only."""
+    supply_v = SUPPLIES[supply].nominal_v
+    design = Design(board={"variant": variant, "supply": supply, "supply_v": supply_v})
+    circuit = board_circuit(select_components(design))
+    network = build_network(circuit, find_gain_bandwidth_hz(design.board))
+    return model_filter(circuit, has_diode=variant == "article"), network.values
+
+
+@functools.lru_cache(maxsize=16)
+def board_values(design: Design) -> BoardValues:
+    """Compute the board's figures. The last few designs are remembered.
+
+    Raises
+    ------
+    BoardError
+        If a resistor has no preferred value, which does not occur for a validated design.
+    """
+    board, detector, components = design.board, design.detector, select_components(design)
+    amplifier = CATALOGUE[components.amplifier]
+    bandwidth_hz = amplifier.bandwidth_hz
+    circuit, supply, has_diode = board_circuit(components), SUPPLIES[board.supply], board.variant == "article"
+    model, network = model_filter(circuit, has_diode), build_network(circuit, bandwidth_hz)
+    achieved = compute_response(model, network.values, bandwidth_hz)
+    envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
+    limits = compute_voltage_limits(
+        circuit, supply, board.supply_v, compute_output_swing(amplifier, supply, board.supply_v),
+        achieved.passband_gain, has_diode, detector,
+    )  # fmt: skip
+    low_offset, offset = choose_low_offset_amplifier(board), None
+    if not has_diode:
+        offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground, low_offset)
+    rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
+    if components.comparator_stage:
+        levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
+    ripple = compute_supply_ripple(
+        circuit,
+        bandwidth_hz,
+        board.cutoff_hz,
+        supply.signal_ground,
+        detector.threshold_v,
+        envelope_gain,
+    )
+    loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, limits.vibration_peak_v)
+    spread = None
+    if levels:
+        spread = compute_threshold_spread(circuit, bandwidth_hz, levels, rails, board.resistor_tolerance_percent)
+    return BoardValues(
+        **{field.name: getattr(components, field.name) for field in fields(components)},
+        tactile_response=compute_tactile_response(circuit, rails, supply.signal_ground),
+        target_response=target_response(board),
+        achieved_response=achieved,
+        output_offset=offset,
+        supply_ripple=ripple,
+        noise=compute_noise_levels(circuit, bandwidth_hz, envelope_gain),
+        comparator_levels=levels,
+        aliasing=compute_alias_attenuation(circuit, design, limits.filter_peak_v, has_diode),
+        voltage_limits=limits,
+        amplifier_loads=loads,
+        filter_load_ohm=find_filter_load_ohm(loads),
+        threshold_spread=spread,
+        gate=check_gate(circuit, design, limits, achieved.passband_gain, rails, offset, spread),
+        errata=board_errata(components.amplifier, has_diode),
+    )

@@ -1,0 +1,319 @@
+"""Equations of a circuit: one linear equation for each net, from its components, pins and nets.
+
+Modified nodal analysis (C.-W. Ho, A. Ruehli, P. Brennan, IEEE Trans. Circuits Syst. 22 (1975) 504). The equation of a
+net is Kirchhoff's current law, or, where an amplifier drives the net, the amplifier's own equation. No current is
+therefore an unknown, and the equations read
+
+    (G + s C) v + (G_in + s C_in) v_in = 0
+
+with the voltages v of the nets and the given voltages v_in of the inputs. Frequency response, passband, noise, offsets,
+operating point, tolerances and the simulation in time all start from these equations.
+
+Amplifiers are ideal, or as built: finite gain and bandwidth, and capacitance of their inputs. Their outputs have no
+resistance. Diodes conduct or block as stated.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
+from fingertip.board.parts.circuit import RAILS, Circuit, parse_component_value
+from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
+from fingertip.foundation.numerics import Array
+
+Spectrum = NDArray[np.complex128]
+Value = float | Array
+"""One value, or one for each of many boards."""
+
+UNITY = ""
+"""Quantity whose value is 1."""
+INVERSE_GAIN, INVERSE_BANDWIDTH = "1/A0", "1/GBW"
+"""Quantities of an amplifier, after its name: 1 / A0, and 1 / (2 pi GBW) [s]."""
+CONDUCTING_S = 1.0
+"""Conductance of a diode that conducts [S]. It lies within the loop of an amplifier, which compensates its drop."""
+_TRIMMER_END_OHM = 1e-3
+"""Resistance that remains between a trimmer's wiper and the end to which it is turned [ohm]."""
+
+
+class AmplifierOutput(NamedTuple):
+    """Net that an amplifier drives."""
+
+    amplifier: str
+    """Reference of its component, with the letter of its unit: "U1a", or "U2" for a single amplifier."""
+    reference: str
+    """Reference of its component."""
+    net: str
+
+
+class Term(NamedTuple):
+    """Summand of an equation: factor * quantity * s^order * voltage of a net."""
+
+    equation: str
+    """Net whose equation it belongs to."""
+    net: str
+    """Net or input whose voltage it contains."""
+    quantity: str
+    """Name of a value, such as "R1"; its value is a conductance [S], a capacitance [F], or `UNITY`."""
+    factor: float
+    order: int
+    """0 for G, 1 for C."""
+
+
+@dataclass(frozen=True, eq=False)
+class StateSpace:
+    """State equations x' = A x + B v_in, batched. Voltages are rows over (x, v_in)."""
+
+    A: Array
+    B: Array
+    rows: Mapping[str, Array]
+    """Voltage of each net."""
+    charge: Array
+    """States as rows over (voltages of the nets, v_in)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Equations of a circuit, by terms."""
+
+    terms: tuple[Term, ...]
+    values: Mapping[str, Value]
+    """Value of each quantity: conductance [S] of a resistor, capacitance [F]."""
+    inputs: tuple[str, ...]
+    """Nets of given voltage, which have no equation."""
+
+    @functools.cached_property
+    def nets(self) -> tuple[str, ...]:
+        """Nets of unknown voltage, in the order of the matrices."""
+        return tuple(sorted({term.equation for term in self.terms}))
+
+    def drive(self, *nets: str) -> Network:
+        """Network in which sources determine the voltages of more nets."""
+        terms = tuple(term for term in self.terms if term.equation not in nets)
+        return replace(self, terms=terms, inputs=(*self.inputs, *nets))
+
+    def ground(self, *nets: str) -> Network:
+        """Network in which the voltages of these nets are 0."""
+        terms = tuple(term for term in self.terms if term.equation not in nets and term.net not in nets)
+        return replace(self, terms=terms, inputs=tuple(name for name in self.inputs if name not in nets))
+
+    def restrict(self, *outputs: str) -> Network:
+        """Part of the network that determines the voltages of some nets: they and all that their equations contain.
+
+        An amplifier isolates its output: what only loads an output does not determine it.
+        """
+        contents: dict[str, set[str]] = {name: set() for name in self.nets}
+        for term in self.terms:
+            contents[term.equation].add(term.net)
+        needed, found = set(outputs) - set(self.inputs), set[str]()
+        while needed:
+            found |= needed
+            needed = set().union(*(contents[name] for name in needed)) - found - set(self.inputs)
+        return replace(self, terms=tuple(term for term in self.terms if term.equation in found))
+
+    def with_values(self, values: Mapping[str, Value]) -> Network:
+        """Network with other values of some quantities."""
+        return replace(self, values={**self.values, **values})
+
+    def matrices(self) -> tuple[Array, Array]:
+        """Matrices (G, G_in) and (C, C_in) side by side, (..., nets, nets + inputs), batched like the values."""
+        return self._matrices
+
+    @functools.cached_property
+    def _matrices(self) -> tuple[Array, Array]:
+        row = {name: i for i, name in enumerate(self.nets)}
+        column = {name: i for i, name in enumerate((*self.nets, *self.inputs))}
+        batch = np.broadcast_shapes(*(np.shape(self.values[t.quantity]) for t in self.terms if t.quantity), ())
+        G, C = np.zeros((2, *batch, len(row), len(column)))
+        for equation, net, quantity, factor, order in self.terms:
+            value = self.values[quantity] if quantity else 1.0
+            (C if order else G)[..., row[equation], column[net]] += factor * value
+        G.flags.writeable = C.flags.writeable = False
+        return G, C
+
+    def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
+        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0."""
+        n, s = len(self.nets), 2j * math.pi * f_hz[:, None, None]
+        G, C = self.matrices()
+        given = np.array([inputs.get(name, 0.0) for name in self.inputs])
+        right = -(G[:, n:] @ given + s[:, :, 0] * (C[:, n:] @ given))
+        solution = np.linalg.solve(G[:, :n] + s * C[:, :n], right[:, :, None])[:, :, 0]
+        return np.asarray(solution[:, [self.nets.index(net) for net in nets]], dtype=np.complex128)
+
+    def transfers(self, f_hz: Array, net: str) -> Spectrum:
+        """Voltage at a net for 1 on the right-hand side of each equation, (frequencies, equations).
+
+        That is 1 A into a net, or 1 V at the input of an amplifier times its gain. One solution of the transposed
+        equations serves all of them (adjoint method).
+        """
+        n = len(self.nets)
+        G, C = self.matrices()
+        matrices = G[:, :n] + 2j * math.pi * f_hz[:, None, None] * C[:, :n]
+        selector = np.zeros((len(f_hz), n, 1))
+        selector[:, self.nets.index(net)] = 1.0
+        return np.asarray(np.linalg.solve(matrices.transpose(0, 2, 1), selector)[:, :, 0], dtype=np.complex128)
+
+    def operating_point(self, inputs: Mapping[str, float]) -> dict[str, float]:
+        """Voltages [V] of all nets for constant voltages of the inputs [V]."""
+        volts = self.response(np.zeros(1), inputs, *self.nets)[0].real.tolist()
+        return dict(zip(self.nets, volts, strict=True)) | dict(inputs)
+
+    def constant_transfers(self, net: str) -> dict[str, float]:
+        """Voltage at a net for a constant 1 on the right-hand side of each equation."""
+        return dict(zip(self.nets, self.transfers(np.zeros(1), net)[0].real.tolist(), strict=True))
+
+    def steady_state(self) -> Array:
+        """States for constant voltages of the inputs, (..., states, inputs)."""
+        n = len(self.nets)
+        G, _ = self.matrices()
+        volts = np.linalg.solve(G[..., :n], -G[..., n:])
+        charge = self.state_space().charge
+        return np.asarray(charge[..., :n] @ volts + charge[..., n:])
+
+    def state_space(self) -> StateSpace:
+        """State equations of the network.
+
+        The states are the charges of the nets with capacitances, each divided by its own net's capacitance, so that
+        their unit is the volt; and the outputs of amplifiers of finite bandwidth.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If the charges of two nets determine each other, as at both ends of a capacitor that nothing else joins.
+        """
+        return self._state_space
+
+    @functools.cached_property
+    def _state_space(self) -> StateSpace:
+        n = len(self.nets)
+        G, C = self.matrices()
+        has_state = [any(t.order and t.equation == name for t in self.terms) for name in self.nets]
+        state, algebraic = np.flatnonzero(has_state), np.flatnonzero(~np.array(has_state))
+        own = C[..., state, state][..., None]
+        charge = C[..., state, :] / own
+        # The voltages follow from the states, x = charge v + charge_in v_in, and the equations without capacitance.
+        left = np.concatenate((charge[..., :n], G[..., algebraic, :n]), axis=-2)
+        given = -np.concatenate((charge[..., n:], G[..., algebraic, n:]), axis=-2)
+        unit = np.broadcast_to(np.eye(n)[:, : len(state)], (*left.shape[:-1], len(state)))
+        volts = np.linalg.solve(left, np.concatenate((unit, given), axis=-1))
+        # Then the equations with capacitance give the rates of the states.
+        rates = -(G[..., state, :n] @ volts) / own
+        rates[..., len(state) :] -= G[..., state, n:] / own
+        rows = {name: np.asarray(volts[..., i, :], dtype=np.float64) for i, name in enumerate(self.nets)}
+        return StateSpace(rates[..., : len(state)], rates[..., len(state) :], rows, charge)
+
+
+def build_network(
+    circuit: Circuit,
+    gain_bandwidth_hz: float | None = None,
+    *,
+    sensor_s: float = 0.0,
+    conducting: Iterable[str] = (),
+    trimmer_ratio: float = 0.5,
+) -> Network:
+    """Build the equations of a circuit, with the rails as inputs.
+
+    Parameters
+    ----------
+    circuit
+        Circuit of the board.
+    gain_bandwidth_hz
+        Gain-bandwidth product of the filter's amplifiers [Hz]; None: all amplifiers are ideal.
+    sensor_s
+        Conductance of the sensor [S].
+    conducting
+        References of the diodes that conduct.
+    trimmer_ratio
+        Position of the trimmer's wiper, from 0 (at its third pin) to 1.
+    """
+    nets = circuit.net_by_pin
+    driven = {output.net for output in list_amplifiers(circuit)}
+    gain_nets = {nets[c.reference, pin] for c in circuit.components for pin in "18" if c.symbol.name == "AD623ARMZ"}
+    free = set(nets.values()) - set(RAILS) - driven - gain_nets
+    terms: list[Term] = []
+    values: dict[str, Value] = {}
+
+    def add(quantity: str, value: float, first: str, second: str | None, order: int = 0) -> None:
+        """Add an admittance between two nets, or from one to ground, to the current laws of both."""
+        values[quantity] = value
+        for net, other in ((first, second), (second, first)):
+            if net in free:
+                terms.append(Term(net, net, quantity, 1.0, order))
+                if other is not None:
+                    terms.append(Term(net, other, quantity, -1.0, order))
+
+    for component in circuit.components:
+        symbol, reference = component.symbol.name, component.reference
+        pins = {pin.number: nets[reference, pin.number] for pin in component.symbol.pins}
+        if symbol == "R" and pins["1"] in gain_nets:
+            values[reference] = 1.0 / parse_component_value(component.value)  # part of its amplifier's gain
+        elif symbol == "R":
+            add(reference, 1.0 / parse_component_value(component.value), pins["1"], pins["2"])
+        elif symbol == "C":
+            add(reference, parse_component_value(component.value), pins["1"], pins["2"], order=1)
+        elif symbol == "R_Potentiometer":
+            ohm = parse_component_value(component.value)
+            for name, pin, ratio in (("a", "1", 1.0 - trimmer_ratio), ("b", "3", trimmer_ratio)):
+                add(f"{reference}{name}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
+        elif component.value == "FSR":
+            add(reference, sensor_s, pins["1"], pins["2"])
+        elif symbol == "1N4148W":
+            values[reference] = CONDUCTING_S
+            if reference in conducting:
+                add(reference, CONDUCTING_S, pins["1"], pins["2"])
+        elif symbol == "AD623ARMZ":
+            _add_instrumentation_amplifier(terms, values, pins, GAIN_RESISTOR, gain_bandwidth_hz is not None)
+        elif symbol in AMPLIFIERS:
+            data = AMPLIFIERS[symbol]
+            for unit, (plus, minus, out) in data.units.items():
+                name = f"{reference}{unit}"
+                terms += [Term(pins[out], pins[plus], UNITY, 1.0, 0), Term(pins[out], pins[minus], UNITY, -1.0, 0)]
+                if gain_bandwidth_hz is not None:
+                    # v_out / A = v_plus - v_minus with 1 / A = 1 / A0 + s / (2 pi GBW).
+                    bandwidth_hz = gain_bandwidth_hz if data.is_dual else data.bandwidth_hz
+                    values[f"{name} {INVERSE_GAIN}"] = 1.0 / OPEN_LOOP_GAIN
+                    values[f"{name} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * bandwidth_hz)
+                    terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_GAIN}", -1.0, 0))
+                    terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_BANDWIDTH}", -1.0, 1))
+                    for pin in dict.fromkeys((plus, minus)):
+                        add(f"{name} C{pin}", data.input_f, pins[pin], None, order=1)
+    return Network(tuple(terms), values, RAILS)
+
+
+def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> dict[str, Value]:
+    """Quantities of a network for other component values [ohm, F], by reference, and another amplifier U1."""
+    values: dict[str, Value] = {name: 1.0 / v if name.startswith("R") else v for name, v in components.items()}
+    for unit, (plus, minus, _) in amplifier.units.items():
+        values[f"U1{unit} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * amplifier.bandwidth_hz)
+        values |= {f"U1{unit} C{pin}": amplifier.input_f for pin in (plus, minus)}
+    return values
+
+
+def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
+    """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
+    for component in circuit.components:
+        reference, symbol = component.reference, component.symbol.name
+        if symbol == "AD623ARMZ":
+            yield AmplifierOutput(reference, reference, circuit.net_by_pin[reference, "6"])
+        elif symbol in AMPLIFIERS:
+            for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
+                yield AmplifierOutput(f"{reference}{unit}", reference, circuit.net_by_pin[reference, out])
+
+
+def _add_instrumentation_amplifier(
+    terms: list[Term], values: dict[str, Value], pins: Mapping[str, str], resistor: str, has_pole: bool
+) -> None:
+    """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain."""
+    out = pins["6"]
+    for quantity, factor in ((UNITY, 1.0), (resistor, GAIN_CONSTANT_OHM)):
+        terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
+        if has_pole:
+            terms.append(Term(out, out, quantity, -factor / (math.tau * AD623_BANDWIDTH_HZ), 1))
+    terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]

@@ -1,0 +1,265 @@
+"""Values of all components of a board, selected for a design."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from dataclasses import dataclass
+
+from fingertip.board.components.bridge import CONTROLLER_SERIES, CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
+from fingertip.board.components.filter import (
+    FilterSelection,
+    FirstStageCapacitors,
+    nearest_capacitance,
+    pole_hz,
+    select_filter,
+)
+from fingertip.board.components.preferred_values import nearest_value, neighbouring_values
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import choose_amplifier
+from fingertip.design.formulas.filter import FilterComponents
+from fingertip.design.formulas.supply import AVERAGING_OHM, MAX_AVERAGING_F
+
+# Component values of variant `comparator`: the article's threshold on the windowed mean, in hardware.
+#
+# The window of L samples becomes an RC low-pass of the same delay, tau = L / (2 fs). A trimmer sets the threshold
+# between 0 and about twice the design's threshold, which corresponds to its midpoint. The output reports slip while
+# the averaged envelope exceeds the threshold. Positive feedback lowers the threshold by a quarter while the output
+# reports slip.
+
+
+TRIMMER_OHM = 10e3
+PULL_UP_OHM = 4.7e3
+HYSTERESIS_RATIO = 0.25
+"""Hysteresis as a ratio of the threshold."""
+_MIN_AVERAGING_F = 1e-9
+
+
+@dataclass(frozen=True)
+class ComparatorStage:
+    """Preferred resistances [ohm] and capacitance [F] around the comparator."""
+
+    averaging_ohm: float
+    """Resistance of the averaging low-pass."""
+    averaging_f: float
+    """Capacitance of the averaging low-pass."""
+    trimmer_top_ohm: float
+    """Resistance from the supply to the trimmer."""
+    hysteresis_ohm: float
+    """Resistance from the output back to the threshold."""
+
+    def by_reference(self) -> dict[str, float]:
+        """Value of each component [ohm, F] by its reference designator."""
+        return {
+            "R18": self.averaging_ohm, "C17": self.averaging_f, "R19": self.trimmer_top_ohm,
+            "R20": self.hysteresis_ohm, "R21": PULL_UP_OHM, "RV1": TRIMMER_OHM,
+        }  # fmt: skip
+
+
+def compute_threshold_v(
+    trimmer_top_ohm: float, hysteresis_ohm: float, supply_v: float, signal_ground_ratio: float = 0.0
+) -> float:
+    """Compute the ON threshold [V] above the signal ground, with the trimmer at its midpoint.
+
+    Until slip is detected, the pull-up connects the output's end of the hysteresis resistor to the supply.
+    """
+    upper_v, low_ohm = (1.0 - signal_ground_ratio) * supply_v, TRIMMER_OHM / 2.0
+    pull = 1.0 / (TRIMMER_OHM / 2.0 + trimmer_top_ohm) + 1.0 / (hysteresis_ohm + PULL_UP_OHM)
+    return upper_v * pull / (pull + 1.0 / low_ohm)
+
+
+def size_comparator(
+    threshold_v: float,
+    window_s: float,
+    supply_v: float,
+    series: str,
+    signal_ground_ratio: float = 0.0,
+    capacitor_series: str = "given",
+) -> ComparatorStage:
+    """Size the comparator stage for a threshold [V], a window [s] and a supply [V].
+
+    Parameters
+    ----------
+    threshold_v
+        Threshold above the signal ground.
+    window_s
+        Length of the window whose delay the averaging low-pass reproduces.
+    supply_v
+        Positive supply.
+    series
+        Series of the resistors.
+    signal_ground_ratio
+        Voltage of the signal ground as a ratio of the supply.
+    capacitor_series
+        Series of the averaging capacitor.
+    """
+    upper_v, low_ohm = (1.0 - signal_ground_ratio) * supply_v, TRIMMER_OHM / 2.0
+    # Supply and output together pull the threshold up by x = 1 / high and y = 1 / (hysteresis + pull-up), where
+    # x + y = T / low / (U - T). When the output falls by the whole supply, the threshold falls by about
+    # supply y / (x + y + 1 / low).
+    pull = threshold_v / low_ohm / (upper_v - threshold_v)
+    feedback = HYSTERESIS_RATIO * threshold_v / supply_v * (pull + 1.0 / low_ohm)
+
+    def error(pair: tuple[float, float]) -> float:
+        on_v = compute_threshold_v(*pair, supply_v, signal_ground_ratio)
+        return round(abs(math.log(on_v / threshold_v)), 12)
+
+    tops = neighbouring_values(1.0 / (pull - 1.0 / (1.0 / feedback + PULL_UP_OHM)) - low_ohm, series)
+    feedbacks = neighbouring_values(1.0 / feedback, series)
+    trimmer_top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
+    averaging_f = min(
+        max(nearest_capacitance(window_s / 2.0 / AVERAGING_OHM, capacitor_series), _MIN_AVERAGING_F), MAX_AVERAGING_F
+    )
+    averaging_ohm = nearest_value(window_s / 2.0 / averaging_f, series)
+    return ComparatorStage(averaging_ohm, averaging_f, trimmer_top_ohm, hysteresis_ohm)
+
+
+# Components between the board and the analog-to-digital converter (ADC): anti-aliasing poles for its sampling rate.
+#
+# Frequencies above half the sampling rate alias to below it. The band of the vibrations ends at `BAND_CUTOFFS`
+# cutoffs, and the lowest frequency that aliases into it is the sampling rate less that. The tactile voltage passes two
+# poles, both near a quarter of the sampling rate: the second section has ten times the impedance of the first, so that
+# they hardly interact. The envelope has a pole of its own already (in variant `article` only for falling voltages),
+# and passes one.
+#
+# `fingertip.board.analysis.interference` computes what they attenuate.
+
+
+POLE_PER_SAMPLE_RATE = 0.25
+FIRST_OHM, SECOND_OHM = 1e3, 10e3
+"""Approximate resistances. Together with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
+CLAMP, LOW_LEAKAGE_CLAMP = "BAT54S", "BAV199"
+"""Clamps of the ADC pins. The second serves boards for a controller, whose outputs stay within the supply anyway."""
+CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
+"""Reverse current of a clamp's diode [A]: the value of the SPICE deck's model, and the maximum of a BAT54 at 25 V and
+25 degrees Celsius (its data sheets; unverified)."""
+LOW_LEAKAGE_A, MAX_LOW_LEAKAGE_A = 3e-12, 5e-9
+"""The same of a BAV199: typical, and maximum at 75 V and 25 degrees Celsius (its data sheets; unverified)."""
+
+
+@dataclass(frozen=True)
+class AdcInterface:
+    """Preferred resistances [ohm] and capacitances [F] between the board's outputs and the ADC pins."""
+
+    first_ohm: float
+    first_f: float
+    """First section, from the tactile voltage to the node between the sections."""
+    second_ohm: float
+    second_f: float
+    """Second section, from the node between the sections to the tactile pin."""
+    envelope_ohm: float
+    envelope_f: float
+    """Section from the envelope to its pin."""
+
+    def by_reference(self) -> dict[str, float]:
+        """Value of each component [ohm, F] by its reference designator."""
+        return {
+            "R7": self.envelope_ohm, "C8": self.envelope_f, "R8": self.first_ohm, "C9": self.first_f,
+            "R9": self.second_ohm, "C19": self.second_f,
+        }  # fmt: skip
+
+    def filtered_by_reference(self) -> dict[str, float]:
+        """Value of each component of the filtered signal's section, which equals the envelope's."""
+        return {"R27": self.envelope_ohm, "C25": self.envelope_f}
+
+
+def size_adc_interface(sample_rate_hz: float, series: str, capacitor_series: str = "given") -> AdcInterface:
+    """Size the anti-aliasing poles for a sampling rate [Hz], with resistors and capacitors of these series."""
+    target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
+
+    def size_section(approximate_ohm: float) -> tuple[float, float]:
+        c_f = nearest_capacitance(pole_hz(approximate_ohm, target_hz), capacitor_series)  # 1 / (2 pi R f) is C
+        return nearest_value(pole_hz(target_hz, c_f), series), c_f
+
+    return AdcInterface(*size_section(FIRST_OHM), *size_section(SECOND_OHM), *size_section(SECOND_OHM))
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Tolerances that the design states for the signal path."""
+
+    resistor_percent: float
+    capacitor_percent: float
+    """Tolerance of the capacitors [%]; 0 is that of the parts sold."""
+
+
+@dataclass(frozen=True)
+class ComponentValues:
+    """Values of the components of one design's board."""
+
+    variant: str
+    """Name of the board's variant."""
+    supply: str
+    """Name of the supply: split, single or single_3v3."""
+    amplifier: str
+    """Dual amplifier of filter and rectifier, by its name in `fingertip.catalogues.amplifiers.CATALOGUE`."""
+    ideal: FilterComponents
+    """Values by the formulas (article, eqs. 2, 5, 6, 7, 11)."""
+    preferred: FilterComponents
+    """Values that are fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
+    first_stage_capacitors: FirstStageCapacitors | None
+    """Capacitors of the first stage that variant article does not have; None there."""
+    rectifier_ohm: float | None
+    """Both resistors of the precision rectifier; None in variant article."""
+    tolerance: Tolerance
+    bridge: Bridge
+    """Preferred values of the bridge ahead of the filter."""
+    adc_interface: AdcInterface
+    """Values of the anti-aliasing poles."""
+    comparator_stage: ComparatorStage | None
+    """Values around the comparator; None in variants without one."""
+
+    @functools.cached_property
+    def by_reference(self) -> dict[str, float]:
+        """Value of each component [ohm, F] by its reference designator, as the circuit fits them."""
+        values = FilterSelection(
+            self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
+        ).by_reference()
+        values |= self.bridge.by_reference() | self.adc_interface.by_reference()
+        if SUPPLIES[self.supply].is_for_controller:
+            values |= self.adc_interface.filtered_by_reference()
+        return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
+
+
+def select_components(design: Design) -> ComponentValues:
+    """Select the values of a board's components.
+
+    Raises
+    ------
+    BoardError
+        If a resistor has no preferred value, which does not occur for a validated design.
+    """
+    board, detector = design.board, design.detector
+    supply, selection = SUPPLIES[board.supply], select_filter(board)
+    comparator_stage = None
+    if board.variant == "comparator":
+        window_s = detector.window_samples / detector.sample_rate_hz
+        comparator_stage = size_comparator(
+            detector.threshold_v,
+            window_s,
+            board.supply_v,
+            board.series,
+            supply.signal_ground_ratio,
+            board.capacitor_series,
+        )
+    return ComponentValues(
+        variant=board.variant,
+        supply=supply.name,
+        amplifier=choose_amplifier(board).name,
+        ideal=selection.ideal,
+        preferred=selection.preferred,
+        first_stage_capacitors=selection.capacitors,
+        rectifier_ohm=selection.rectifier_ohm,
+        tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
+        bridge=size_bridge(
+            board.supply_v,
+            CONTROLLER_SERIES if supply.is_for_controller else board.series,
+            design.dimensions.sensor.active_diameter_mm,
+            supply.signal_ground_ratio,
+            *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
+        ),
+        adc_interface=size_adc_interface(detector.sample_rate_hz, board.series, board.capacitor_series),
+        comparator_stage=comparator_stage,
+    )

@@ -1,1 +1,0 @@
-"""Board layout: placement, silkscreen, routed tracks and KiCad's board file."""

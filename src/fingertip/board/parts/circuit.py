@@ -1,0 +1,260 @@
+"""A circuit as data: components, pins and nets. The netlist, schematic, layout and SPICE deck all derive from it."""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from fingertip.foundation.errors import BoardError, Issue
+
+# Requirement for purchase of a resistor or a capacitor, apart from its value and package.
+
+
+@dataclass(frozen=True)
+class ResistorRequirement:
+    """Requirement for a resistor."""
+
+    tolerance_percent: float
+    """Largest tolerance [%]; 0 asks for the tightest that exists."""
+    power_w: float
+    """Smallest rated power [W]."""
+    drift_ppm_per_k: float | None = None
+    """Largest temperature coefficient [ppm/K]; None if any will do."""
+
+    @property
+    def rating(self) -> str:
+        """Requirement in words, for bills of materials."""
+        power = f"{self.power_w:g} W"
+        if self.drift_ppm_per_k is None:
+            return f"{_format_tolerance(self.tolerance_percent)}, {power}"
+        return f"{self.tolerance_percent:g} %, {self.drift_ppm_per_k:g} ppm/K, {power}"
+
+
+@dataclass(frozen=True)
+class CapacitorRequirement:
+    """Requirement for a capacitor."""
+
+    dielectrics: tuple[str, ...]
+    """Permitted dielectrics."""
+    voltage_v: float
+    """Smallest rated voltage [V]."""
+    tolerance_percent: float
+    """Largest tolerance [%]; 0 asks for the tightest that exists."""
+
+    @property
+    def rating(self) -> str:
+        """Requirement in words, for bills of materials."""
+        return f"{' or '.join(self.dielectrics)} {self.voltage_v:g} V, {_format_tolerance(self.tolerance_percent)}"
+
+
+Requirement = ResistorRequirement | CapacitorRequirement
+
+
+def _format_tolerance(percent: float) -> str:
+    return f"{percent:g} % or better" if percent else "tightest available"
+
+
+# Names of the nets that several blocks of the board share.
+
+
+GND = "GND"
+VCC = "VCC"
+VEE = "VEE"
+VMID = "VMID"
+"""Buffered mid-supply of a single supply: the signal ground of a board without a negative rail."""
+
+SENSOR = "SENSOR"
+REFERENCE = "REFERENCE"
+GAIN_A = "GAIN_A"
+GAIN_B = "GAIN_B"
+TACTILE = "TACTILE"
+STAGE1_IN = "STAGE1_IN"
+FEEDBACK = "FEEDBACK"
+STAGE1_OUT = "STAGE1_OUT"
+STAGE2_MID = "STAGE2_MID"
+STAGE2_IN = "STAGE2_IN"
+FILTERED = "FILTERED"
+ENVELOPE = "ENVELOPE"
+ALIAS_MID = "ALIAS_MID"
+ADC_TACTILE = "ADC_TACTILE"
+ADC_ENVELOPE = "ADC_ENVELOPE"
+VREF = "VREF"
+"""Buffered supply of the bridge on a board for 3.3 V: a fixed ratio of the supply, without its ripple."""
+VREF_DIVIDER = "VREF_IN"
+"""Output of the voltage divider ahead of the buffer that drives `VREF`."""
+POWER_IN = "POWER_IN"
+"""Supply at its connector, ahead of the protection against reversed polarity."""
+ADC_FILTERED = "ADC_FILTERED"
+VMID_OUT = "M_OUT"
+"""`VMID` behind R24, at the output connector."""
+VMID_DIVIDER = "HALF"
+"""Output of the voltage divider that halves the supply, ahead of the buffer that drives `VMID`."""
+
+
+_REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
+
+
+@dataclass(frozen=True)
+class Pin:
+    """Pin of a symbol, as in KiCad's library."""
+
+    number: str
+    name: str
+    """Name of the pin; "~" where the library gives none."""
+    electrical_type: str
+    """KiCad's electrical type: passive, input, output, power_in."""
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """Symbol of KiCad's own libraries."""
+
+    library: str
+    name: str
+    description: str
+    pins: tuple[Pin, ...]
+
+
+@dataclass(frozen=True)
+class Component:
+    """Component on the board: a purchased part, a test point or a mounting hole."""
+
+    reference: str
+    """Reference designator, such as R6."""
+    value: str
+    symbol: Symbol
+    footprint: str
+    """Footprint as library:name, of KiCad's own libraries."""
+    role: str
+    """Function on this board, in words. It includes the article's name where that differs from the reference."""
+    rating: str = ""
+    """Requirements for purchase, without a manufacturer's name. Empty for what is not purchased."""
+    requirement: Requirement | None = None
+    """The same as data, of a resistor or a capacitor; None for what is bought by its name."""
+
+
+RAILS = ("GND", "VCC", "VEE")
+"""Nets that power symbols name in a schematic."""
+
+
+GLOBAL_NETS = (*RAILS, "VMID", "VREF")
+"""Nets that are the same on all sheets: the rails, and the nets that global labels name."""
+
+
+def kicad_net_name(net: str) -> str:
+    """Name of a net in KiCad: a label's net carries the path of its sheet, here "/"; a power symbol's net does not."""
+    return net if net in GLOBAL_NETS else f"/{net}"
+
+
+Node = tuple[str, str]
+"""Reference and pin number."""
+
+
+@dataclass(frozen=True)
+class Net:
+    """Pins that are connected to each other."""
+
+    name: str
+    nodes: tuple[Node, ...]
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """Components and nets. `build_circuit` constructs a checked one."""
+
+    name: str
+    components: tuple[Component, ...]
+    nets: tuple[Net, ...]
+
+    @functools.cached_property
+    def net_by_pin(self) -> Mapping[Node, str]:
+        """Name of the net of each connected pin."""
+        return {node: net.name for net in self.nets for node in net.nodes}
+
+    def component(self, reference: str) -> Component:
+        """The component with this reference; KeyError if there is none."""
+        for component in self.components:
+            if component.reference == reference:
+                return component
+        raise KeyError(reference)
+
+    def without(self, *references: str) -> Circuit:
+        """The circuit without some components."""
+        nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
+        return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
+
+    def replace(self, reference: str, value: str) -> Circuit:
+        """The circuit with another value of one component."""
+        components = (replace(c, value=value) if c.reference == reference else c for c in self.components)
+        return Circuit(self.name, tuple(components), self.nets)
+
+
+def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:
+    """Build and check a circuit from the wiring of each component, pin number -> net name.
+
+    Nets appear in the order in which they are first named.
+
+    Raises
+    ------
+    BoardError
+        With every issue that `find_issues` reports.
+    """
+    nodes: dict[str, list[Node]] = {}
+    for component, pins in wiring.items():
+        for number, net in pins.items():
+            nodes.setdefault(net, []).append((component.reference, number))
+    circuit = Circuit(name, tuple(wiring), tuple(Net(net, tuple(members)) for net, members in nodes.items()))
+    if issues := list(find_issues(circuit)):
+        raise BoardError(issues)
+    return circuit
+
+
+def find_issues(circuit: Circuit) -> Iterator[Issue]:
+    """Find inconsistencies: duplicate references, unknown pins, pins in two nets or none, nets with a single pin."""
+    for reference, count in Counter(component.reference for component in circuit.components).items():
+        if count > 1:
+            yield Issue(reference, f"names {count} components; give each its own reference.")
+        if not _REFERENCE.fullmatch(reference):
+            yield Issue(reference, "is not letters followed by a number, such as R6; KiCad would renumber it.")
+    for name, count in Counter(net.name for net in circuit.nets).items():
+        if count > 1:
+            yield Issue(name, f"names {count} nets, which KiCad would join; give each its own name.")
+
+    known = {(component.reference, pin.number) for component in circuit.components for pin in component.symbol.pins}
+    uses = Counter(node for net in circuit.nets for node in net.nodes)
+    for net in circuit.nets:
+        if len(set(net.nodes)) < 2:
+            yield Issue(net.name, f"connects {len(set(net.nodes))} pin; a net needs at least two.")
+    for (reference, number), count in uses.items():
+        if (reference, number) not in known:
+            yield Issue(f"{reference}.{number}", "is connected, but there is no such component or pin.")
+        if count > 1:
+            yield Issue(f"{reference}.{number}", f"is connected {count} times; a pin belongs to one net.")
+    for reference, number in sorted(known - set(uses)):
+        yield Issue(f"{reference}.{number}", "is not connected; connect it or remove the component.")
+
+
+def reference_sort_key(component: Component) -> tuple[str, int]:
+    """Sorting key of a component by its reference: R2 comes before R10."""
+    letters = component.reference.rstrip("0123456789")
+    return letters, int(component.reference[len(letters) :])
+
+
+def format_component_value(value: float, unit: str = "") -> str:
+    """Format a component value with an SI prefix, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
+
+    At most ten digits are printed.
+    """
+    for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
+        if value >= scale * (1 - 1e-12):
+            return f"{value / scale:.10g}{prefix}{unit}"
+    return f"{value / 1e-12:.10g}p{unit}"
+
+
+def parse_component_value(text: str) -> float:
+    """Parse a component value [ohm or F]: "4.7k" -> 4700, "2.2u" -> 2.2e-6."""
+    scales = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
+    return float(text[:-1]) * scales[text[-1]] if text[-1] in scales else float(text)

@@ -1,1 +1,0 @@
-"""Schematic: sheets as data, symbol graphics and KiCad's schematic file."""

@@ -1,0 +1,171 @@
+"""Result of a build: its parts, files and checks, and the report on them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fingertip.cad.files.step_process import BrepMeasurements
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles
+from fingertip.cad.shapes.parts import PARTS, Part, hardware
+from fingertip.cad.strength.assess import BoneStrength, strength_data
+from fingertip.cad.verification.check import Check, count_checks, list_warnings
+from fingertip.design import Design
+from fingertip.foundation.display import Picture, html_table, to_dataframe
+from fingertip.foundation.files import round_for_output
+from fingertip.foundation.version import __version__
+
+if TYPE_CHECKING:
+    import pandas
+
+FORMATS = ("stl", "3mf", "step")
+DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
+DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
+STEPS_FOLDER = "steps"
+"""Folder of the pictures of the casting steps, beside the casting sheet."""
+ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
+"""Names of all files that a build may write."""
+
+
+@dataclass(frozen=True)
+class BuiltPart:
+    """Part as built: its mesh, its files, and measurements of its B-rep solid."""
+
+    part: Part
+    mesh: Mesh
+    files: Mapping[str, str]
+    """Format -> file name."""
+    brep: BrepMeasurements | None
+    """Measurements of the B-rep solid; None unless STEP files were made."""
+
+
+@dataclass(frozen=True)
+class Build:
+    """Result of a build: all files and all checks."""
+
+    design: Design
+    folder: Path
+    tolerance_mm: float
+    parts: tuple[BuiltPart, ...]
+    contents: Mapping[str, bytes]
+    """File name -> bytes."""
+    prints: PrintFiles
+    """Files for the printer, in a folder of their own."""
+    checks: tuple[Check, ...]
+    strength: BoneStrength | None
+    """Strength of the bone; None unless it was built."""
+    casting: Mapping[str, Any] | None
+    """Data of the casting sheet, from `casting.sheet.casting_sheet_data`; None unless all parts were built."""
+    removed: tuple[str, ...] = ()
+    """Files of another design that were removed from the folder."""
+
+    @property
+    def passed(self) -> bool:
+        """True if every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def __repr__(self) -> str:
+        names = ", ".join(built.part.name for built in self.parts)
+        return f"Build({self.design.name} in {self.folder}: {names}; {count_checks(self.checks)})"
+
+    def _repr_html_(self) -> str:
+        """Table of the parts, and of the checks that failed, for Jupyter."""
+        parts = [
+            (built.part.name, f"{built.mesh.volume() / 1000:.2f}", ", ".join(built.files.values()))
+            for built in self.parts
+        ]
+        text = html_table(repr(self), ("part", "volume [cm3]", "files"), parts)
+        failed = [
+            (check.name, f"{check.value:g}", f"{check.sign} {check.limit:g}", check.unit)
+            for check in self.checks
+            if not check.passed
+        ]
+        text += html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else ""
+        warnings = [(warning,) for warning in list_warnings(self.checks)]
+        return text + (html_table("warnings", ("expected to go wrong",), warnings) if warnings else "")
+
+    def plot(self, width_px: int = 1600) -> Picture:
+        """Draw the design that was built.
+
+        Parameters
+        ----------
+        width_px
+            Width of the picture [pixels].
+        """
+        return self.design.plot(width_px)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return every check with value and limit as a data frame.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns = {
+            "check": [check.name for check in self.checks],
+            "value": [check.value for check in self.checks],
+            "sign": [check.sign for check in self.checks],
+            "limit": [check.limit for check in self.checks],
+            "unit": [check.unit for check in self.checks],
+            "passed": [check.passed for check in self.checks],
+            "state": [check.state for check in self.checks],
+        }
+        return to_dataframe(columns, "Build.to_dataframe")
+
+    def report(self) -> dict[str, Any]:
+        """Return the content of report.json, which depends on the design alone, not on time or machine."""
+        report: dict[str, Any] = {
+            "fingertip": __version__,
+            "design": self.design.name,
+            "tolerance_mm": self.tolerance_mm,
+            "passed": self.passed,
+            "parts": {built.part.name: self._part_entry(built) for built in self.parts},
+            "print": self._print_entries(),
+            "warnings": list_warnings(self.checks),
+            "checks": [check.to_dict() for check in self.checks],
+        }
+        if ASSEMBLY in self.contents:
+            report["assembly"] = self._assembly_entry()
+        if self.strength:
+            report["strength"] = strength_data(self.strength)
+        return report | ({"casting": self.casting} if self.casting else {})
+
+    def _assembly_entry(self) -> dict[str, Any]:
+        names = [built.part.name for built in self.parts]
+        bought = hardware(self.design, names)
+        return {
+            "file": ASSEMBLY,
+            "parts": names,
+            "hardware": [item.name for item in bought],
+            "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
+        }
+
+    def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
+        entry: dict[str, Any] = {
+            "volume_mm3": round_for_output(built.mesh.volume()),
+            "area_mm2": round_for_output(built.mesh.area()),
+            "triangles": len(built.mesh.triangles),
+            "files": dict(built.files),
+            "sha256": {
+                file_format: hashlib.sha256(self.contents[file]).hexdigest()
+                for file_format, file in built.files.items()
+            },
+        }
+        if built.brep:
+            entry["brep_volume_mm3"] = round_for_output(built.brep.volume_mm3)
+        return entry
+
+    def _print_entries(self) -> dict[str, Any]:
+        """Hash of each file for the printer, and the parts on each plate."""
+        return {
+            f"{PRINT_FOLDER}/{file}": {
+                "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
+                "sha256": hashlib.sha256(data).hexdigest(),
+            }
+            for file, data in self.prints.contents.items()
+        }

@@ -1,0 +1,334 @@
+"""Parameters of a design that follow from the readings of its coupon."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from fingertip.cad.shapes.coupon_layout import WALLS_MM
+from fingertip.calibration.readings import Measured
+from fingertip.design import Design
+from fingertip.foundation.errors import DesignError
+from fingertip.foundation.statistics import chi_square_quantile, t_quantile
+
+# Least squares of the readings: scale and offset of a printer, with their uncertainty.
+#
+# Model of a reading y of a length with the nominal value N, printed between two surfaces:
+#
+# y = scale * N + offset + error for outer lengths y = scale * N - offset + error for inner lengths
+#
+# A positive offset means that the printer prints too much: solids grow and hollows shrink by it, half of it on each
+# surface. All readings count alike. Readings of one length share the error of its two surfaces, so the errors are not
+# independent: the residual variance is therefore taken between the means of the lengths, whose number less two are the
+# degrees of freedom. Under independent errors of equally many readings this is exact, too (analysis of variance; N. R.
+# Draper and H. Smith, Applied Regression Analysis, 3rd ed., sections 1.5 and 2.1).
+
+
+CONFIDENCE = 0.95
+"""Probability with which an interval holds the true value."""
+_OUTLIER_RISK = 0.01
+"""Probability that any reading of a sound file is named an outlier."""
+_LEAST_DOUBT_MM = 0.03
+"""Difference below which no length is doubted: calipers resolve little more [mm]."""
+_SIGN = {"outer": 1.0, "inner": -1.0}
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """Reading that does not fit the others."""
+
+    name: str
+    number: int
+    """Position among the readings of its length, from 1."""
+    reading_mm: float
+    deviation_mm: float
+    """Reading less the fitted value."""
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Mean reading of a length, beside what the fit predicts."""
+
+    name: str
+    nominal_mm: float
+    mean_mm: float
+    predicted_mm: float
+    is_doubtful: bool
+    """True if it differs from the fit by more than chance explains, compared with all other lengths."""
+
+    @property
+    def difference_mm(self) -> float:
+        """Mean reading less the prediction."""
+        return self.mean_mm - self.predicted_mm
+
+
+@dataclass(frozen=True)
+class PrinterFit:
+    """Scale and offset of a printer."""
+
+    scale: float
+    """Printed length over nominal length."""
+    scale_uncertainty: float
+    """Standard uncertainty of the scale."""
+    offset_mm: float
+    offset_uncertainty_mm: float
+    length_error_mm: float
+    """Standard deviation of the mean of a length about the model."""
+    degrees: int
+    """Degrees of freedom."""
+    readings: int
+    outliers: tuple[Outlier, ...]
+    residuals: tuple[Residual, ...]
+    """Every length that was fitted."""
+
+    @property
+    def coverage_factor(self) -> float:
+        """Half width of an interval over the standard uncertainty: Student's t."""
+        return t_quantile(CONFIDENCE, self.degrees)
+
+
+def fit_printer(measured: Sequence[Measured]) -> PrinterFit:
+    """Fit scale and offset to the readings of outer and inner lengths; thin walls are left out.
+
+    The lengths are at least three, some outer and some inner, and not all equal.
+    """
+    used = [each for each in measured if each.length.kind in _SIGN]
+    rows = [(len(e.readings_mm), e.length.nominal_mm, _SIGN[e.length.kind], e.mean_mm) for e in used]
+    nn = math.fsum(w * n * n for w, n, _, _ in rows)
+    ns = math.fsum(w * n * s for w, n, s, _ in rows)
+    count = sum(w for w, _, _, _ in rows)
+    ny = math.fsum(w * n * y for w, n, _, y in rows)
+    sy = math.fsum(w * s * y for w, _, s, y in rows)
+    determinant = nn * count - ns * ns
+    scale, offset = (count * ny - ns * sy) / determinant, (nn * sy - ns * ny) / determinant
+    degrees = len(rows) - 2
+    variance = math.fsum(w * (y - scale * n - offset * s) ** 2 for w, n, s, y in rows) / degrees
+    return PrinterFit(
+        scale,
+        math.sqrt(variance * count / determinant),
+        offset,
+        math.sqrt(variance * nn / determinant),
+        math.sqrt(variance * len(rows) / count),
+        degrees,
+        count,
+        tuple(_find_outliers(used, scale, offset, (nn, ns, float(count)))),
+        tuple(_compare_lengths(used, scale, offset, (nn, ns, float(count)))),
+    )
+
+
+def _compare_lengths(
+    used: Sequence[Measured], scale: float, offset: float, normal: tuple[float, float, float]
+) -> Iterator[Residual]:
+    """Compare the mean of each length with the fit, by its externally studentised residual (Bonferroni's bound)."""
+    nn, ns, count = normal
+    determinant = nn * count - ns * ns
+    rows = []
+    for each in used:
+        n, s, weight = each.length.nominal_mm, _SIGN[each.length.kind], len(each.readings_mm)
+        predicted = scale * n + offset * s
+        kept = 1.0 - weight * (count * n * n - 2 * ns * n * s + nn) / determinant
+        rows.append((each, predicted, weight * (each.mean_mm - predicted) ** 2, kept))
+    total, degrees = math.fsum(square for _, _, square, _ in rows), len(rows) - 3
+    limit = t_quantile(1.0 - _OUTLIER_RISK / len(rows), degrees) if degrees > 0 else math.inf
+    for each, predicted, square, kept in rows:
+        doubtful = degrees > 0 and kept > 0.0 and abs(each.mean_mm - predicted) > _LEAST_DOUBT_MM
+        if doubtful:
+            others = max(total - square / kept, 0.0) / degrees
+            doubtful = square > limit * limit * others * kept
+        yield Residual(each.length.name, each.length.nominal_mm, each.mean_mm, predicted, doubtful)
+
+
+def _find_outliers(
+    used: Sequence[Measured], scale: float, offset: float, normal: tuple[float, float, float]
+) -> Iterator[Outlier]:
+    """Find readings whose externally studentised residual is too large (Bonferroni's bound over all readings).
+
+    Reference: Draper and Smith, sections 8.1 and 8.4.
+    """
+    nn, ns, count = normal
+    determinant = nn * count - ns * ns
+    residuals = [
+        (each, number, reading, reading - scale * each.length.nominal_mm - offset * _SIGN[each.length.kind])
+        for each in used
+        for number, reading in enumerate(each.readings_mm, 1)
+    ]
+    degrees = len(residuals) - 3
+    total = math.fsum(r * r for _, _, _, r in residuals)
+    limit = t_quantile(1.0 - _OUTLIER_RISK / len(residuals), degrees)
+    for each, number, reading, residual in residuals:
+        n, s = each.length.nominal_mm, _SIGN[each.length.kind]
+        kept = 1.0 - (count * n * n - 2.0 * ns * n * s + nn) / determinant  # one less the leverage
+        others = max(total - residual * residual / kept, 0.0) / degrees
+        if residual * residual > limit * limit * others * kept and abs(residual) > 1e-9:
+            yield Outlier(each.length.name, number, reading, residual)
+
+
+CLEARANCES = {
+    "sensor.clearance_mm": 1,
+    "mold.fit_clearance_mm": 2,
+    "mold.key_clearance_mm": 2,
+    "mold.nut_width_mm": 2,
+    "mold.bolt_diameter_mm": 2,
+}
+"""Parameters of fits that the coupon shows -> number of printed surfaces between which each is measured.
+
+The sensor is bought, and its pocket is printed. Base and recess, and key and socket, are both printed. Trap and hole
+are measured from one printed surface to the other.
+"""
+_SCALE, _OFFSET, _SURFACE_ERROR, _MIN_WALL = (
+    f"printer.{key}" for key in ("scale_percent", "offset_mm", "surface_error_mm", "min_wall_mm")
+)
+MIN_WALL_RATIO = 0.8
+"""Least thickness of a printed wall over the nominal one. An assumption."""
+_DECIMALS = {"%": 2, "mm": 3}
+
+
+@dataclass(frozen=True)
+class CalibratedValue:
+    """Parameter with its calibrated value."""
+
+    path: str
+    unit: str
+    before: float
+    value: float
+    uncertainty: float
+    """Standard uncertainty."""
+    low: float
+    high: float
+    """Ends of the 95 % interval."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Calibrated parameters, and the fit that they follow from."""
+
+    fit: PrinterFit
+    values: tuple[CalibratedValue, ...]
+    kept: tuple[str, ...]
+    """Sentences on parameters that the readings do not change."""
+
+    @property
+    def changes(self) -> dict[str, float]:
+        """Parameter -> calibrated value."""
+        return {value.path: value.value for value in self.values}
+
+
+def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collection[str] = ()) -> Calibration:
+    """Derive the parameters of a printer from the readings of the coupon of a design.
+
+    Parameters
+    ----------
+    design
+        The design whose coupon was measured. The gaps between its printed parts shall be as wide as it says: its
+        clearances less its printer.offset_mm. A calibrated design can so be calibrated again.
+    measured
+        Readings, from `calibration.readings`.
+    keep
+        Parameters that are not changed, such as "sensor.clearance_mm".
+    """
+    fit = fit_printer(measured)
+    values = [_scale(design, fit), _offset(design, fit), *_clearances(design, fit), _surface_error(design, fit)]
+    kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
+    wall = _min_wall(design, measured)
+    if isinstance(wall, CalibratedValue):
+        values.append(wall)
+    else:
+        kept.append(wall)
+    return Calibration(fit, tuple(value for value in values if value.path not in keep), tuple(kept))
+
+
+def apply_calibration(design: Design, calibration: Calibration, name: str | None = None) -> Design:
+    """Make the calibrated design, under a name of its own if one is given: its files then stand in another folder.
+
+    Raises
+    ------
+    DesignError
+        If a rule refuses it; the message names the rule and a remedy.
+    """
+    tables = design.with_values(calibration.changes).model_dump()
+    tables["name"] = name or design.name
+    return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
+
+
+def list_calibrated() -> tuple[str, ...]:
+    """List every parameter that a calibration may change."""
+    return (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
+
+
+def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str]) -> str | None:
+    """Find the parameter with which, if it is kept, no rule refuses the calibrated design; None if there is none."""
+    for path in candidates:
+        fewer = replace(calibration, values=tuple(value for value in calibration.values if value.path != path))
+        with contextlib.suppress(DesignError):
+            tables = design.with_values(fewer.changes).model_dump()
+            Design.without_remedies(**tables)
+            return path
+    return None
+
+
+def _scale(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Scale of the files at which a printed length is that of the design: fitted to the lengths in the files."""
+    uncertainty = 100.0 * fit.scale_uncertainty / fit.scale**2
+    return _value(_SCALE, "%", design.printer.scale_percent, 100.0 / fit.scale, uncertainty, fit)
+
+
+def _offset(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Offset of printed lengths, of which the rules and checks of gaps need to know."""
+    before = design.printer.offset_mm
+    return _value(_OFFSET, "mm", before, fit.offset_mm, fit.offset_uncertainty_mm, fit)
+
+
+def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
+    """Clearances at which the printed gap is that of the design: half the offset more for each printed surface."""
+    for path, surfaces in CLEARANCES.items():
+        before = float(design.value(path))
+        added = surfaces / 2 * (fit.offset_mm - design.printer.offset_mm)
+        uncertainty = surfaces / 2 * fit.offset_uncertainty_mm
+        yield _value(path, "mm", before, before + added, uncertainty, fit)
+
+
+def _surface_error(design: Design, fit: PrinterFit) -> CalibratedValue:
+    """Error that 95 % of all surfaces stay below, after scale and offset are corrected.
+
+    A length lies between two surfaces of equal and independent errors: that of one is the length's over the square root
+    of two. Its interval is that of a standard deviation (chi-square).
+    """
+    value = fit.coverage_factor * fit.length_error_mm / math.sqrt(2.0)
+    tail = (1.0 - CONFIDENCE) / 2
+    low, high = (
+        value * math.sqrt(fit.degrees / chi_square_quantile(share, fit.degrees)) for share in (1.0 - tail, tail)
+    )
+    before, digits = design.printer.surface_error_mm, _DECIMALS["mm"]
+    return CalibratedValue(
+        _SURFACE_ERROR, "mm", before, round(value, digits), value / math.sqrt(2.0 * fit.degrees), low, high
+    )
+
+
+def _min_wall(design: Design, measured: Sequence[Measured]) -> CalibratedValue | str:
+    """Return the thinnest wall from which on all printed, or a sentence if no wall or not even the thickest did.
+
+    The true limit lies between it and the next thinner one; its standard uncertainty is that of a uniform distribution.
+    """
+    walls = sorted((e for e in measured if e.length.kind == "wall"), key=lambda e: -e.length.nominal_mm)
+    thicknesses = sorted(WALLS_MM, reverse=True)
+    if not any(each.readings_mm for each in walls):
+        return "printer.min_wall_mm is kept: no thin wall has a reading"
+    printed = 0
+    for each in walls:
+        if not each.readings_mm or each.mean_mm < MIN_WALL_RATIO * each.length.nominal_mm:
+            break
+        printed += 1
+    if not printed:
+        return f"printer.min_wall_mm is kept: not even the wall of {thicknesses[0]:g} mm printed; slice it anew"
+    thinnest = thicknesses[printed - 1]
+    next_thinner = thicknesses[printed] if printed < len(thicknesses) else 0.0
+    uncertainty = (thinnest - next_thinner) / math.sqrt(12.0)
+    before = design.printer.min_wall_mm
+    return CalibratedValue(_MIN_WALL, "mm", before, thinnest, uncertainty, next_thinner, thinnest)
+
+
+def _value(path: str, unit: str, before: float, value: float, uncertainty: float, fit: PrinterFit) -> CalibratedValue:
+    half = fit.coverage_factor * uncertainty
+    return CalibratedValue(path, unit, before, round(value, _DECIMALS[unit]), uncertainty, value - half, value + half)

@@ -1,0 +1,273 @@
+"""Force curve of a design's sensor, from weighings of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fingertip.board import board_values
+from fingertip.board.analysis.limits import TactileResponse
+from fingertip.calibration.weighings import Weighing, Weighings
+from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.statistics import t_quantile
+from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ConductanceCurve, fit_conductance_curve
+
+# Power law fitted to weighings, with the interval of a force that is read off it.
+#
+# Model of a conductance G under a force F above the turn-on force F0:
+#
+# ln G = intercept + exponent * ln(F - F0) + error
+#
+# The relative scatter of force-sensing resistors is about the same at all forces, so the logarithms have errors of one
+# variance: ordinary least squares. The interval of a force inverts the prediction interval of a single reading
+# (inverse regression; N. R. Draper and H. Smith, Applied Regression Analysis, 3rd ed., section 3.2). It is exact for
+# normal errors of the logarithm.
+
+
+CONFIDENCE = 0.95
+"""Probability with which an interval holds the true force."""
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """Fitted curve."""
+
+    turn_on_n: float
+    """Force at which the sensor begins to conduct [N], which is not fitted."""
+    exponent: float
+    conductance_s: float
+    """Conductance 1 N above the turn-on [S]."""
+    scatter: float
+    """Relative standard deviation of a conductance about the curve."""
+    count: int
+    """Number of weighings."""
+    mean_log_force: float
+    """Mean of ln(F - F0)."""
+    squares: float
+    """Sum of squared deviations of ln(F - F0) from their mean."""
+
+    @property
+    def coverage_factor(self) -> float:
+        """Student's t of the fit's degrees of freedom."""
+        return t_quantile(CONFIDENCE, self.count - 2)
+
+    @property
+    def exponent_uncertainty(self) -> float:
+        """Standard uncertainty of the exponent."""
+        return self.scatter / math.sqrt(self.squares)
+
+    def conductance_at(self, force_n: float) -> float:
+        """Conductance of the curve [S] at a force above the turn-on [N]."""
+        return self.conductance_s * math.pow(force_n - self.turn_on_n, self.exponent)
+
+    def force_at(self, conductance_s: float) -> float:
+        """Force of the curve [N] at a conductance [S]."""
+        return self.turn_on_n + math.pow(conductance_s / self.conductance_s, 1.0 / self.exponent)
+
+    def interval_n(self, conductance_s: float) -> tuple[float, float]:
+        """Interval that holds the true force [N] for one reading of a conductance [S] with 95 % probability.
+
+        The upper end is infinite if the weighings do not even show that the conductance grows.
+        """
+        b, reach = self.exponent, self.coverage_factor * self.scatter
+        centre = math.log(conductance_s / self.conductance_s) / b - self.mean_log_force
+        # (b (centre - d))^2 = reach^2 (1 + 1/n + d^2 / squares), solved for d = ln(F - F0) - mean
+        lead = b * b - reach * reach / self.squares
+        if lead <= 0.0:
+            return self.turn_on_n, math.inf
+        root = reach * math.sqrt(lead * (1.0 + 1.0 / self.count) + b * b * centre * centre / self.squares)
+        low, high = ((b * b * centre + sign * root) / lead + self.mean_log_force for sign in (-1.0, 1.0))
+        return self.turn_on_n + math.exp(low), self.turn_on_n + math.exp(high)
+
+
+def fit_power_law(forces_n: Sequence[float], conductances_s: Sequence[float], turn_on_n: float) -> PowerLaw:
+    """Fit a power law to three weighings or more, under at least two forces, all above the turn-on force."""
+    x = [math.log(force - turn_on_n) for force in forces_n]
+    y = [math.log(conductance) for conductance in conductances_s]
+    count = len(x)
+    x_mean, y_mean = math.fsum(x) / count, math.fsum(y) / count
+    squares = math.fsum((xi - x_mean) ** 2 for xi in x)
+    exponent = math.fsum((xi - x_mean) * (yi - y_mean) for xi, yi in zip(x, y, strict=True)) / squares
+    residuals = (yi - y_mean - exponent * (xi - x_mean) for xi, yi in zip(x, y, strict=True))
+    scatter = math.sqrt(math.fsum(r * r for r in residuals) / (count - 2))
+    return PowerLaw(
+        turn_on_n, exponent, math.exp(y_mean - exponent * x_mean), scatter, count, x_mean, squares
+    )  # fmt: skip
+
+
+MAX_OFFSET_V = 0.5
+"""Largest difference between the readings without load and the design's voltage of an open sensor [V]."""
+_DIGITS = 6
+"""Significant digits of the figures that are written into a design."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """Point of the calibrated curve under one of the weights."""
+
+    force_n: float
+    conductance_s: float
+    voltage_v: float
+    """Tactile voltage of the design's board."""
+    low_n: float
+    high_n: float
+    """Ends of the 95 % interval of a force that is read off one voltage."""
+
+
+@dataclass(frozen=True)
+class SensorCalibration:
+    """Calibrated force curve, and the fit that it follows from."""
+
+    law: PowerLaw
+    points: tuple[CurvePoint, ...]
+    """Curve under each weight of the file, in the order of the weights."""
+    offset_v: float
+    """Voltage that the board showed without load, less the design's [V]; 0 without such readings."""
+    ratio_to_typical: float
+    """Conductance under the middle weight over that of the typical sensor."""
+
+    @property
+    def interval_factor(self) -> float:
+        """Factor within which a force read off the curve lies with 95 % probability, at its worst weight."""
+        return max(max(point.high_n / point.force_n, point.force_n / point.low_n) for point in self.points)
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """Parameter -> calibrated value."""
+        return {
+            "force_curve.curve": "calibrated",
+            "force_curve.turn_on_n": self.law.turn_on_n,
+            "force_curve.conductance_us": _round(1e6 * self.law.conductance_s),
+            "force_curve.exponent": _round(self.law.exponent),
+            "force_curve.min_force_n": _round(self.points[0].force_n),
+            "force_curve.max_force_n": _round(self.points[-1].force_n),
+            "force_curve.interval_factor": _round(self.interval_factor),
+        }
+
+
+def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None = None) -> SensorCalibration:
+    """Fit the force curve of a sensor to its weighings.
+
+    Parameters
+    ----------
+    design
+        Design of the board that took the readings, and source of the turn-on force.
+    weighings
+        The weighings, from `weighings.read_weighings`.
+    scale
+        Volts per count.
+
+    Raises
+    ------
+    TraceError
+        With all weighings that the board cannot have given, or if the scatter hides the curve.
+    """
+    if (weighings.kind == "counts") != (scale is not None):
+        step = design.detector.adc_step_v
+        message = (
+            f"is missing: the readings are counts; give volts per count ({step:.8g} for the design's converter)."
+            if scale is None
+            else f"does not apply to {weighings.kind}; leave it out."
+        )
+        raise TraceError(Issue("--scale", message))
+    if scale is not None and not (math.isfinite(scale) and scale != 0.0):
+        raise TraceError(Issue("--scale", f"{scale:g} is not a scale; give volts per count."))
+    response = board_values(design).tactile_response
+    offset_v = _find_offset(weighings, response, scale or 1.0)
+    turn_on, issues = design.force_curve.turn_on_n, list[Issue]()
+    forces, conductances = list[float](), list[float]()
+    for row in weighings.rows:
+        found = _find_conductance(row, weighings.kind, response, scale or 1.0, offset_v)
+        field = f"{weighings.source}, line {row.line}"
+        if row.force_n < turn_on + TURN_ON_WIDTH_N:
+            message = f"{row.force_n:.3g} N is below {turn_on + TURN_ON_WIDTH_N:g} N, where the sensor turns on"
+            issues.append(Issue(field, f"{message}; delete the line, or set force_curve.turn_on_n."))
+        if isinstance(found, str):
+            issues.append(Issue(field, found))
+        else:
+            forces.append(row.force_n)
+            conductances.append(found)
+    if issues:
+        raise TraceError(issues)
+    law = fit_power_law(forces, conductances, turn_on)
+    curve = ConductanceCurve(turn_on, law.conductance_s, law.exponent)
+    _check_fit(weighings.source, law, conductances)
+    bridge = Bridge(curve, response)
+    points = tuple(_list_points(law, bridge, sorted(set(forces))))
+    middle = points[len(points) // 2]
+    typical_s = fit_conductance_curve().conductance_s(middle.force_n)
+    calibration = SensorCalibration(law, points, offset_v, middle.conductance_s / typical_s)
+    if not math.isfinite(calibration.interval_factor):
+        message = "the readings scatter so much that a force has no upper bound; weigh more often, or over more loads."
+        raise TraceError(Issue(weighings.source, message))
+    return calibration
+
+
+def apply_sensor_calibration(design: Design, calibration: SensorCalibration) -> Design:
+    """Make the calibrated design. Raises DesignError if a figure is out of bounds."""
+    tables = design.with_values(calibration.changes).model_dump()
+    return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
+
+
+def list_warnings(weighings: Weighings) -> list[str]:
+    """List what makes a calibration less certain than its interval says."""
+    if weighings.unloaded or weighings.kind == "resistance_ohm":
+        return []
+    return [
+        f"{weighings.source} holds no reading without load, so the offset of the board counts as 0; add a line with "
+        f"load 0 and the {weighings.kind} of the untouched finger."
+    ]
+
+
+def _find_offset(weighings: Weighings, response: TactileResponse, scale: float) -> float:
+    """Find the voltage without load, less that of the design [V]."""
+    if not weighings.unloaded or weighings.kind == "resistance_ohm":
+        return 0.0
+    mean = scale * math.fsum(row.reading for row in weighings.unloaded) / len(weighings.unloaded)
+    offset = mean - response.open_v
+    if abs(offset) > MAX_OFFSET_V:
+        message = (
+            f"{mean:.3g} V without load is more than {MAX_OFFSET_V:g} V off the {response.open_v:.3g} V of the "
+            "design's board; give the design of the board that took the readings, or check --scale and wiring."
+        )
+        raise TraceError(Issue(f"{weighings.source}, line {weighings.unloaded[0].line}", message))
+    return offset
+
+
+def _find_conductance(
+    row: Weighing, kind: str, response: TactileResponse, scale: float, offset_v: float
+) -> float | str:
+    """Return the sensor's conductance [S], or a sentence on a reading that the board cannot give."""
+    if kind == "resistance_ohm":
+        return 1.0 / row.reading
+    volts = scale * row.reading - offset_v
+    current_a = (response.open_v - volts) / response.transfer_ohm
+    remaining_v = response.sensor_v - response.source_ohm * current_a
+    if current_a > 0.0 and remaining_v > 0.0:
+        return current_a / remaining_v
+    low = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
+    return (
+        f"{volts:.4g} V is not between {low:.3g} and {response.open_v:.3g} V, the design's board with a shorted and "
+        "with an open sensor; check design, unit and wiring."
+    )
+
+
+def _check_fit(source: str, law: PowerLaw, conductances: list[float]) -> None:
+    if law.exponent <= 0.0:
+        message = "the readings do not grow with the load; check the order of the columns, and the wiring."
+        raise TraceError(Issue(source, message))
+
+
+def _list_points(law: PowerLaw, bridge: Bridge, forces_n: list[float]) -> Iterator[CurvePoint]:
+    """Yield the curve at some forces [N]."""
+    for force in forces_n:
+        conductance = law.conductance_at(force)
+        low, high = law.interval_n(conductance)
+        yield CurvePoint(force, conductance, bridge.response.tactile_v(conductance), low, high)
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")

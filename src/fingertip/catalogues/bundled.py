@@ -1,0 +1,92 @@
+"""Bundled designs, scenes and sweeps: the files of `params/`, which are found by bare name.
+
+A bare name is a single word without suffix and slash, such as fsr400. An existing path of the same name comes first.
+The wheel holds `params/` within the package. In a checkout it stands at the top level, beside `src/`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from fingertip.foundation.errors import Issue, TomlFileError
+from fingertip.foundation.toml_files import FileKind, identify_kind
+
+_IN_WHEEL = Path(__file__).parents[1] / "params"
+_IN_CHECKOUT = Path(__file__).parents[3] / "params"
+PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
+"""Folder of the bundled files."""
+_FOLDERS = ("", "scenes", "sweeps")
+_BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
+_MAX_SUGGESTIONS = 3
+
+
+def list_bundled_files(*kinds: FileKind) -> dict[str, Path]:
+    """List the bundled files of some kinds, or of all kinds, by bare name. No two files have the same name."""
+    files = {path.stem: path for folder in _FOLDERS for path in sorted((PARAMS / folder).glob("*.toml"))}
+    return {name: path for name, path in files.items() if not kinds or identify_kind(path) in kinds}
+
+
+def find_file(given: str | Path, *kinds: FileKind, folder: Path | None = None) -> Path:
+    """Find a file that is given by path or by bare name.
+
+    Parameters
+    ----------
+    given
+        Path of a file, or name of a bundled one.
+    kinds
+        Kinds of file that are expected.
+    folder
+        Folder that the path is relative to; by default the working folder.
+
+    Returns
+    -------
+    Path
+        The path as it was given, below `folder`, or that of the bundled file. A path that is not a bare name need not
+        exist.
+
+    Raises
+    ------
+    TomlFileError
+        If a bare name is neither an existing path nor the name of a bundled file of these kinds.
+    """
+    name, path = str(given), (folder or Path()) / given
+    if not _BARE_NAME.fullmatch(name):
+        return path
+    bundled = list_bundled_files().get(name)
+    if os.path.exists(path):  # false for a name that is too long to be one, where Path.exists raises
+        if bundled and path.is_dir():
+            problem = "is a folder, which comes before the bundled file of the same name"
+            remedy = f"run this in another folder, or give the path of {_join(kind.describe() for kind in kinds)}"
+            raise TomlFileError(Issue(name, f"{problem}; {remedy}."))
+        return path
+    kind = identify_kind(bundled) if bundled else None
+    if bundled and kind in kinds:
+        return bundled
+    known = list(list_bundled_files(*kinds))
+    if kind is None:
+        raise TomlFileError(Issue(name, _describe_unknown(name, path, kinds, known)))
+    wanted = _join(kind.describe() for kind in kinds)
+    remedy = f"known names: {', '.join(known)} ({kind.use})"
+    raise TomlFileError(Issue(name, f"is {kind.describe()}, not {wanted}; {remedy}."))
+
+
+def _describe_unknown(name: str, path: Path, kinds: Sequence[FileKind], known: Sequence[str]) -> str:
+    """Describe a bare name that nothing has, with close names, or else with all of them."""
+    close = difflib.get_close_matches(name, known, n=_MAX_SUGGESTIONS)
+    similar = [other for other in known if other in close]
+    if os.path.isfile(path.with_name(f"{name}.toml")):
+        similar.insert(0, f"{name}.toml")
+    remedy = f"known names: {', '.join(known)}; or give the path of a file." if known else "give the path of a file."
+    if similar:
+        remedy = f"did you mean {_join(similar)}?"
+    return f"is neither a file nor the name of a bundled {_join(kind.name for kind in kinds)}; {remedy}"
+
+
+def _join(words: Iterable[str]) -> str:
+    """Join words as "a, b or c"."""
+    *first, last = words
+    return f"{', '.join(first)} or {last}" if first else last

@@ -1,0 +1,236 @@
+"""Command `fingertip new`: begin a design of one's own."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fingertip.cli.console import (
+    Console,
+    JsonOption,
+    QuietOption,
+    SetOption,
+    command,
+)
+from fingertip.cli.options import OptionalDesignArgument, find_file_issues, find_idle_issues
+
+_TOLERANCE_MM = 0.05
+"""Tolerance of the mesh on which the strength is assessed [mm]."""
+
+
+@command
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
+    sensor: Annotated[
+        str | None,
+        typer.Option(
+            "--sensor",
+            help="Sensor: fsr400, fsr400_short, fsr402, fsr402_short or custom (see the file); fsr400 by default.",
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            "--preset",
+            help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
+            "child_thumb.",
+        ),
+    ] = None,
+    hand: Annotated[
+        str | None,
+        typer.Option(
+            "--hand",
+            metavar="FILE",
+            help="File with the sizes of your hand's joint, or a bundled hand: flexible_flyer or david_finger.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
+    ] = None,
+    changes: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write a design file with comments, to be edited: the main parameters, and all others as comments.
+
+    The bundled design of the sensor is the base, or the preset. With a preset or a hand, lengths that nobody measures
+    are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
+    """
+    from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.design.new_design import write_new_design
+    from fingertip.foundation.errors import FingertipError, Issue
+    from fingertip.foundation.files import write_file
+    from fingertip.foundation.toml_files import DESIGN
+
+    console = Console(as_json, quiet)
+    issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
+    if name in list_bundled_files(DESIGN):
+        issues.append(Issue("NAME", f"{name} is the name of a bundled design; choose another, such as my_{name}."))
+    made = None
+    try:
+        made = write_new_design(name, sensor, preset, hand, changes or (), console.progress)
+    except FingertipError as error:
+        options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
+        issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)
+    path = out or Path(f"{name}.toml")
+    if made and out is None:
+        issues += find_file_issues("--out", path, ".toml", kept="give another name")
+    if issues:
+        raise FingertipError(issues)
+    assert made
+    following = f"fingertip make {shlex.quote(path.as_posix())}"
+    data: dict[str, Any] = {
+        "design": path.as_posix(), "name": name, "sensor": made.design.sensor.model, "base": made.base,
+        "fitted": {name: list(values) for name, values in made.fitted.items()}, "reasons": dict(made.reasons),
+        "next": following,
+    }  # fmt: skip
+    lines = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
+    lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
+    if preset or hand:
+        from fingertip.cad.kernel.mesh import MeshEvaluator
+        from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data
+        from fingertip.cad.verification.bone import check_strength
+        from fingertip.cad.verification.check import list_warnings
+
+        strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
+        data["strength"] = strength_data(strength)
+        lines += describe_strength(strength)
+        lines += (f"warning: {text}" for text in list_warnings(check_strength(made.design, strength)))
+    write_file(path, made.text.encode())
+    console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
+
+
+# `fingertip params`: the parameters of a design with values, units, bounds and descriptions.
+
+
+@command
+def params(
+    design: OptionalDesignArgument = None,
+    changes: SetOption = None,
+    toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of design files, for editors.")
+    ] = False,
+    html: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Print every parameter with its value, unit, bounds and description."""
+    from fingertip.cli.options import load_design
+    from fingertip.design import export
+    from fingertip.design.export import format_parameter_table, format_value
+    from fingertip.foundation.errors import OutputError
+
+    console = Console(as_json, quiet)
+    issues = list(find_file_issues("--html", html, ".html"))
+    if schema or toml:
+        issues += find_idle_issues("--schema" if schema else "--toml", {"--html": html, "--toml": schema and toml})
+    if issues:
+        raise OutputError(issues)
+    loaded, _ = load_design(design, changes, console.progress)
+    if schema:  # The schema is JSON with and without --json.
+        console.write(json.dumps(export.json_schema(), indent=2))
+        return
+    if toml:
+        text = export.to_toml(loaded)
+        console.result({"toml": text}, text.removesuffix("\n"))
+        return
+    if html:
+        from fingertip.tasks.page import write_atlas
+
+        pictures = write_atlas(loaded, html, console.progress)
+        said = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"
+        console.result({"html": str(html), "pictures": pictures}, said)
+        return
+    parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
+    data = [
+        {"name": p.path, "value": value, "default": p.default, "unit": p.unit, "bounds": p.bounds,
+         "description": p.description}
+        for p, value in parameters
+    ]  # fmt: skip
+    rows = [(p.path, format_value(value), p.unit, p.bounds, p.description) for p, value in parameters]
+    console.result({"parameters": data}, format_parameter_table(rows))
+
+
+# Command `fingertip schema`: JSON schemas of the TOML files, for editors and checkers.
+
+
+KINDS = ("design", "scene", "manipulation", "sweep")
+"""Kinds of TOML files that have a schema."""
+
+
+@command
+def schema(
+    kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")],
+    quiet: QuietOption = False,
+) -> None:
+    """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
+    Console(False, quiet).write(format_schema(kind))
+
+
+def format_schema(kind: str) -> str:
+    """Format the JSON schema of a kind of TOML file.
+
+    Raises
+    ------
+    DesignError
+        If there is no such kind.
+    """
+    return json.dumps(make_schema(kind), indent=2)
+
+
+def make_schema(kind: str) -> dict[str, Any]:
+    """Make the JSON schema of a kind of TOML file.
+
+    Raises
+    ------
+    DesignError
+        If there is no such kind.
+    """
+    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.foundation.errors import DesignError, Issue
+
+    if kind == "design":
+        from fingertip.design.export import json_schema
+
+        found = json_schema()
+    elif kind == "scene":
+        from fingertip.sim import SceneFile
+
+        found = SceneFile.model_json_schema()
+    elif kind == "manipulation":
+        from fingertip.sim import ManipulationFile
+
+        found = ManipulationFile.model_json_schema()
+    elif kind == "sweep":
+        from fingertip.sweep.sweep_file import SweepFile
+
+        found = SweepFile.model_json_schema()
+        for base in ("design", "scene"):  # the file of a base may be named in place of its tables
+            found["properties"][base] = {
+                "anyOf": [{"type": "string"}, {"type": "object"}],
+                "description": found["properties"][base]["description"],
+            }
+    else:
+        raise DesignError(Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}"))
+    schema: dict[str, Any] = _normalise(found)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _normalise(value: Any) -> Any:
+    """Write 1 for 1.0, and leave out that further properties are free: releases of pydantic differ in both."""
+    if isinstance(value, dict):
+        free = ("additionalProperties", True)
+        return {key: _normalise(item) for key, item in value.items() if (key, item) != free}
+    if isinstance(value, list):
+        return [_normalise(item) for item in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -1,0 +1,261 @@
+"""Noise of a quiet part of a recording, expressed as the white noise for which a detector has the threshold it needs.
+
+The quiet part is an interval during which nothing happens, in the air or in a held grasp. Its spectrum may have any
+shape: hum, drift, noise behind a low-pass filter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fft import FftDetector, FftSettings
+from fingertip.slip.detectors.noise import DEVIATIONS, noise_level
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ
+from fingertip.slip.traces.trace import Trace
+
+_DISTURBANCE_RATIO = 6.0
+"""Ratio of the energy statistic to its median that indicates a disturbance; noise alone reaches half of it."""
+_ENERGY_S = 0.015
+"""Window of that energy [s]."""
+MIN_S = 0.3
+"""Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
+
+
+NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace instead of its force"
+"""Remedy for a quiet part without noise, such as that of a simulated force before contact."""
+
+
+def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -> slice:
+    """Select the samples of a trace's quiet part.
+
+    Parameters
+    ----------
+    trace
+        The trace.
+    between_s
+        Start and end of the quiet part, after the first sample [s].
+    name
+        Name of the trace for error messages.
+
+    Raises
+    ------
+    TraceError
+        If the part contains no sample or all of them, or if the trace's true slip lies within it.
+    """
+    begin_s, end_s = between_s
+    text, duration_s = f"{begin_s:g}:{end_s:g} s", trace.time_s[-1] - trace.time_s[0]
+    # Rounding of times must not move a sample across a limit.
+    since_s, slack_s = trace.time_s - trace.time_s[0], 1e-9 * max(1.0, duration_s)
+    part = slice(int((since_s < begin_s - slack_s).sum()), int((since_s < end_s - slack_s).sum()))
+    if part.stop <= part.start:
+        message = f"{text} covers no sample of {name}, which lasts {duration_s:.4g} s; choose an end after the start"
+        raise TraceError(Issue("--calibrate", f"{message}, such as 0:0.5."))
+    if part.stop - part.start == len(trace.time_s):
+        message = f"{text} covers all {duration_s:.4g} s of {name}; choose a shorter part"
+        raise TraceError(Issue("--calibrate", f"{message} during which nothing happens."))
+    if trace.slip is not None and trace.slip[part].any():
+        onset_s = trace.time_s[part][trace.slip[part]][0] - trace.time_s[0]
+        raise TraceError(
+            Issue("--calibrate", f"{text} covers slip, which begins at {onset_s:.4g} s; choose another part.")
+        )
+    return part
+
+
+def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> float:
+    """Compute the white RMS noise for which a detector's threshold exceeds this signal as its rule requires.
+
+    The detector's own output for the signal decides. The white noise of the signal's second differences is the lower
+    bound; drift and a constant load do not contribute to it.
+
+    Parameters
+    ----------
+    detector
+        Name of a detector that reads the voltage.
+    design
+        Source of sampling rate, filters and window.
+    quiet_v
+        Signal while nothing happens, in any unit.
+    name
+        Name of the trace for error messages.
+
+    Raises
+    ------
+    TraceError
+        If the signal is shorter than `MIN_S`, or constant.
+    """
+    minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
+    if len(quiet_v) < minimum:
+        samples = f"{len(quiet_v)} sample{'s' * (len(quiet_v) != 1)}"
+        raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {MIN_S:g} s."))
+    white_v = math.sqrt(float(np.mean(np.diff(quiet_v, 2) ** 2)) / 6)
+    if not white_v > 0.0:
+        message = f"covers a constant part of {name}: a signal without noise gives no threshold"
+        raise TraceError(Issue("--calibrate", f"{message}; {NOISELESS_REMEDY}."))
+    return max(white_v, _EQUIVALENT_NOISE[detector](design, quiet_v))
+
+
+def first_disturbance(design: Design, quiet_v: Array) -> int | None:
+    """Find the first sample of a quiet part whose energy is far above the median; None if there is none."""
+    settling = round(0.1 * design.detector.sample_rate_hz)
+    filtered = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).filtered_v
+    window = max(1, round(_ENERGY_S * design.detector.sample_rate_hz))
+    # RMS value over the window that ends with each sample.
+    total = np.concatenate((np.zeros(window), np.cumsum(filtered * filtered)))
+    statistic = np.sqrt(np.maximum(total[window:] - total[:-window], 0.0) / window)[settling:]
+    if not len(statistic):
+        return None
+    loud = np.flatnonzero(statistic > _DISTURBANCE_RATIO * float(np.median(statistic)))
+    return settling + int(loud[0]) if len(loud) else None
+
+
+def count_constant_samples(quiet_v: Array) -> int:
+    """Count the samples at the start of a signal that equal the first one."""
+    changed = np.flatnonzero(quiet_v != quiet_v[0])
+    return int(changed[0]) if len(changed) else len(quiet_v)
+
+
+def _digital_noise_v(design: Design, quiet_v: Array) -> float:
+    """Noise from the mean and deviation of the window mean, as in the rule for its threshold."""
+    chain = SlipChain(ChainSettings.from_design(design))
+    settling = min(len(quiet_v) // 2, round(0.1 * design.detector.sample_rate_hz) + design.detector.window_samples)
+    means = chain.process(quiet_v).statistic_v[settling:]
+    return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
+
+
+def _fast_noise_v(design: Design, quiet_v: Array) -> float:
+    return FastDetector(FastSettings.from_design(design, 1.0)).equivalent_noise_v(quiet_v)
+
+
+def _fft_noise_v(design: Design, quiet_v: Array) -> float:
+    fft = FftDetector(FftSettings.from_design(design, 1.0))
+    rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
+    return math.sqrt(float(np.mean(rms_v**2))) / fft.unit_noise_rms
+
+
+_EQUIVALENT_NOISE: dict[str, Callable[[Design, Array], float]] = {
+    "digital": _digital_noise_v,
+    "fast": _fast_noise_v,
+    "fft": _fft_noise_v,
+}
+
+
+# Adaptation of a design's detector to another sampling rate.
+
+
+@dataclass(frozen=True)
+class RateAdaptation:
+    """A design adapted to another sampling rate, and a description of what changed."""
+
+    design: Design
+    adapted: str
+    """Names of what was adapted, such as ``filters, window and threshold``."""
+    values: str
+    """Resulting window and threshold, such as ``the window is 150 samples, 30 ms; the threshold is 0.012 V``."""
+
+
+def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, keep_window: bool = False) -> Design:
+    """Adapt a design's filters, window and threshold to another sampling rate.
+
+    The window keeps its duration. The threshold keeps its ratio to the noise-derived threshold: white noise of the same
+    RMS value leaves less behind the filters at a higher sampling rate.
+
+    Parameters
+    ----------
+    design
+        The design.
+    rate_hz
+        New sampling rate [Hz].
+    keep_threshold
+        Keep the threshold: the user chose it, or it applies to a board's output, where it does not depend on the rate.
+    keep_window
+        Keep the window's number of samples: the user chose it for this rate.
+
+    Raises
+    ------
+    DesignError
+        If the rate is out of bounds, or too low for the filters.
+    """
+    old = design.detector
+    if rate_hz == old.sample_rate_hz:
+        return design
+    tables = design.model_dump()
+    # A rate out of bounds is refused below, as it is; its window might not even be a number.
+    within_hz = min(max(rate_hz, MIN_RATE_HZ), MAX_RATE_HZ)
+    if keep_window:
+        window = old.window_samples
+        # Compare the noise in windows of the same duration. This design only serves the comparison, so its window is
+        # not checked against the bounds.
+        same_duration = max(1, round(window * old.sample_rate_hz / within_hz))
+        design = design.model_copy(update={"detector": old.model_copy(update={"window_samples": same_duration})})
+    else:
+        window = max(1, round(old.window_samples * within_hz / old.sample_rate_hz))
+    tables["detector"] |= {"sample_rate_hz": rate_hz, "window_samples": window}
+    adapted = Design(**tables)
+    if keep_threshold:
+        return adapted
+    before, after = noise_level(design).threshold_v, noise_level(adapted).threshold_v
+    if before > 0.0 and after > 0.0:
+        tables["detector"]["threshold_v"] = old.threshold_v * after / before
+        adapted = Design(**tables)
+    return adapted
+
+
+def adapt_detector(
+    design: Design,
+    rate_hz: float,
+    detector: str,
+    threshold_is_set: bool = False,
+    window_is_set: bool = False,
+    noise_is_measured: bool = False,
+) -> RateAdaptation:
+    """Adapt a design to another sampling rate for one detector, and describe the result.
+
+    Parameters
+    ----------
+    design
+        The design.
+    rate_hz
+        New sampling rate [Hz].
+    detector
+        Name of the detector. The threshold of `analog` applies to a board's output, so it does not change.
+    threshold_is_set
+        Whether the user chose the threshold, so that it does not change.
+    window_is_set
+        Whether the user chose the window for this rate, so that it does not change.
+    noise_is_measured
+        Whether the threshold follows from measured noise instead of the design.
+
+    Raises
+    ------
+    DesignError
+        If the rate is out of bounds, or too low for the filters.
+    """
+    keep_threshold = threshold_is_set or detector == "analog"
+    adapted = adapt_rate(design, rate_hz, keep_threshold, window_is_set)
+    threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples
+    uses_threshold = not noise_is_measured and detector in ("digital", "analog")
+
+    window = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
+    values = f"the window remains {window}, as set" if window_is_set else f"the window is {window}"
+    if uses_threshold and keep_threshold:
+        reason = "as set" if threshold_is_set else "as it applies to the board's output"
+        values += f"; the threshold remains {threshold_v:.9g} V, {reason}"
+    elif uses_threshold:
+        values += f"; the threshold is {threshold_v:.3g} V"
+
+    names = ["filters"]
+    if not window_is_set:
+        names.append("window")
+    if not (uses_threshold and keep_threshold):
+        names.append("threshold")
+    joined = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    return RateAdaptation(adapted, joined, values)

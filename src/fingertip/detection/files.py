@@ -1,0 +1,348 @@
+"""Detection on recorded files and on streams of lines, from reading the recording to warnings about the result.
+
+`fingertip detect` prints what these functions return. They adapt the design to the recording's sampling rate, derive
+thresholds from a quiet part, and simulate the analog board for the detector `analog` where a recording contains only
+the voltage ahead of the board.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fingertip.design import Design
+from fingertip.design.silicone import describe_force_curve
+from fingertip.detection.adaptation import (
+    NOISELESS_REMEDY,
+    adapt_detector,
+    count_constant_samples,
+    equivalent_noise_v,
+    first_disturbance,
+    select_quiet_part,
+)
+from fingertip.detection.live import NAME as STREAM_NAME
+from fingertip.detection.live import CsvStream, Transition, follow, open_stream
+from fingertip.detection.warnings import StepWatch, envelope_warnings, filtered_warnings, step_warnings
+from fingertip.foundation.errors import FingertipError, Issue, TraceError
+from fingertip.slip.detection import Detection, detect
+from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.detectors.fast import min_noise_v
+from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
+from fingertip.slip.detectors.registry import (
+    UsedSignals,
+    find_detector_type,
+    find_second_column,
+    find_signals,
+    make_detector,
+)
+from fingertip.slip.traces.origin import Origin, read_origin
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, rate_bounds_message
+from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class FileDetection:
+    """Result of detection on a file."""
+
+    detection: Detection
+    trace: Trace
+    """Validated trace, with the board's output if that was simulated."""
+    design: Design
+    """Design used: at the recording's sampling rate, and for `analog` with the threshold from the quiet part."""
+    noise: NoiseLevel | None
+    """Noise level of the quantity that the threshold applies to; None for the detectors `fft` and `fast`."""
+    warnings: tuple[str, ...]
+    """Reasons to doubt the result."""
+
+
+@dataclass(frozen=True, eq=False)
+class StreamDetection:
+    """Detection on a stream of lines, in progress."""
+
+    transitions: Iterator[Transition]
+    """Transitions between ON and OFF; each is available as soon as its line has been read."""
+    design: Design
+    """Design used, at the stream's sampling rate."""
+    warnings: tuple[str, ...]
+    """Reasons to doubt the result."""
+    signals: UsedSignals
+    """Columns of a trace that the detector takes from the lines."""
+
+
+def detect_file(
+    path: str | Path,
+    design: Design | None = None,
+    detector: str = "digital",
+    *,
+    rate_hz: float | None = None,
+    calibrate_s: tuple[float, float] | None = None,
+    scale: float = 1.0,
+    time_scale: float = 1.0,
+    columns: Mapping[str, str] | None = None,
+    adapt_to_file: bool | None = None,
+    keep_threshold: bool | None = None,
+    keep_window: bool = False,
+    origin: Origin | None = None,
+    progress: Progress | None = None,
+) -> FileDetection:
+    """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
+
+    Parameters
+    ----------
+    path
+        The file. The detector `analog` takes its column `envelope_v` and, if there is none, the output of the design's
+        board, simulated for the voltage.
+    design
+        Source of sampling rate, filters, window, threshold and board; by default the default design.
+    detector
+        Name of a detector: `digital`, `analog`, `fft` or `fast`.
+    rate_hz
+        Sampling rate to which the design is adapted [Hz]. Times in the file must agree with it.
+    calibrate_s
+        Start and end of an interval during which nothing happens, after the first sample [s]. Thresholds then follow
+        from the noise there.
+    scale
+        Volts per unit of the file's voltage.
+    time_scale
+        Seconds per unit of the file's times, such as 1e-3.
+    columns
+        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
+        a force; its thresholds require `calibrate_s`.
+    adapt_to_file
+        Whether the design is adapted to the file's sampling rate; another rate is otherwise an error. By default it is
+        adapted unless `rate_hz` or the design states a rate.
+    keep_threshold
+        Whether the threshold remains the same when the design is adapted; by default if the design states one.
+    keep_window
+        Whether the number of samples in the window remains the same when the design is adapted.
+    origin
+        What is known of the recording beside its columns; by default what the manifest beside the file says.
+    progress
+        Called with each step of the progress.
+
+    Raises
+    ------
+    TraceError
+        With all issues of the file, or if an option does not apply to it.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
+    MissingLibraryError
+        If the file needs a package that is not installed.
+    """
+    path, report = Path(path), progress or _ignore
+    design = design or Design()
+    find_detector_type(detector)
+    adapt = _RateAdapter(
+        detector, _keeps_threshold(design, keep_threshold), keep_window, calibrate_s is not None, report
+    )
+    if adapt_to_file is None:
+        adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
+    if rate_hz is not None:
+        _check_finite(rate_hz)
+        design = adapt(design, rate_hz)
+    column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
+    if not column_map.in_volts and calibrate_s is None and detector != "analog":
+        message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
+        raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
+    raw = read_raw_trace(path, column_map)
+    if rate_hz is None and adapt_to_file:
+        design = _adapt_to_file(design, raw, adapt, report)
+    trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
+    warnings = list(raw.notes)
+    if column_map.in_volts:
+        warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
+        reads_second = find_second_column(design, detector) is not None and trace.filtered_v is not None
+        # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
+        if reads_second:
+            warnings += filtered_warnings(trace, design)
+        elif calibrate_s is None:
+            warnings += step_warnings(trace.voltage_v, design, detector)
+
+    quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
+    noise_v, level = None, None
+    if detector == "analog":
+        is_replayed = trace.envelope_v is None
+        warnings += envelope_warnings(trace, design)
+        if is_replayed:
+            trace = _simulate_board(trace, design, column_map, path.name, report)
+        level = _board_noise(trace, design, is_replayed, quiet, path.name)
+        if calibrate_s is not None:
+            tables = design.model_dump()
+            tables["detector"]["threshold_v"] = level.rounded_threshold_v
+            design = Design(**tables)
+    elif calibrate_s is not None:
+        noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
+        if detector == "fast" and column_map.in_volts:
+            noise_v = max(noise_v, min_noise_v(design))
+
+    detection = detect(trace, design, detector, noise_v)
+    level = level or detection.noise
+    if level:
+        may_be_lower = detector != "analog" or calibrate_s is not None
+        warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
+    if calibrate_s and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
+        within = f"within {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
+        constant = count_constant_samples(trace.voltage_v[quiet])
+        if constant > sample / 2:
+            last_s = trace.time_s[quiet.start + constant - 1]
+            message = f"the signal is constant up to {last_s:.4f} s, {within}"
+            warnings.append(f"{message}: a signal without noise gives no threshold; {NOISELESS_REMEDY}.")
+        else:
+            message = f"the signal is disturbed at {trace.time_s[quiet.start + sample]:.4f} s, {within}"
+            warnings.append(f"{message}: thresholds may be too high; choose another part.")
+    return FileDetection(detection, trace, design, level, tuple(warnings))
+
+
+def detect_stream(
+    lines: Iterable[str],
+    design: Design | None = None,
+    detector: str = "digital",
+    *,
+    rate_hz: float | None = None,
+    scale: float = 1.0,
+    time_scale: float = 1.0,
+    columns: Mapping[str, str] | None = None,
+    keep_threshold: bool | None = None,
+    keep_window: bool = False,
+    progress: Progress | None = None,
+) -> StreamDetection:
+    """Detect slip in CSV lines while they arrive. The header is read at once, the samples as transitions are taken.
+
+    Parameters
+    ----------
+    lines
+        CSV lines, as in a file. The detector `analog` takes the column `envelope_v` and, if there is none, the output
+        of the design's board, simulated for the voltage.
+    design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
+        As for `detect_file`, but the voltage may not be the column of a force.
+
+    Raises
+    ------
+    TraceError
+        If the lines have no header or an option does not apply; while transitions are taken, at the first wrong line.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
+    """
+    report = progress or _ignore
+    design = design or Design()
+    find_detector_type(detector)
+    if rate_hz is not None:
+        _check_finite(rate_hz)
+        adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
+        design = adapt(design, rate_hz)
+    voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
+    if not voltage.in_volts:
+        message = (
+            "names a force, whose thresholds require --calibrate and the whole recording; save the lines in a file."
+        )
+        raise TraceError(Issue("--column", message))
+    reads_envelope = find_detector_type(detector).input_column == "envelope_v"
+    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if reads_envelope else []))
+    voltage = voltage.with_simulated_names(stream.header.names)
+    envelope = _map_envelope(voltage)
+    instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
+    second = find_second_column(design, detector)
+    reads_second = second is not None and voltage.name_in_file(second) in stream.header.names
+    watch = None if reads_second else StepWatch(design, detector)
+    transitions = follow(stream, instance, design.detector, column_map, report, watch, second)
+    signals = find_signals(design, detector, reads_second)
+    return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
+
+
+def _map_envelope(voltage: ColumnMap) -> ColumnMap:
+    """Map the envelope, in volts, to where a detector finds its voltage."""
+    names = {**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
+    return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
+
+
+def _ignore(message: str) -> None:
+    pass
+
+
+def _check_finite(rate_hz: float) -> None:
+    """Raise TraceError for NaN and infinity, with which no design can be computed; others have its own messages."""
+    if not math.isfinite(rate_hz):
+        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
+        raise TraceError(Issue("--rate-hz", message))
+
+
+def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
+    return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
+
+
+@dataclass(frozen=True)
+class _RateAdapter:
+    """Adapts designs to a sampling rate for one detector, and reports what it changes."""
+
+    detector: str
+    keep_threshold: bool
+    keep_window: bool
+    noise_is_measured: bool
+    progress: Progress
+
+    def __call__(self, design: Design, rate_hz: float, prefix: str = "") -> Design:
+        result = adapt_detector(
+            design, rate_hz, self.detector, self.keep_threshold, self.keep_window, self.noise_is_measured
+        )
+        self.progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
+        return result.design
+
+
+def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress: Progress) -> Design:
+    """Adapt the design to the file's sampling rate, if the rates differ and the file has no issues."""
+    rate_hz = raw.rate_hz
+    if not rate_hz or raw.issues or abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
+        return design
+    if message := rate_bounds_message(rate_hz):
+        raise TraceError(Issue(f"{raw.name}, time_s", message))
+    try:
+        return adapt(design, rate_hz, f"{raw.name} is sampled at {rate_hz:g} Hz: ")
+    except FingertipError as error:
+        reasons = " ".join(issue.message for issue in error.issues)
+        message = f"is sampled at {rate_hz:g} Hz, for which no detector can be designed: {reasons}"
+        raise TraceError(Issue(f"{raw.name}, time_s", message)) from None
+
+
+def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
+    """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
+    from fingertip.sim.signal import board_output
+
+    voltage_v, circuits = trace.voltage_v, "the design's board"
+    if not columns.in_volts:
+        voltage_v, circuits = board_output.compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        progress(describe_force_curve(design))
+    progress(
+        f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
+        f"{columns.name_in_file('voltage_v')}"
+    )
+    return replace(trace, voltage_v=voltage_v, envelope_v=board_output.simulate_envelope_v(design, voltage_v))
+
+
+def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, name: str) -> NoiseLevel:
+    """Find the noise level of the board's output: measured in the quiet part if there is one, otherwise simulated."""
+    if quiet.stop:
+        assert trace.envelope_v is not None
+        return measure_noise_level(trace.envelope_v[quiet], design, name)
+    from fingertip.sim.signal import board_output
+
+    simulate_level = board_output.simulate_replay_level if is_replayed else board_output.simulate_quiescent_level
+    return simulate_level(design)
+
+
+def _select_stream_detector(
+    stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
+) -> tuple[Detector, ColumnMap]:
+    """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
+    if find_detector_type(detector).input_column != "envelope_v":
+        return make_detector(detector, design), voltage
+    if envelope.name_in_file("voltage_v") in stream.header.names:
+        return make_detector(detector, design), envelope
+    from fingertip.sim.signal.board_output import SimulatedBoardDetector
+
+    progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
+    return SimulatedBoardDetector(design), voltage

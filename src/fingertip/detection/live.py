@@ -1,0 +1,214 @@
+"""Detection on a stream of CSV lines: each line gives one sample and one decision, and no samples are stored."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from fingertip.design.parameters import Detector as DetectorParameters
+from fingertip.detection.warnings import StepWatch
+from fingertip.foundation.errors import Issue, TraceError, shorten
+from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.traces.columns import split_cells, unquote
+from fingertip.slip.traces.csv_header import Header, find_header
+from fingertip.slip.traces.limits import bounded_lines
+from fingertip.slip.traces.sampling import (
+    RATE_TOLERANCE,
+    STEP_TOLERANCE,
+    guess_time_unit,
+    rate_bounds_message,
+    rate_message,
+)
+from fingertip.slip.traces.trace import ColumnMap, length_message, range_message
+
+NAME = "standard input"
+_MAX_QUOTED = 100
+"""Maximum length of a line in an error message [characters]."""
+_RATE_WINDOWS = 100
+"""Number of windows over which the mean rate is measured before the measurement restarts."""
+
+
+@dataclass(frozen=True)
+class Transition:
+    """Transition between OFF and ON."""
+
+    on: bool
+    """State after the transition."""
+    time_s: float
+    """Time of the first sample in that state [s]."""
+
+
+@dataclass(frozen=True)
+class CsvStream:
+    """Stream of CSV lines whose header has been read."""
+
+    header: Header
+    rows: Iterator[tuple[int, str]]
+    """Numbers and texts of the lines below the header, without empty lines."""
+
+
+def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> CsvStream:
+    """Read the lines up to the header, and the line of units below it.
+
+    Parameters
+    ----------
+    lines
+        CSV lines, as in a file.
+    columns, alternatives
+        Columns to look for; the header must match one of these maps.
+
+    Raises
+    ------
+    TraceError
+        If there is no header.
+    """
+    remaining = bounded_lines(lines, NAME)
+    header = find_header(NAME, remaining, columns, *alternatives)
+    rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
+    if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
+        return CsvStream(header, rows)
+    return CsvStream(header, itertools.chain([first], rows))
+
+
+def follow(
+    stream: CsvStream,
+    detector: Detector,
+    parameters: DetectorParameters,
+    columns: ColumnMap,
+    report: Callable[[str], None] = lambda message: None,
+    watch: StepWatch | None = None,
+    second_column: str | None = None,
+) -> Iterator[Transition]:
+    """Process one sample per line and yield each transition as soon as it occurs.
+
+    Parameters
+    ----------
+    stream
+        The lines.
+    detector
+        Detector that processes the samples.
+    parameters
+        Sampling rate and window for which the detector was made, and the ADC range.
+    columns
+        Names of the columns; the detector reads the column of `voltage_v`.
+    report
+        Called with the warning of `watch`.
+    watch
+        Watch for coarse steps of the converter.
+    second_column
+        Column of a trace that the detector reads too, where the lines have it.
+
+    Raises
+    ------
+    TraceError
+        At the first wrong line: detection cannot continue across a gap, at another rate, or with a voltage outside the
+        ADC range. Also at the end, if there were fewer samples than one window.
+    """
+    names, delimiter = stream.header.names, stream.header.delimiter
+    voltage_index = names.index(columns.name_in_file("voltage_v"))
+    time_name = columns.name_in_file("time_s")
+    time_index = names.index(time_name) if time_name in names else None
+    second_name = columns.name_in_file(second_column) if second_column else ""
+    second_index = names.index(second_name) if second_name in names else None
+    clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
+    for number, line in stream.rows:
+        if stream.header.is_repeated(line):
+            continue  # a controller repeats it each second
+        sample += 1
+        cells = split_cells(line, delimiter)
+        width = width or stream.header.count_cells(len(cells), columns)
+        if len(cells) != width:
+            message = f"has {len(cells)} cells, but the header has {len(names)}; give one per column."
+            raise _line_error(number, f"{message} {_quote(line)}")
+        volts = _parse_number(cells[voltage_index], delimiter, number, line) * columns.scale
+        all_whole = all_whole and volts % 1 == 0
+        if watch is not None and (warning := watch.add(volts)):
+            report(f"warning: {warning}")
+        if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
+            raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
+        time_s = sample / parameters.sample_rate_hz
+        if time_index is not None:
+            time_s = _parse_number(cells[time_index], delimiter, number, line) * columns.time_scale
+            clock.check(time_s, number)
+        values = [volts]
+        if second_index is not None:
+            values.append(_parse_number(cells[second_index], delimiter, number, line) * columns.scale)
+        if detector.step(*values) != on:
+            on = not on
+            yield Transition(on, time_s)
+    if sample < 0:
+        raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
+    if sample + 1 < parameters.window_samples:
+        raise TraceError(Issue(NAME, length_message(sample + 1, parameters.window_samples)))
+
+
+class _SampleClock:
+    """Checks the times of samples against the sampling rate: each step, and the mean rate once a window is full."""
+
+    def __init__(self, parameters: DetectorParameters) -> None:
+        self._parameters = parameters
+        self._step_s = 1 / parameters.sample_rate_hz
+        self._previous_s = -math.inf
+        self._start_s = 0.0
+        self._steps = 0
+        self._has_valid_step = False
+
+    def check(self, time_s: float, line: int) -> None:
+        """Check the time of the next sample [s]."""
+        previous_s, self._previous_s = self._previous_s, time_s
+        if previous_s == -math.inf:
+            self._start_s = time_s
+            return
+        step_s = time_s - previous_s
+        if abs(step_s - self._step_s) > STEP_TOLERANCE * self._step_s:
+            remedy = "use --rate-hz, or record without gaps"
+            if step_s == 0.0:
+                remedy = "ignore rounded times with --column time_s=none and --rate-hz"
+            elif self._has_valid_step:
+                rate_hz = self._parameters.sample_rate_hz
+                remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
+            elif step_s > 0.0 and guess_time_unit(1 / step_s):
+                raise _line_error(line, rate_bounds_message(1 / step_s) or "")
+            raise _line_error(
+                line,
+                f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
+                f"{self._step_s:.4g} s ({self._parameters.sample_rate_hz:g} Hz); {remedy}.",
+            )
+        self._has_valid_step = True
+        self._steps += 1
+        if self._steps % self._parameters.window_samples == 0:
+            self._check_rate(time_s, line)
+
+    def _check_rate(self, time_s: float, line: int) -> None:
+        rate_hz = self._steps / (time_s - self._start_s)
+        # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps more than that of many.
+        tolerance = RATE_TOLERANCE + STEP_TOLERANCE / self._steps
+        if abs(rate_hz / self._parameters.sample_rate_hz - 1) > tolerance:
+            raise _line_error(line, rate_message(rate_hz, self._parameters))
+        if self._steps >= _RATE_WINDOWS * self._parameters.window_samples:
+            self._start_s, self._steps = time_s, 0
+
+
+def _parse_number(cell: str, delimiter: str, number: int, line: str) -> float:
+    plain = unquote(cell) if '"' in cell else cell
+    try:
+        value = float(plain if delimiter == "," else plain.replace(",", "."))
+    except ValueError:
+        message = f"{cell.strip()!r} is not a number; write it with a decimal point."
+        if not plain.strip():
+            message = "has an empty cell; give one number per column."
+        raise _line_error(number, f"{message} {_quote(line)}") from None
+    if not math.isfinite(value):
+        raise _line_error(number, f"{value} is not a finite number; detection cannot continue across it.")
+    return value
+
+
+def _quote(line: str) -> str:
+    """Quote a line as it came, so that a message of a controller among the samples is read."""
+    return f"The line reads {shorten(line.strip(), _MAX_QUOTED)!r}."
+
+
+def _line_error(line: int, message: str) -> TraceError:
+    return TraceError(Issue(f"{NAME}, line {line}", message))

@@ -1,0 +1,174 @@
+"""Step of the converter that took a recording, found in its voltages, and the warning if it hides the noise.
+
+A converter of few bits shows no noise between its steps, and a slow press as a staircase. Each step resembles the
+beginning of slip to a detector whose threshold was made for finer steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.design.formulas.supply import signal_ground_ratio
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.foundation.errors import DesignError
+from fingertip.foundation.numerics import Array
+from fingertip.slip.detectors.noise import COARSE_RATIO, noise_level
+from fingertip.slip.traces.trace import Trace
+
+_MAX_RESIDUAL = 0.05
+"""Largest deviation of a difference between voltages from a whole number of steps, in steps: rounding of the file."""
+_MAX_STEPS = 1000
+"""Number of steps between two neighbouring voltages above which rounding hides whether it is whole."""
+_FIRST_LOOK, _LAST_LOOK = 1000, 2**20
+"""Samples of a stream after which its steps are examined for the first and for the last time."""
+_MAX_LEVELS = 10_000
+"""Number of different voltages in a stream beyond which its steps are fine."""
+_MARGIN_STEPS = 2
+"""Steps between the largest voltage and the range that is proposed: nearer voltages count as clipped."""
+
+
+def find_step_v(volts: Array) -> float | None:
+    """Find the step of which all differences between voltages are multiples [V]; None if there is none."""
+    levels = np.unique(volts)
+    if len(levels) < 2:
+        return None
+    gaps = np.diff(levels)
+    smallest = gaps.min()
+    near = gaps[gaps < _MAX_STEPS * smallest] / smallest
+    if np.abs(near - np.round(near)).max() > _MAX_RESIDUAL * np.round(near).max():
+        return None
+    return float((levels[-1] - levels[0]) / np.round(gaps / smallest).sum())
+
+
+def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
+    """Warn of steps in a recording that hide the noise for which the design's thresholds are made.
+
+    Parameters
+    ----------
+    volts
+        Recorded voltages [V].
+    design
+        Source of the noise, and of the step that its thresholds assume.
+    detector
+        Name of the detector; only `digital` has a threshold that the step of the design does not change.
+    """
+    settings, step = design.detector, find_step_v(volts)
+    assumed = settings.adc_step_v
+    if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
+        return
+    remedy = "Record with more bits or a smaller range."
+    if changes := _propose(volts, step, design, detector):
+        options = " ".join(f"--set {name}={value:.9g}" for name, value in changes.items())
+        remedy += f" Or add {options}: thresholds then exceed such steps, and weak slip is missed."
+    yield (
+        f"the voltages come in steps of {1000 * step:.3g} mV, which hide the noise of {1000 * settings.noise_v:.3g} mV "
+        f"that the thresholds assume: single steps can be reported as slip. {remedy}"
+    )
+
+
+class StepWatch:
+    """Voltages of a stream, examined for coarse steps ever more rarely until one warning is given.
+
+    Parameters
+    ----------
+    design, detector
+        As for `step_warnings`.
+    """
+
+    def __init__(self, design: Design, detector: str) -> None:
+        self._design, self._detector = design, detector
+        self._levels: set[float] = set()
+        self._count, self._next = 0, _FIRST_LOOK
+
+    def add(self, volts: float) -> str | None:
+        """Add one voltage [V], and return the warning if it is time for it."""
+        if not self._next:
+            return None
+        self._levels.add(volts)
+        self._count += 1
+        if self._count < self._next:
+            return None
+        warning = next(step_warnings(np.array(sorted(self._levels)), self._design, self._detector), None)
+        is_over = warning is not None or len(self._levels) > _MAX_LEVELS or self._count >= _LAST_LOOK
+        self._next = 0 if is_over else 2 * self._next
+        return warning
+
+
+def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[str, float]:
+    """Propose parameters with which the design has the recording's step; none if no design has it."""
+    reach = float(np.abs(volts).max()) + _MARGIN_STEPS * step
+    bounds = find_bounds(PARAMETERS["detector.adc_bits"])
+    sign_bits = 1 if design.detector.adc_low_v else 0
+    bits = max(int(bounds.minimum or 1), math.ceil(math.log2(reach / step)) + sign_bits)
+    changes: dict[str, float] = {"detector.adc_bits": bits, "detector.adc_range_v": step * 2.0 ** (bits - sign_bits)}
+    try:
+        changed = Design.without_remedies(**design.with_values(changes).model_dump())
+        if detector == "digital":
+            changes["detector.threshold_v"] = noise_level(changed).rounded_threshold_v
+            Design.without_remedies(**design.with_values(changes).model_dump())
+    except DesignError:
+        return {}
+    return changes
+
+
+# Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the wrong ground.
+
+
+MAX_REST_V = 0.3
+"""Largest deviation of the rest of a filtered signal from the signal ground [V]."""
+
+
+def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
+    """Warn of a filtered signal that stands still, or that does not rest at the board's signal ground.
+
+    Parameters
+    ----------
+    trace
+        Trace with the filtered signal, above ground or above signal ground.
+    design
+        Design of the board.
+    """
+    if trace.filtered_v is None or not len(trace.filtered_v):
+        return
+    rest_v, ground_v = float(np.median(trace.filtered_v)), _find_ground_v(design)
+    if float(np.ptp(trace.filtered_v)) == 0.0:
+        yield (
+            f"filtered_v stands still at {rest_v:.3g} V: is the board's pin S connected? "
+            "The tactile voltage alone is judged."
+        )
+    elif min(abs(rest_v), abs(rest_v - ground_v)) > MAX_REST_V:
+        yield (
+            f"filtered_v rests at {rest_v:.3g} V, and neither at the signal ground of {ground_v:.3g} V nor at 0 V: are "
+            "T and S exchanged?"
+        )
+
+
+def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
+    """Warn of an envelope that was recorded above ground, on a board whose envelope is that above the signal ground.
+
+    Parameters
+    ----------
+    trace
+        Trace with the envelope.
+    design
+        Design of the board.
+    """
+    ground_v = _find_ground_v(design)
+    if trace.envelope_v is None or not len(trace.envelope_v) or not ground_v:
+        return
+    rest_v = float(np.median(trace.envelope_v))
+    if abs(rest_v - ground_v) <= MAX_REST_V:
+        yield (
+            f"envelope_v rests at {rest_v:.3g} V, near the signal ground of {ground_v:.3g} V, and slip is ON all the "
+            "time: was E recorded against ground? The envelope is E minus M: subtract the samples of M."
+        )
+
+
+def _find_ground_v(design: Design) -> float:
+    """Find the voltage of the board's signal ground above ground [V]."""
+    return signal_ground_ratio(design.board.supply) * design.board.supply_v

@@ -1,0 +1,1 @@
+"""Documents of the board: README of its folder, and bring-up sheet."""

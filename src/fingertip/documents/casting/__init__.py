@@ -1,0 +1,1 @@
+"""Casting sheet of a design: its data, and the procedure in Markdown."""

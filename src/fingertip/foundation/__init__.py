@@ -1,0 +1,1 @@
+"""Foundation that knows no finger: errors, files, sets of files, TOML, progress, numerics, compiled loops."""

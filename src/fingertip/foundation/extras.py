@@ -1,0 +1,110 @@
+"""Optional packages: the extra of the installation that brings each, and the error that names it where one is missing.
+
+`pip install fingertip` installs the core. STEP files, trimesh meshes, plots, the samplers of sweeps, compiled loops and
+some file formats need one more package each. Modules import such a package where they use it, after `require`, or with
+`load`; both raise an error with the command that installs it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from typing import Any
+
+from fingertip.foundation.errors import Issue, MissingLibraryError
+
+EXTRAS = {
+    "cadquery": "step",
+    "trimesh": "mesh",
+    "matplotlib": "plots",
+    "scipy": "sweep",
+    "reportlab": "drawing",
+    "numba": "fast",
+    "pyarrow": "parquet",
+    "nptdms": "tdms",
+    "distributed": "cluster",
+    "dask": "cluster",
+    "pandas": "frames",
+}
+"""Module of an optional package -> extra that installs it."""
+_PACKAGES = {"nptdms": "npTDMS"}
+"""Module -> name of its package, where they differ."""
+
+
+def is_installed(module: str) -> bool:
+    """Return whether an optional package is installed, without importing it."""
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ImportError:
+        return False
+    except ValueError:  # a module that was made in memory has no specification
+        return True
+
+
+def install_command(*modules: str) -> str:
+    """Return the command that installs optional packages."""
+    names = dict.fromkeys(EXTRAS[module] for module in modules)
+    return f'pip install "fingertip[{",".join(names)}]"'
+
+
+def describe_missing(*modules: str) -> str:
+    """Describe missing packages, and the command that installs them, for a sentence that ends with both."""
+    names = [_PACKAGES.get(module, module) for module in modules]
+    if len(names) == 1:
+        return f"the package {names[0]}, which is not installed; {install_command(*modules)}"
+    listed = f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"the packages {listed}, which are not installed; {install_command(*modules)}"
+
+
+def require(field: str, *modules: str, subject: str = "", alternative: str = "") -> None:
+    """Raise unless optional packages are installed. Call this before the work whose result needs them.
+
+    Parameters
+    ----------
+    field
+        Option, file or function that needs them.
+    modules
+        Their modules, from `EXTRAS`.
+    subject
+        What of the field needs them, such as one of its choices; by default the field itself.
+    alternative
+        What the user can do instead, such as "leave --plot out".
+
+    Raises
+    ------
+    MissingLibraryError
+        With the missing packages and the command that installs them.
+    """
+    missing = [module for module in modules if not is_installed(module)]
+    if missing:
+        raise MissingLibraryError(_make_issue(field, describe_missing(*missing), subject, alternative))
+
+
+def load(module: str, field: str, *, subject: str = "", alternative: str = "") -> Any:
+    """Import a module of an optional package and return it.
+
+    Parameters
+    ----------
+    module
+        The module, such as `matplotlib.figure`.
+    field, subject, alternative
+        As for `require`.
+
+    Raises
+    ------
+    MissingLibraryError
+        If the package is not installed, or cannot be imported.
+    """
+    package = module.partition(".")[0]
+    require(field, package, subject=subject, alternative=alternative)
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        problem = f"the package {_PACKAGES.get(package, package)}, which cannot be imported ({error})"
+        remedy = f"{problem}; {install_command(package)}"
+        raise MissingLibraryError(_make_issue(field, remedy, subject, alternative)) from error
+
+
+def _make_issue(field: str, needs: str, subject: str, alternative: str) -> Issue:
+    sentence = f"{subject} needs {needs}".lstrip()
+    return Issue(field, f"{sentence}, or {alternative}." if alternative else f"{sentence}.")

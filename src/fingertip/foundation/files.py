@@ -1,0 +1,245 @@
+"""Single output files: atomic writing, and rounding of the numbers written.
+
+A file is written under a temporary name and renamed at the end, so that it appears complete or not at all. What one
+command writes as several files is a set (`fingertip.foundation.output_set`).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO
+
+from fingertip.foundation.errors import Issue, OutputError
+
+_PREFIX = ".fingertip-"
+"""Beginning of the name of an unfinished file; the number of its process and its own follow."""
+_numbers = itertools.count()
+
+
+def write_file(path: Path, data: bytes, option: str = "--out") -> None:
+    """Write one file atomically.
+
+    Parameters
+    ----------
+    path
+        Output file.
+    data
+        Content of the file.
+    option
+        Command-line option that names the file. The error message refers to it.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written. An existing file is then unchanged.
+    """
+    with open_atomic(path, option) as file:
+        file.write(data)
+
+
+@contextlib.contextmanager
+def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
+    """Open a file to write piece by piece, for data that does not fit in memory.
+
+    The file appears when the `with` block ends. After an error within the block an existing file is unchanged.
+
+    Parameters
+    ----------
+    path
+        Output file.
+    option
+        Command-line option that names the file. The error message refers to it.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    if path.is_dir():
+        raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
+    created = [folder for folder in (path.parent, *path.parent.parents) if not folder.exists()]
+    temporary = path.with_name(f"{_PREFIX}{os.getpid()}-{next(_numbers)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _remove_leftovers(path.parent)
+        try:
+            temporary.unlink(missing_ok=True)
+            with temporary.open("xb") as file:  # never through a link of that name
+                yield file
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except BaseException as error:
+        for folder in created:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        if not isinstance(error, OSError):
+            raise
+        reason = error.strerror or str(error)
+        message = f"cannot be written ({reason}); choose another file with {option}."
+        raise OutputError(Issue(str(path), message)) from error
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Remove unfinished files of processes that were killed."""
+    for path in folder.glob(f"{_PREFIX}*"):
+        process = path.name.removeprefix(_PREFIX).partition("-")[0]
+        if process.isascii() and process.isdecimal() and not _is_running(int(process)):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):  # or no number of a process
+        return False
+    except OSError:  # it belongs to somebody else
+        return True
+    return True
+
+
+def round_for_output(value: float) -> float:
+    """Round a number to six decimals before it is written to a report or table.
+
+    The last bits of a sum differ between processors; six decimals do not. Negative zero becomes zero; infinity and NaN
+    are returned as they are.
+    """
+    return round(float(value), 6) + 0.0
+
+
+# Temporary folders that do not outlive their use by long.
+#
+# A folder is removed when its `with` block ends, at an interruption too. What a process that was killed has left is
+# removed by the next one that makes a folder. Each process holds a lock on its folders, which ends with it; a number
+# of a process in the name would mislead where containers share the folder of temporary files.
+
+
+_FOLDER_PREFIX = "fingertip-tmp-"
+
+
+class TemporaryFolder:
+    """Folder for files that only this process and its children need; a context manager that gives its path.
+
+    Raises
+    ------
+    OutputError
+        If no folder for temporary files can be written.
+    """
+
+    def __init__(self) -> None:
+        self.path, self._lock = _make_locked()
+
+    def __enter__(self) -> Path:
+        return self.path
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.remove()
+
+    def remove(self) -> None:
+        """Remove the folder with all that is in it."""
+        shutil.rmtree(self.path, ignore_errors=True)
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
+
+def find_temporary_place() -> Path:
+    """Return the system's folder for temporary files.
+
+    Raises
+    ------
+    OutputError
+        If none can be written.
+    """
+    try:
+        return Path(tempfile.gettempdir())
+    except OSError as error:
+        message = "no folder for temporary files can be written; set it to one that can be."
+        raise OutputError(Issue("TMPDIR", message)) from error
+
+
+def _make_locked() -> tuple[Path, int | None]:
+    place = find_temporary_place()
+    remove_leftovers(place)
+    while True:
+        try:
+            path = Path(tempfile.mkdtemp(prefix=_FOLDER_PREFIX, dir=place))
+        except OSError as error:
+            reason = error.strerror or str(error)
+            message = f"cannot be written ({reason}); free some space there, or set TMPDIR to another folder."
+            raise OutputError(Issue(str(place), message)) from error
+        lock = _lock(path)
+        if path.is_dir() if lock is None else _is_at(path, lock):
+            return path, lock
+        if lock is not None:  # another process took the new folder for a leftover before it was locked
+            os.close(lock)
+
+
+def remove_leftovers(place: Path) -> None:
+    """Remove the folders of this user whose processes have ended."""
+    with contextlib.suppress(OSError):
+        for entry in list(os.scandir(place)):
+            if entry.name.startswith(_FOLDER_PREFIX):
+                with contextlib.suppress(OSError):
+                    _remove_leftover(Path(entry.path))
+
+
+def _remove_leftover(path: Path) -> None:
+    status = os.lstat(path)
+    if not stat.S_ISDIR(status.st_mode) or not hasattr(os, "getuid") or status.st_uid != os.getuid():
+        return
+    lock = _lock(path, wait=False)
+    if lock is not None:
+        try:
+            shutil.rmtree(path, ignore_errors=True)
+        finally:
+            os.close(lock)
+
+
+def _lock(path: Path, *, wait: bool = True) -> int | None:
+    """Lock a folder until the handle is closed; None where that is not possible, or another process holds it."""
+    try:
+        import fcntl
+    except ImportError:  # Windows: leftovers stay there
+        return None
+    try:
+        handle = os.open(path, os.O_RDONLY)
+    except OSError:
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except OSError:
+        os.close(handle)
+        return None
+    return handle
+
+
+def _is_at(path: Path, handle: int) -> bool:
+    """Return whether an open folder is still the one at a path."""
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(handle))
+    except OSError:
+        return False
+
+
+# Figures for tables and texts: a few significant digits, without an exponent.
+
+
+def format_figure(value: float, digits: int = 4) -> str:
+    """Format a number with this many significant digits; zeros fill the places before the decimal point."""
+    if not value or not math.isfinite(value):
+        return f"{value + 0.0:g}"  # 0 has no sign
+    decimals = digits - 1 - math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"

@@ -1,0 +1,264 @@
+"""Gate for files that are read: regular files of a bounded size, safe names, and archives of bounded content.
+
+Every file that a user names, or that stands in a folder that a user names, is opened here or checked here before a
+library opens it. A device, a pipe or a socket is refused without being opened for reading: it may never end. The limits
+may be raised by environment variables, for files that are large on purpose.
+
+A folder may come from a stranger. Whoever reads a file in it says so with `below`: no link is followed then, and every
+name on the way from that folder to the file is that of a file or folder within it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+import struct
+import unicodedata
+import zipfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from io import BufferedReader
+from pathlib import Path
+from typing import BinaryIO, TypeGuard
+
+from fingertip.foundation.errors import InputFileError, Issue, escape_control, quote_value
+
+_MEGABYTE = 2**20
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Largest number that is accepted, which an environment variable may replace."""
+
+    variable: str
+    default: int
+    unit: int
+    """Size of one unit of the variable: bytes in a megabyte, or 1."""
+    unit_name: str = ""
+    """Name of the unit in messages."""
+
+    @property
+    def value(self) -> int:
+        """The limit that applies.
+
+        Raises
+        ------
+        InputFileError
+            If the variable holds no whole number above 0.
+        """
+        text = os.environ.get(self.variable, "")
+        if not text:
+            return self.default * self.unit
+        if not (text.isascii() and text.isdecimal() and len(text) <= 12 and int(text) > 0):
+            unit = f" of {self.unit_name}" if self.unit_name else ""
+            message = f"{quote_value(text)} is no limit; set it to a whole number{unit} above 0, or unset it."
+            raise InputFileError(Issue(self.variable, message))
+        return int(text) * self.unit
+
+
+TOML_LIMIT = Limit("FINGERTIP_MAX_TOML_MB", 1, _MEGABYTE, "MB")
+"""Largest TOML file [bytes]."""
+RECORDING_LIMIT = Limit("FINGERTIP_MAX_RECORDING_MB", 1024, _MEGABYTE, "MB")
+"""Largest recording, and largest array within it [bytes]."""
+SAMPLES_LIMIT = Limit("FINGERTIP_MAX_SAMPLES", 2**23, 1, "samples")
+"""Largest number of samples of a recording. Each takes some 75 bytes of memory."""
+OUTPUT_LIMIT = Limit("FINGERTIP_MAX_OUTPUT_MB", 256, _MEGABYTE, "MB")
+"""Largest file of an output folder that is read back [bytes]."""
+PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
+"""Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
+MAX_MEMBERS = 10_000
+"""Maximum number of files in an archive."""
+MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
+"""Maximum size of an archive's list of files [bytes]."""
+MAX_RATIO = 200
+"""Maximum ratio by which a large member of an archive may be compressed. Noise compresses four times, zeros a thousand
+times."""
+_LARGE_BYTES = 32 * _MEGABYTE
+"""Size from which the ratio of a member matters [bytes]."""
+_SEPARATORS = frozenset('/\\:*?"<>|')
+"""Characters that separate the names of a path, on one system or another, or that Windows reserves."""
+_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}) | {
+    f"{port}{number}" for port in ("COM", "LPT") for number in "123456789\xb9\xb2\xb3"
+}
+"""Names that are devices on Windows, whatever their ending."""
+_MAX_NAME_BYTES = 240
+"""Maximum length of a name; file systems take 255 bytes, and a name may get a prefix for a moment."""
+_KINDS = (
+    (stat.S_ISLNK, "is a link"),
+    (stat.S_ISDIR, "is a folder"),
+    (stat.S_ISFIFO, "is a pipe"),
+    (stat.S_ISSOCK, "is a socket"),
+    (stat.S_ISCHR, "is a device"),
+    (stat.S_ISBLK, "is a device"),
+)
+
+
+def is_safe_name(name: object) -> TypeGuard[str]:
+    """Return whether a value is the name of one file in a folder on every system: no path, no device of Windows.
+
+    The names of what stands for a moment beside a set that is replaced are none.
+    """
+    return (
+        isinstance(name, str)
+        and escape_control(name) == name
+        and not _SEPARATORS.intersection(name)
+        and 0 < len(name.encode()) <= _MAX_NAME_BYTES
+        and name[-1] not in ". "  # Windows leaves them out
+        and name.partition(".")[0].rstrip().upper() not in _DEVICES
+        and not name.casefold().startswith(".fingertip")
+    )
+
+
+def find_unsafe_names(names: Iterable[object]) -> list[object]:
+    """Find the names that are not safe, and those that are one file with an earlier one where case does not count."""
+    seen, found = {""}, []
+    for name in names:
+        folded = unicodedata.normalize("NFD", name).casefold() if is_safe_name(name) else ""
+        found += [name] if folded in seen else []
+        seen.add(folded)
+    return found
+
+
+def find_link(folder: Path, path: Path) -> Path | None:
+    """Find the first link on the way from a folder, which may be one itself, to a path below it; None without any."""
+    ways = [path, *path.parents][: len(path.relative_to(folder).parts)]
+    return next((way for way in reversed(ways) if way.is_symlink()), None)
+
+
+def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file", below: Path | None = None) -> int:
+    """Check that a path names a regular file within a limit, and return its size [bytes].
+
+    Parameters
+    ----------
+    path
+        The file.
+    limit
+        Largest size; None if there is none.
+    wanted
+        What the remedy asks for, such as "a design file", where the user has named the file itself.
+    below
+        Folder that the user has named, and that the file stands below: no link in it is followed. None if links are.
+
+    Raises
+    ------
+    InputFileError
+        If it is none, is too large, or is not below the folder.
+    """
+    try:
+        return _check_status(path, _read_status(path, below), limit, _remedy(wanted, below))
+    except (OSError, ValueError) as error:
+        raise _unreadable(path, error, _remedy(wanted, below)) from None
+
+
+@contextlib.contextmanager
+def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | None = None) -> Iterator[BufferedReader]:
+    """Open a regular file to read; parameters and exceptions are those of `check_regular`."""
+    remedy = _remedy(wanted, below)
+    try:
+        _check_status(path, _read_status(path, below), limit, remedy)
+        # Opening a pipe that took the file's place meanwhile would wait for its writer, but for the first flag.
+        names = ("O_NONBLOCK", "O_BINARY", *(() if below is None else ("O_NOFOLLOW",)))
+        handle = os.open(path, os.O_RDONLY | sum(getattr(os, name, 0) for name in names))
+        with os.fdopen(handle, "rb") as file:
+            _check_status(path, os.fstat(handle), limit, remedy)
+            yield file
+    except (OSError, ValueError) as error:
+        raise _unreadable(path, error, remedy) from None
+
+
+def read_input(
+    path: Path, limit: Limit, wanted: str = "a file", length: int | None = None, below: Path | None = None
+) -> bytes:
+    """Read a regular file, whole or at most its first `length` bytes; the others are as for `check_regular`.
+
+    Raises
+    ------
+    InputFileError
+        If it cannot be read, is no regular file, is too large, or is not below the folder.
+    """
+    with open_input(path, limit, wanted, below) as file:
+        data = file.read(limit.value + 1 if length is None else length)
+    if len(data) > limit.value:  # it grows, or is one of the system's files that state no size
+        raise _too_large(path, len(data), limit)
+    return data
+
+
+def check_archive(file: BinaryIO) -> None:
+    """Check the list of files of a ZIP archive before `zipfile` reads it into memory.
+
+    Raises
+    ------
+    zipfile.BadZipFile
+        If the list holds more files than an archive of a recording has, or is larger than their names can be. The text
+        of the error completes "is not an archive that can be read".
+    """
+    size = file.seek(0, os.SEEK_END)
+    file.seek(max(0, size - 2**16 - 22 - 20))
+    tail = file.read()
+    file.seek(0)
+    at = tail.rfind(b"PK\5\6")
+    if at < 0 or len(tail) < at + 22:
+        return  # `zipfile` refuses it
+    count, directory = struct.unpack_from("<H2xI", tail, at + 8)[0], struct.unpack_from("<I", tail, at + 12)[0]
+    locator = tail.rfind(b"PK\6\7", max(0, at - 20), at)
+    if locator >= 0 and len(tail) >= locator + 20:
+        (place,) = struct.unpack_from("<Q", tail, locator + 8)
+        if place + 56 <= size:
+            file.seek(place)
+            record = file.read(56)
+            file.seek(0)
+            if record.startswith(b"PK\6\6"):
+                count, directory = struct.unpack_from("<Q", record, 32)[0], struct.unpack_from("<Q", record, 40)[0]
+    if count > MAX_MEMBERS or directory > MAX_DIRECTORY_BYTES:
+        raise zipfile.BadZipFile(f"it lists {count} files in {directory} bytes; at most {MAX_MEMBERS} files are read")
+
+
+def check_member(member: zipfile.ZipInfo) -> None:
+    """Check the ratio by which a member of an archive is compressed.
+
+    Raises
+    ------
+    zipfile.BadZipFile
+        If it is large and unpacks to many times its size.
+    """
+    ratio = member.file_size / max(1, member.compress_size)
+    if member.file_size > _LARGE_BYTES and ratio > MAX_RATIO:
+        raise zipfile.BadZipFile(
+            f"{quote_value(member.filename)} unpacks to {member.file_size / _MEGABYTE:.0f} MB, {ratio:.0f} times its "
+            f"size; at most {MAX_RATIO} times is read, so save it without compression"
+        )
+
+
+def _read_status(path: Path, below: Path | None) -> os.stat_result:
+    """Read what a path names; below a folder that may be a stranger's, without leaving it."""
+    if below is None:
+        return os.stat(path)
+    names = path.relative_to(below).parts if path.is_relative_to(below) else ()
+    if not (names and all(is_safe_name(name) for name in names)):
+        raise InputFileError(Issue(str(path), f"is no name of a file in {below}; rename it."))
+    return os.lstat(find_link(below, path) or path)
+
+
+def _remedy(wanted: str, below: Path | None) -> str:
+    return f"give the path of {wanted}." if below is None else "put a file in its place."
+
+
+def _check_status(path: Path, status: os.stat_result, limit: Limit | None, remedy: str) -> int:
+    if not stat.S_ISREG(status.st_mode):
+        kind = next((text for is_kind, text in _KINDS if is_kind(status.st_mode)), "is no regular file")
+        raise InputFileError(Issue(str(path), f"{kind}, not a regular file; {remedy}"))
+    if limit is not None and status.st_size > limit.value:
+        raise _too_large(path, status.st_size, limit)
+    return status.st_size
+
+
+def _unreadable(path: Path, error: OSError | ValueError, remedy: str) -> InputFileError:
+    reason = "its path holds a NUL character" if isinstance(error, ValueError) else error.strerror or str(error)
+    return InputFileError(Issue(str(path), f"cannot be read ({reason}); {remedy}"))
+
+
+def _too_large(path: Path, size: int, limit: Limit) -> InputFileError:
+    had, most = (f"{value / _MEGABYTE:.4g}" for value in (size, limit.value))
+    message = f"has {had} MB or more; at most {most} MB are read; make it smaller, or raise {limit.variable}."
+    return InputFileError(Issue(str(path), message))

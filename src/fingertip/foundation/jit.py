@@ -1,0 +1,195 @@
+"""Loops over samples that run in plain Python or, where that is faster overall, compiled by numba.
+
+Plain Python needs no preparation. Compiled code is some hundred times faster per sample, but a process that uses it
+first imports numba and loads the loop. Which form runs depends on two things only: whether numba is installed, and how
+much work is asked for. It does not depend on what other code has imported.
+
+1. A call whose work in plain Python would take less than `CALL_S` runs plain: converting its arguments costs more.
+2. Within a `compiled()` block every other call runs compiled. Campaigns, sweeps and benchmarks use such a block.
+3. Elsewhere each loop adds up the time that its calls in this process would take in plain Python, the present call
+   included. It runs plain until that sum reaches `LOAD_S`, and compiled from then on. Once the loop is in the cache, a
+   process therefore takes at most twice as long as with the better form from the start.
+
+The time in plain Python is an estimate: a constant per sample, measured once, times the number of samples. So the same
+sequence of calls always takes the same decisions. `CompiledLoop.break_even` states the rule in samples.
+
+Both forms execute the same operations in the same order, and neither contracts a product and a sum into one rounding.
+Their results have the same bits, so a stream may change from one form to the other between two chunks.
+
+The first compilation on a machine takes a second or more for each loop. The result is cached beside the source file, or
+in the user's cache folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import importlib
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from fingertip.foundation import extras
+
+Function = Callable[..., Any]
+
+LOAD_S = 0.5
+"""Time to import numba and load one cached loop [s]: 0.16 s and 0.32 s of CPU time, measured by
+``benchmarks/slip_speed.py``. Every further loop loads in 0.01 s."""
+CALL_S = 5e-6
+"""Time that the conversion of lists to arrays and back adds to a compiled call [s], measured for the detectors."""
+
+_always_compile = False
+_progress: Callable[[str], None] | None = None
+_is_reported = False
+
+
+@functools.cache
+def available() -> bool:
+    """Return whether numba is installed, without importing it."""
+    return extras.is_installed("numba")
+
+
+@contextlib.contextmanager
+def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
+    """Run every loop compiled within this block, where numba is installed.
+
+    Parameters
+    ----------
+    progress
+        Called with one line before the first loop of a process is loaded.
+    """
+    global _always_compile, _progress
+    before = _always_compile, _progress
+    _always_compile, _progress = available(), progress
+    try:
+        yield
+    finally:
+        _always_compile, _progress = before
+
+
+def _report_loading() -> None:
+    """Report, once in a process, that compiled loops are loaded."""
+    global _is_reported
+    if _progress and not _is_reported:
+        _is_reported = True
+        _progress("loading compiled loops; their first use on a machine takes some seconds more")
+
+
+class CompiledLoop:
+    """A loop over samples in both forms: plain Python and compiled.
+
+    The loop is a function of numbers, tuples of numbers, and sequences of floats. It returns nothing and writes its
+    results into its last arguments. Plain Python is fastest on lists and compiled code on arrays, so a call converts
+    sequences either way and copies the results back.
+
+    Parameters
+    ----------
+    function
+        The loop.
+    helpers
+        Functions of the same module that it calls.
+    outputs
+        Number of last arguments that it writes into.
+    samples
+        Name of the parameter whose length is the number of samples.
+    plain_us
+        Time per sample in plain Python [us], measured once. An estimate within a factor of two is enough.
+    """
+
+    def __init__(self, function: Function, *helpers: Function, outputs: int, samples: str, plain_us: float) -> None:
+        self.plain = function
+        self.outputs = outputs
+        self._helpers = helpers
+        self._samples = function.__code__.co_varnames.index(samples)
+        self._plain_s = 1e-6 * plain_us
+        self._asked_s = 0.0
+        self._compiled: Function | None = None
+
+    @property
+    def break_even(self) -> int:
+        """Number of samples in one process from which compiled code is faster overall, loading included."""
+        return round(LOAD_S / self._plain_s)
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run the loop over one chunk, in the form that the module's policy selects."""
+        if self._select_compiled(len(arguments[self._samples])):
+            self._run_compiled(arguments)
+        else:
+            self._run_plain(arguments)
+
+    def _select_compiled(self, samples: int) -> bool:
+        """Decide for a call with this many samples, and add its work to the loop's sum."""
+        work_s = self._plain_s * samples
+        self._asked_s += work_s
+        if work_s < CALL_S:
+            return False
+        return _always_compile or (self._asked_s >= LOAD_S and available())
+
+    def _run_plain(self, arguments: tuple[Any, ...]) -> None:
+        lists = [a.tolist() if isinstance(a, np.ndarray) else a for a in arguments]
+        self.plain(*lists)
+        for argument, values in list(zip(arguments, lists, strict=True))[-self.outputs :]:
+            if argument is not values:
+                argument[...] = values
+
+    def _run_compiled(self, arguments: tuple[Any, ...]) -> None:
+        first_output = len(arguments) - self.outputs
+        arrays = [_as_compiled(a, copy=i < first_output) for i, a in enumerate(arguments)]
+        if self._compiled is None:
+            self._run_first(arrays)
+        else:
+            self._compiled(*arrays)
+        for argument, values in list(zip(arguments, arrays, strict=True))[-self.outputs :]:
+            if argument is not values:
+                argument[:] = values.tolist()
+
+    def _run_first(self, arrays: list[Any]) -> None:
+        """Load the loop, and run it: numba reads and writes its cache at the first call, before the loop begins.
+
+        A damaged cache, or a full disk, must not end the command: the loop is then compiled for this process.
+        """
+        _report_loading()
+        loop = _compile_cached(self.plain, *self._helpers)
+        try:
+            loop(*arrays)
+        except Exception:  # what a damaged file raises depends on the damage
+            with contextlib.suppress(Exception):
+                loop._cache.flush()  # type: ignore[attr-defined]  # the next process writes it anew
+            loop = importlib.import_module("numba").njit(error_model="numpy")(self.plain)
+            loop(*arrays)
+        self._compiled = loop
+
+
+def _as_compiled(argument: Any, copy: bool) -> Any:
+    """An argument as compiled code takes it: lists as arrays, and inputs contiguous, so that one form is compiled."""
+    if isinstance(argument, list):
+        return np.array(argument, dtype=np.float64)
+    if copy and isinstance(argument, np.ndarray):
+        return np.ascontiguousarray(argument, dtype=np.float64 if argument.dtype.kind in "iuf" else None)
+    return argument
+
+
+def _compile_cached(function: Function, *helpers: Function) -> Function:
+    """Compile a function and cache the result on disk; where no folder can be written, compile it for this process.
+
+    A division by 0 gives infinity or NaN, as in arrays.
+    """
+    for helper in helpers:  # numba's cache notices changes in the function's own file only
+        importlib.import_module("numba.extending").register_jitable(helper)
+    njit = importlib.import_module("numba").njit
+    result: Function
+    try:
+        result = njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:  # no folder can be written
+        result = njit(error_model="numpy")(function)
+    return result
+
+
+def compile_for_process(function: Function) -> Function:
+    """Return the function compiled for this process only, or the function itself where numba is not installed."""
+    result: Function = function
+    if available():
+        result = importlib.import_module("numba").njit(function)
+    return result

@@ -1,0 +1,250 @@
+"""Search for a root or a maximum in a bracket, for scalars and, with numpy, for arrays.
+
+The scalar functions need no numpy, which keeps the start of commands short. The functions for arrays search
+independently in every element. All of them make the same steps on every machine for the same function values, so
+results that are printed or hashed stay reproducible.
+
+References: W. H. Press et al., Numerical Recipes, 3rd ed., sections 9.1 (bisection), 9.2 (false position), 10.2
+(golden section) and 10.3 (Brent's method); M. Dowell and P. Jarratt, BIT 11 (1971) 168, for the Illinois variant of
+false position.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Inverse of the golden ratio: the share of the bracket that each golden-section step keeps."""
+_MAX_PIVOTS = 500
+"""Largest number of vertices that `maximise_linear` visits for one objective; some ten are usual."""
+_NO_GAIN, _PARALLEL, _TIE = 1e-12, 1e-12, 1e-13
+"""Gain of an edge, rate of approach to a plane, and difference of two distances that count as zero."""
+_MAX_STEPS = 60
+"""Largest number of steps of `find_root`; the Illinois method needs about ten."""
+
+
+def bisect(
+    is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None, tolerance: float = 0.0
+) -> tuple[float, float]:
+    """Narrow the bracket of a boundary by bisection, and return both its ends.
+
+    The function returns the bracket, not its midpoint, because callers need the end on one particular side.
+
+    Parameters
+    ----------
+    is_below
+        Whether a point lies below the boundary. True at `low` and False at `high`, which are not evaluated.
+    low, high
+        Ends of the bracket, `low` < `high`.
+    halvings
+        Largest number of halvings; None: as many as the tolerance needs.
+    tolerance
+        Width at which the search ends. With 0 it ends when no number lies between the two ends.
+    """
+    count = 0
+    while (halvings is None or count < halvings) and high - low > tolerance:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:  # the ends are neighbouring floats
+            break
+        low, high = (middle, high) if is_below(middle) else (low, middle)
+        count += 1
+    return low, high
+
+
+def maximise_linear(
+    objectives: Sequence[Sequence[float]], rows: Sequence[Sequence[float]], bounds: Sequence[float], limit: float
+) -> list[tuple[float, list[float]]]:
+    """Maximise several linear functions c . x over the same polytope rows . x <= bounds, |x_i| <= limit.
+
+    The simplex method on the vertices of the polytope: as many constraints as unknowns are active at a time, and the
+    next objective starts from the vertex at which the last one ended. Written out for few unknowns, without numpy.
+
+    Parameters
+    ----------
+    objectives
+        Vectors c.
+    rows, bounds
+        Constraints; the bounds are positive, so that x = 0 is allowed.
+    limit
+        Bound of every unknown.
+
+    Returns
+    -------
+    list of tuple
+        The largest value of each objective, and the point at which it is reached.
+    """
+    count = len(rows[0])
+    units = [[1.0 if i == j else 0.0 for j in range(count)] for i in range(count)]
+    normals = [*rows, *units, *([-value for value in unit] for unit in units)]
+    slacks = [*bounds, *([limit] * (2 * count))]
+    # Row i of `edges` is the direction in which constraint i is left while the other active ones stay active. At first
+    # the origin is held by planes that are no constraints, so that they may be left in both directions.
+    active: list[int | None] = [None] * count
+    edges, point = units, [0.0] * count
+    solutions: list[tuple[float, list[float]]] = []
+    vertices = [(point, slacks, edges, active)]
+    for objective in objectives:
+        # The best of the vertices found so far is close to the next solution.
+        best = max(vertices, key=lambda vertex: sum(map(operator.mul, objective, vertex[0])))
+        point, slacks, edges, active = best[0], best[1], best[2], [*best[3]]
+        for _ in range(_MAX_PIVOTS):
+            gains = [sum(map(operator.mul, objective, edge)) for edge in edges]
+            free = [i for i in range(count) if active[i] is None and gains[i] != 0.0]
+            leaving = free[0] if free else max(range(count), key=gains.__getitem__)
+            if not free and gains[leaving] <= _NO_GAIN:
+                break
+            direction = edges[leaving] if gains[leaving] > 0.0 else [-value for value in edges[leaving]]
+            rates = [sum(map(operator.mul, normal, direction)) for normal in normals]
+            entering, step = _find_first_hit(rates, slacks, active)
+            point = [p + step * d for p, d in zip(point, direction, strict=True)]
+            slacks = [slack - step * rate for slack, rate in zip(slacks, rates, strict=True)]
+            # The new edges stay on the plane that was hit; the one along which the point moved leaves it.
+            along = [-value / rates[entering] for value in direction]
+            hit = normals[entering]
+            edges = [
+                along
+                if i == leaving
+                else [e + sum(map(operator.mul, hit, edge)) * a for e, a in zip(edge, along, strict=True)]
+                for i, edge in enumerate(edges)
+            ]
+            active[leaving] = entering
+        solutions.append((sum(map(operator.mul, objective, point)), point))
+        vertices.append((point, slacks, edges, active))
+    return solutions
+
+
+def _find_first_hit(rates: Sequence[float], slacks: Sequence[float], active: Sequence[int | None]) -> tuple[int, float]:
+    """Find the plane that a ray meets first, and its distance; of equally near ones the one it meets most steeply."""
+    nearest, entering = math.inf, -1
+    for i, rate in enumerate(rates):
+        if rate <= _PARALLEL or i in active:
+            continue
+        distance = max(0.0, slacks[i]) / rate
+        if distance < nearest - _TIE or (distance < nearest + _TIE and rate > rates[entering]):
+            nearest, entering = min(distance, nearest), i
+    return entering, nearest
+
+
+def find_root(
+    function: Callable[[float], float],
+    ends: tuple[float, float],
+    tolerance: float,
+    values: tuple[float, float] | None = None,
+) -> float:
+    """Find a root of a continuous function in a bracket, by false position in the Illinois variant.
+
+    Parameters
+    ----------
+    function
+        Function whose values at both ends differ in sign.
+    ends
+        Ends of the bracket, in either order.
+    tolerance
+        Distance of two successive points at which the search ends.
+    values
+        Values of the function at the ends, where they are known already.
+    """
+    (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
+    for _ in range(_MAX_STEPS):
+        if fa == fb or abs(b - a) < tolerance:
+            return b
+        new = b - fb * (b - a) / (fb - fa)
+        value = function(new)
+        if value * fb < 0.0:
+            a, fa = b, fb
+        else:  # the end `a` stays once more: halving its value makes the next chord cross to the other side
+            fa *= 0.5
+        b, fb = new, value
+        if value == 0.0:
+            return b
+    return b
+
+
+def find_maximum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> tuple[float, float]:
+    """Find the maximum of a unimodal function in a bracket by Brent's method: its location and its value.
+
+    The method combines golden-section search with parabolic interpolation. Near a smooth maximum the value is exact to
+    the square of the tolerance. Tolerances below the square root of the floating-point precision gain nothing.
+    """
+    best = second = third = low + (1.0 - _GOLDEN) * (high - low)
+    at_best = at_second = at_third = function(best)
+    step = previous_step = 0.0
+    min_step = tolerance / 3.0
+    while abs(best - 0.5 * (low + high)) > 2.0 * min_step - 0.5 * (high - low):
+        middle = 0.5 * (low + high)
+
+        # Step to the vertex of the parabola through the three best points ...
+        r = (best - second) * (at_best - at_third)
+        q = (best - third) * (at_best - at_second)
+        numerator, denominator = (best - third) * q - (best - second) * r, 2.0 * (r - q)
+        if denominator < 0.0:
+            numerator, denominator = -numerator, -denominator
+        is_small = abs(numerator) < abs(0.5 * denominator * previous_step)
+        is_inside = denominator * (low - best) < numerator < denominator * (high - best)
+        if is_small and is_inside:
+            previous_step, step = step, numerator / denominator
+            if min(best + step - low, high - best - step) < 2.0 * min_step:
+                step = math.copysign(min_step, middle - best)
+        # ... unless it is no better than halving the bracket: then a golden-section step into the larger part.
+        else:
+            previous_step = (high if best < middle else low) - best
+            step = (1.0 - _GOLDEN) * previous_step
+        new = best + (step if abs(step) >= min_step else math.copysign(min_step, step))
+        at_new = function(new)
+
+        # The worse of the new and the best point becomes an end of the bracket.
+        if at_new >= at_best:
+            low, high = (best, high) if new >= best else (low, best)
+            third, second, best = second, best, new
+            at_third, at_second, at_best = at_second, at_best, at_new
+        else:
+            low, high = (new, high) if new < best else (low, new)
+            if at_new >= at_second or second == best:
+                third, second, at_third, at_second = second, new, at_second, at_new
+            elif at_new >= at_third or third in (best, second):
+                third, at_third = new, at_new
+    return best, at_best
+
+
+def bisect_arrays(
+    is_below: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, halvings: int
+) -> tuple[Array, Array]:
+    """Narrow the bracket of a boundary in every element by a fixed number of halvings; the counterpart of `bisect`."""
+    import numpy as np
+
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        below = is_below(middle)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return low, high
+
+
+def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
+    """Find the maximum in every element by a fixed number of golden-section steps.
+
+    Each step narrows the brackets to 0.618 of their width. `find_maximum` is the function for scalars.
+    """
+    import numpy as np
+
+    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_left, at_right = function(left), function(right)
+    for _ in range(steps):
+        rises = at_left < at_right
+        low, high = np.where(rises, left, low), np.where(rises, high, right)
+        new = np.where(rises, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
+        at_new = function(new)
+        left, right = np.where(rises, right, new), np.where(rises, new, left)
+        at_left, at_right = np.where(rises, at_right, at_new), np.where(rises, at_new, at_left)
+    return np.where(at_left >= at_right, left, right), np.maximum(at_left, at_right)
+
+
+# Array type that numerical modules share.
+
+
+Array = NDArray[np.float64]
+"""Array of double-precision floats."""

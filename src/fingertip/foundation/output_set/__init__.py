@@ -1,0 +1,24 @@
+"""Sets of output files: written whole or not at all, and protected from being overwritten.
+
+A set is what one command writes to a folder. Its manifest, `manifest.json`, lists the files with their hashes.
+
+A file that the manifest does not name, or that was changed since, is somebody's own. It is never overwritten or
+removed unless that is asked for.
+"""
+
+from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, hash_parameters, read_manifest
+from fingertip.foundation.output_set.verification import verify_sets
+from fingertip.foundation.output_set.writer import Revision, SetWriter, add_to_set, check_set, finish_interrupted
+
+__all__ = [
+    "MANIFEST",
+    "Manifest",
+    "Revision",
+    "SetWriter",
+    "add_to_set",
+    "check_set",
+    "finish_interrupted",
+    "hash_parameters",
+    "read_manifest",
+    "verify_sets",
+]

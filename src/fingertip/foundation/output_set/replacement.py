@@ -1,0 +1,278 @@
+"""Replacement of files in a folder: all of them or none, even if the process is killed.
+
+The new files are put in place in a single step: a folder with them is made beside the old one, with hard links to all
+that stays, and both folders then swap their names. Whoever is killed in between leaves the old files or the new ones.
+Where folders cannot be swapped (another file system, Windows, the current folder of this process), the files are
+renamed one after the other, and the next command that writes to the folder completes what was begun.
+
+What a killed command seems to have left may be a stranger's. Only folders are taken for it, no links, and a plan of
+renames counts if it names files of its folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import hashlib
+import json
+import os
+import shutil
+import sys
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+
+from fingertip.foundation.errors import InputFileError, Issue, OutputError
+from fingertip.foundation.input_files import PARSED_LIMIT, find_unsafe_names, is_safe_name, read_input
+
+# Content of a file that is to be written: its bytes, or the path of a finished file that is too large for memory.
+
+
+Content = bytes | Path
+
+
+def hash_content(content: Content) -> str:
+    """Return the SHA-256 hash."""
+    if isinstance(content, Path):
+        with content.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    return hashlib.sha256(content).hexdigest()
+
+
+def write_content(content: Content, path: Path) -> None:
+    """Write the content to a file."""
+    if isinstance(content, Path):
+        shutil.copyfile(content, path)
+    else:
+        path.write_bytes(content)
+
+
+_COMMIT = ".fingertip-commit"
+"""Folder, within the output folder, of files that are renamed one after the other."""
+_TRIAL = ".fingertip-trial"
+"""Folder, within an output folder or one above it, of a file that is written to find out whether that is possible."""
+_PLAN, _COMPLETE = "plan.json", "complete.json"
+"""Name of the list of renames before and after all files were written."""
+_STAGING_SUFFIX = ".fingertip"
+
+
+def replace_files(
+    folder: Path, files: Mapping[str, Content], removed: Collection[str] = (), *, in_place: bool = False
+) -> None:
+    """Write some files of a folder and remove others. The caller holds the lock of the folder's parent.
+
+    Parameters
+    ----------
+    folder
+        Absolute path; the folder may be missing, its parent not.
+    files
+        Name -> content of each file, the manifest last.
+    removed
+        Names of the files to remove.
+    in_place
+        Whether the folder must not be swapped.
+    """
+    if in_place or not _swap_in(folder, files, removed):
+        _rename_in(folder, files, removed)
+
+
+def find_unfinished(folder: Path) -> Iterator[Path]:
+    """Find the folders that a killed command has left in and beside an output folder."""
+    candidates = [staging_folder(folder), folder / _COMMIT, folder / _TRIAL]
+    if folder.is_dir():
+        candidates += folder.glob(".fingertip-????????")  # temporary folders of version 0.1
+    return (path for path in candidates if is_folder(path))
+
+
+def find_output_folder(path: Path) -> Path | None:
+    """Find the output folder of a folder that a killed command may have left; None for any other folder."""
+    if path.name == _COMMIT:
+        return path.parent
+    name = path.name[1:].removesuffix(_STAGING_SUFFIX)
+    return path.with_name(name) if path.name == f".{name}{_STAGING_SUFFIX}" and is_safe_name(name) else None
+
+
+def recover(folder: Path) -> None:
+    """Complete or undo what a command that was killed has left in or beside a folder.
+
+    Raises
+    ------
+    OutputError
+        If a plan of renames is damaged, and neither is possible.
+    """
+    staging, commit = staging_folder(folder), folder / _COMMIT
+    if is_folder(staging):
+        staging.chmod(0o700)  # it may have the mode of a folder that was made read-only
+        # After a swap the subfolders may still be in the old folder. Before one there are none in it.
+        for path in staging.iterdir() if folder.exists() else ():
+            if is_folder(path) and not path.name.startswith(_COMMIT):
+                os.rename(path, _free_name(folder / path.name))
+        _remove_folder(staging)
+    if is_folder(commit):
+        _finish_renames(folder)
+    for path in find_unfinished(folder):
+        _remove_folder(path)
+
+
+def try_to_write(folder: Path, path: Path) -> None:
+    """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
+
+    Raises
+    ------
+    OSError
+        If that is not possible.
+    """
+    made = folder / _TRIAL
+    if is_folder(made):  # a command was killed here
+        _remove_folder(made)
+    with contextlib.ExitStack() as undo:
+        for name in (*path.parent.parts, ""):
+            made.mkdir()
+            undo.callback(made.rmdir)
+            made /= name
+        undo.callback((made / path.name).unlink, missing_ok=True)
+        (made / path.name).write_bytes(b"?")
+
+
+def read_plan(commit: Path) -> tuple[list[str], list[str]]:
+    """Read a complete plan of renames: the names of files to put in place, and of files to remove; none without a plan.
+
+    Raises
+    ------
+    OutputError
+        If it is damaged, or names anything but files of its folder.
+    """
+    if not os.path.lexists(commit / _COMPLETE):
+        return [], []
+    try:
+        plan = json.loads(read_input(commit / _COMPLETE, PARSED_LIMIT, below=commit))
+        files, removed = plan["files"], plan["removed"]
+        is_sound = isinstance(files, list) and isinstance(removed, list) and not find_unsafe_names(files + removed)
+        if is_sound and not any(is_folder(commit.parent / name) for name in files + removed):
+            return files, removed
+    except (InputFileError, ValueError, KeyError, TypeError, RecursionError):
+        pass
+    remedy = "remove this folder, then write the set again"
+    raise OutputError(Issue(str(commit), f"holds a damaged {_COMPLETE}, so that nothing can complete it; {remedy}."))
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether a path is a folder and no link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def _remove_folder(path: Path) -> None:
+    try:
+        shutil.rmtree(path)
+    except RecursionError:
+        raise OutputError(Issue(str(path), "holds folders within folders, too deep to remove; remove it.")) from None
+
+
+def staging_folder(folder: Path) -> Path:
+    """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
+    return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
+
+
+def _free_name(path: Path) -> Path:
+    while os.path.lexists(path):
+        path = path.with_name(path.name + ".recovered")
+    return path
+
+
+def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> bool:
+    """Put files in place by swapping folders; False if that is not possible here, and nothing has changed then."""
+    if _is_current(folder):
+        return False
+    staging = staging_folder(folder)
+    try:
+        staging.mkdir()
+    except OSError:
+        return False
+    try:
+        for name, data in files.items():
+            write_content(data, staging / name)
+        if not folder.exists():
+            os.rename(staging, folder)
+            return True
+        shutil.copymode(folder, staging)
+        subfolders = []
+        for entry in os.scandir(folder):
+            if entry.name in files or entry.name in removed:
+                continue
+            if entry.is_symlink():
+                os.symlink(os.readlink(entry.path), staging / entry.name)
+            elif entry.is_dir():
+                subfolders.append(entry.name)
+            else:
+                _link(entry.path, staging / entry.name)
+        if not _swap(staging, folder):
+            shutil.rmtree(staging)
+            return False
+        staging.chmod(0o700)
+        for name in subfolders:
+            os.rename(staging / name, folder / name)
+        shutil.rmtree(staging)
+        return True
+    except BaseException:
+        with contextlib.suppress(OSError, OutputError):
+            recover(folder)
+        raise
+
+
+def _is_current(folder: Path) -> bool:
+    """Return whether this process, and the shell that started it, stand in a folder; they would stay in the old one."""
+    try:
+        current = Path.cwd()
+    except OSError:
+        return False
+    return folder == current or folder in current.parents
+
+
+def _link(source: str, target: Path) -> None:
+    try:
+        os.link(source, target, follow_symlinks=False)
+    except OSError:  # a file system without hard links
+        if not os.path.isfile(source):  # a copy of a pipe or device may never end
+            raise
+        shutil.copy2(source, target, follow_symlinks=False)
+
+
+def _swap(first: Path, second: Path) -> bool:
+    """Swap the names of two folders in one step; False where the system cannot."""
+    try:
+        libc = ctypes.CDLL(None, use_errno=True)
+        if sys.platform == "darwin":
+            result = libc.renamex_np(os.fsencode(first), os.fsencode(second), 2)
+        else:
+            here = -100  # AT_FDCWD: relative to the current folder
+            result = libc.renameat2(here, os.fsencode(first), here, os.fsencode(second), 2)
+    except (OSError, AttributeError, TypeError):
+        return False
+    return bool(result == 0)
+
+
+def _rename_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> None:
+    """Put files in place one after the other, after a plan that `recover` can complete."""
+    commit = folder / _COMMIT
+    commit.mkdir(parents=True)
+    try:
+        for name, data in files.items():
+            write_content(data, commit / f"new-{name}")
+        plan = {"files": list(files), "removed": list(removed)}
+        (commit / _PLAN).write_text(json.dumps(plan), "utf-8")
+    except BaseException:
+        shutil.rmtree(commit, ignore_errors=True)
+        raise
+    os.rename(commit / _PLAN, commit / _COMPLETE)
+    _finish_renames(folder)
+
+
+def _finish_renames(folder: Path) -> None:
+    """Carry out a complete plan, or the rest of it. The manifest comes last."""
+    commit = folder / _COMMIT
+    files, removed = read_plan(commit)
+    for name in removed:
+        (folder / name).unlink(missing_ok=True)
+    for name in files:
+        if os.path.lexists(commit / f"new-{name}"):
+            os.replace(commit / f"new-{name}", folder / name)
+    _remove_folder(commit)

@@ -1,0 +1,324 @@
+"""Writer of sets of files, which leaves alone what is somebody's own."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.files import write_file
+from fingertip.foundation.input_files import find_link, find_unsafe_names
+from fingertip.foundation.output_set.lock import lock, output_errors
+from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, has_hash, read_manifest
+from fingertip.foundation.output_set.replacement import (
+    Content,
+    find_unfinished,
+    hash_content,
+    is_folder,
+    recover,
+    replace_files,
+    try_to_write,
+)
+from fingertip.foundation.version import __version__
+
+# Trial of a place: whether a file can be written there is found out by writing one, before any work starts.
+
+
+_NAME = "trial"
+
+
+def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[Issue]:
+    """Find out whether a file can be written to a folder, and leave nothing behind.
+
+    A mode says little: root may write everywhere, but to `/proc` or a disk that is mounted read-only nobody can.
+
+    Parameters
+    ----------
+    folder
+        The folder, which may be missing, and its parents too.
+    remedy
+        End of the sentence, such as "choose another folder with --out".
+    name
+        Name of the file, which may be longer than the disk permits.
+    """
+    target = Path(os.path.realpath(folder))
+    try:
+        place = _find_existing(target)
+        # Another command may be about to swap this folder, and would take what is made here for somebody's files.
+        with lock(place.parent):
+            try_to_write(place, target.relative_to(place) / name)
+    except PermissionError:
+        yield Issue(str(_find_existing(folder)), f"may not be written; change its mode, or {remedy}.")
+    except OSError as error:
+        path = folder if name == _NAME else folder / name
+        yield Issue(str(path), f"cannot be written ({error.strerror or error}); {remedy}.")
+
+
+def _find_existing(folder: Path) -> Path:
+    """Find a folder, or the nearest one above it that exists."""
+    return next((path for path in (folder, *folder.parents) if os.path.lexists(path)), folder)
+
+
+@dataclass(frozen=True)
+class Revision:
+    """Content of a file that somebody edited, and the content that it gets with these edits kept.
+
+    The manifest keeps the hash of the file without the edits, so that the file stays somebody's own.
+    """
+
+    before: bytes
+    after: bytes
+
+
+@dataclass(frozen=True)
+class SetWriter:
+    """Writer of one set: its place, what it is made from, and how it treats other files there."""
+
+    folder: Path
+    kind: str
+    design: str
+    parameters: str
+    adopted: Collection[str] = ()
+    """Files of an earlier version without manifest that count as this program's own."""
+    force: bool = False
+    """True if files that are somebody's own may be overwritten."""
+    in_place: bool = False
+    """True if the folder must not be swapped, because a file in it is open."""
+    top: Path | None = None
+    """Folder that the user has named, if this one is below it: no link in between is followed."""
+
+    def check(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
+        """Refuse to write these names if the folder cannot take them, before work starts.
+
+        Parameters
+        ----------
+        names
+            Names of the files; with their contents, files that are equal already do not count.
+        revisions
+            Files that somebody edited and that may be written all the same, unless they have changed since.
+
+        Raises
+        ------
+        OutputError
+            If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
+            folder or of a file that is somebody's own.
+        """
+        names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
+        link = self._find_link()
+        if link is None:
+            finish_interrupted(self.folder)
+        try:
+            self._refuse(names, revisions)
+        except OutputError:
+            parent = Path(os.path.realpath(self.folder)).parent
+            if link or not parent.is_dir():
+                raise
+            # Another command may just have swapped the folder between two looks at it.
+            with output_errors(self.folder), lock(parent):
+                self._refuse(names, revisions)
+        if issues := list(find_place_issues(self.folder, "choose another folder with --out")):
+            raise OutputError(issues)
+
+    def _refuse(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
+        with output_errors(self.folder):
+            if issues := list(self._find_issues(names, revisions or {})):
+                raise OutputError(issues)
+
+    def _find_link(self) -> Path | None:
+        return find_link(self.top or self.folder, self.folder)
+
+    def _read_manifest(self) -> Manifest | None:
+        return read_manifest(self.folder, self.top)
+
+    def _find_issues(self, names: Collection[str], revisions: Mapping[str, Revision]) -> Iterator[Issue]:
+        if link := self._find_link():
+            yield Issue(str(link), "is a link, which may lead to the files of others; remove it, or name its target.")
+            return
+        place = next((path for path in (self.folder, *self.folder.parents) if path.exists()), self.folder)
+        if not place.is_dir():
+            yield Issue(str(place), "is a file; choose another folder with --out.")
+            return
+        manifest = self._read_manifest()
+        if manifest and manifest.kind != self.kind:
+            message = f"holds the {manifest.kind} of {manifest.design!r}; choose another folder with --out, such as"
+            yield Issue(str(self.folder), f"{message} {self.folder / self.kind}.")
+            return
+        yield from (
+            Issue(str(self.folder / name), "is a folder; move it away, or choose another folder with --out.")
+            for name in names
+            if is_folder(self.folder / name)
+        )
+        known = manifest.files if manifest else {}
+        yield from (
+            Issue(str(self.folder / str(name)), "has a name that not every system can store there; choose another one.")
+            for name in find_unsafe_names(dict.fromkeys([*known, *names]))
+        )
+        foreign = [] if self.force else sorted(self._foreign(names) - set(revisions))
+        for name, revision in revisions.items():
+            path = self.folder / name
+            if not has_hash(path, hash_content(revision.before)):
+                yield Issue(str(path), "was changed while this command was running; run it again.")
+        remedy = "move it away, choose another place with --out, or add --force to overwrite it."
+        if len(foreign) > 1 and manifest is None:
+            yield Issue(
+                str(self.folder),
+                f"has no {MANIFEST} that says who wrote {', '.join(foreign)}; move them away, choose another place "
+                "with --out, or add --force to overwrite them.",
+            )
+        else:
+            for name in foreign:
+                yield Issue(str(self.folder / name), f"was not written by fingertip, or was changed since; {remedy}")
+
+    def write(
+        self,
+        contents: Mapping[str, Content],
+        obsolete: Collection[str] = (),
+        revisions: Mapping[str, Revision] | None = None,
+    ) -> tuple[str, ...]:
+        """Write the set: the folder holds either the old set or the new one at any moment.
+
+        Files of the old set stay if they were made from the same parameters. Otherwise those that nobody changed are
+        removed.
+
+        Parameters
+        ----------
+        contents
+            Name -> content of each file.
+        obsolete
+            Files of the old set that are to be removed in any case, unless somebody changed them.
+        revisions
+            Files among `contents` that somebody edited, with the contents that they get instead.
+
+        Returns
+        -------
+        tuple
+            Names of the files that were removed.
+
+        Raises
+        ------
+        OutputError
+            As `check` does, or if a file cannot be written. Nothing has changed then.
+        """
+        self.check(())
+        folder = Path(os.path.realpath(self.folder))
+        created = [path for path in (folder, *folder.parents) if not path.exists()]
+        try:
+            with output_errors(self.folder):
+                folder.parent.mkdir(parents=True, exist_ok=True)
+                with lock(folder.parent):
+                    recover(folder)
+                    self._refuse({**contents, MANIFEST: b""}, revisions)
+                    return self._write(folder, contents, obsolete, revisions or {})
+        except BaseException:
+            for path in created:
+                with contextlib.suppress(OSError):
+                    path.rmdir()
+            raise
+
+    def add(self, contents: Mapping[str, Content]) -> None:
+        """Write some files of a set to a folder that holds no set, or one of the same parameters.
+
+        Raises
+        ------
+        OutputError
+            As `write` does, and if the folder holds a set of other parameters.
+        """
+        self.check_addition(contents)
+        self.write(contents)
+
+    def check_addition(self, names: Collection[str]) -> None:
+        """Refuse to add these names to a folder, before work starts.
+
+        Raises
+        ------
+        OutputError
+            As `check` does, and if the folder holds a set of other parameters.
+        """
+        self.check(names)
+        manifest = self._read_manifest()
+        if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
+            message = (
+                f"holds the {manifest.kind} of another design, or of other parameters of {manifest.design!r}; build "
+                "this design there first, or name a file with --out."
+            )
+            raise OutputError(Issue(str(self.folder), message))
+
+    def _write(
+        self,
+        folder: Path,
+        contents: Mapping[str, Content],
+        obsolete: Collection[str],
+        revisions: Mapping[str, Revision],
+    ) -> tuple[str, ...]:
+        old = read_manifest(folder)
+        known = dict(old.files) if old else dict.fromkeys(self.adopted, "")
+        same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
+        others = [name for name in known if name not in contents and (folder / name).is_file()]
+        unwanted = set(others) & set(obsolete) if same else set(others)
+        removed = tuple(sorted(unwanted - self._foreign(unwanted)))
+        kept = {name: known[name] for name in others if name not in removed} if same else {}
+        hashes = {name: hash_content(data) for name, data in contents.items()}
+        manifest = Manifest(__version__, self.kind, self.design, self.parameters, kept | hashes)
+        files = {**contents, **{name: revision.after for name, revision in revisions.items()}}
+        # A file that keeps its content stays as it is, with its date.
+        files = {name: data for name, data in files.items() if name not in revisions or data != revisions[name].before}
+        files[MANIFEST] = manifest.to_bytes()
+        replace_files(folder, files, removed, in_place=self.in_place)
+        return removed
+
+    def _foreign(self, names: Collection[str]) -> set[str]:
+        """Names of existing files that are somebody's own."""
+        manifest, foreign = self._read_manifest(), set()
+        for name in names:
+            path = self.folder / name
+            if not os.path.lexists(path) or is_folder(path):
+                continue
+            equal = hash_content(names[name]) if isinstance(names, Mapping) else None
+            if name == MANIFEST:
+                is_own = manifest is not None
+            elif manifest:
+                is_own = has_hash(path, equal, manifest.files.get(name))
+            else:
+                is_own = name in self.adopted or has_hash(path, equal)
+            if not is_own:
+                foreign.add(name)
+        return foreign
+
+
+def check_set(path: Path) -> None:
+    """Refuse to write one file if `add_to_set` would refuse it for the set in its folder, before work starts."""
+    if manifest := read_manifest(path.parent):
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).check([path.name])
+
+
+def finish_interrupted(folder: Path) -> None:
+    """Complete or undo what a command that was killed has left in or beside a folder that a command is to write.
+
+    Raises
+    ------
+    OutputError
+        If that cannot be done.
+    """
+    folder = Path(os.path.realpath(folder))
+    with output_errors(folder):
+        if any(find_unfinished(folder)):
+            with lock(folder.parent):
+                recover(folder)
+
+
+def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
+    """Write one file; where its folder holds a set, the file becomes a part of it.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written, or the set's folder holds a file of this name that is somebody's own.
+    """
+    manifest = read_manifest(path.parent)
+    if manifest is None or path.is_dir():
+        write_file(path, data, option)
+    else:
+        SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).write({path.name: data})

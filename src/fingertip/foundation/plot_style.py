@@ -1,0 +1,98 @@
+"""Style shared by all plots: figure size, colours, axes, and output as PNG or SVG.
+
+Every plot begins with `new_figure`, which raises an error if matplotlib is not installed. Modules that draw import
+matplotlib only where they use it, so that the plots can be listed without it.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+from typing import TYPE_CHECKING, Literal
+
+from fingertip.foundation import extras
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DPI = 150
+"""Resolution of every figure [pixels/inch]."""
+TEXT_COLOUR = "#4a5157"
+"""Colour of annotations and of reference lines."""
+GRID_COLOUR = "#e5e8eb"
+"""Colour of grid lines."""
+BLUE, PURPLE, RED, TEAL, ORANGE = "#0f2f57", "#6a3590", "#b03a2e", "#1e8683", "#c9801f"
+"""Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey and for every kind of
+colour blindness, and stands out from white by 3:1."""
+SERIES = (BLUE, RED, TEAL, PURPLE, ORANGE)
+"""Colours of curves without a meaning of their own; the first ones differ most."""
+SKY, YELLOW, BROWN, PINK = "#5fb0d3", "#e3c33c", "#7a4b26", "#d67fa8"
+"""Further colours of areas."""
+AREAS = (RED, ORANGE, BLUE, YELLOW, PURPLE, SKY, BROWN, PINK)
+"""Colours of areas side by side: neighbours in this order differ much in lightness."""
+SHADES = ("#9ecae1", "#4292c6", "#08519c")
+"""Colours of a quantity in ascending steps."""
+TRUTH = "#8fc1b5"
+"""Colour of true slip, an area: lighter than every line."""
+PALE_TEAL, PALE_RED, PALE_BLUE, PALE_GREY = "#cfe3d8", "#e2b6b1", "#a9bfd4", "#e9ebed"
+"""Colours of areas and points in the background."""
+REFERENCE = "#98a1aa"
+"""Colour of what others are compared with."""
+
+
+def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
+    """Create an empty figure.
+
+    Parameters
+    ----------
+    width_in, height_in
+        Size [inch].
+    automatic_layout
+        Whether matplotlib keeps axes and labels from overlapping. With many axes this takes seconds; pass False to
+        place the axes yourself.
+
+    Raises
+    ------
+    MissingLibraryError
+        If matplotlib is not installed.
+    """
+    # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    module = extras.load("matplotlib.figure", "plot")
+    layout = "constrained" if automatic_layout else None
+    figure: Figure = module.Figure(figsize=(width_in, height_in), dpi=DPI, layout=layout)
+    return figure
+
+
+def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
+    """Remove the top and right spines and draw a light grid behind the data."""
+    axes.grid(True, axis=grid, color=GRID_COLOUR, linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def to_png(figure: Figure) -> bytes:
+    """Render a figure as PNG.
+
+    The file holds no date and no version, so the same data gives the same bytes.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    out = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()
+
+
+def to_svg(figure: Figure) -> bytes:
+    """Render a figure as SVG, with its text as outlines.
+
+    The file holds no date, version or random identifier, so the same data gives the same bytes.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    out = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "fingertip", "svg.fonttype": "path"}):
+        FigureCanvasSVG(figure).print_svg(out, metadata={"Creator": None, "Date": None})
+    return out.getvalue()

@@ -1,0 +1,109 @@
+"""Checks that every integrator makes before it starts: values within bounds, and input that is finite."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+
+
+def find_not_positive(field: str, value: float, unit: str, example: str) -> list[Issue]:
+    """Report a value that is not a finite number above 0.
+
+    Parameters
+    ----------
+    field
+        Name of the value in the error.
+    value, unit
+        The value and its unit.
+    example
+        A value that passes, for the remedy.
+    """
+    if math.isfinite(value) and value > 0.0:
+        return []
+    remedy = f"give a finite number above 0, such as {example} {unit}"
+    return [Issue(field, f"{_with_unit(value, unit)} is refused; {remedy}.")]
+
+
+def find_values_not_positive(field: str, values: Array | float, unit: str, example: str) -> list[Issue]:
+    """Report the first of one or many values that is not a finite number above 0 (parameters as above)."""
+    return [
+        Issue(issue.field, issue.message.replace(" is refused", f"{place} is refused"))
+        for place, value in _select_invalid(values, zero_is_valid=False)
+        for issue in find_not_positive(field, value, unit, example)
+    ]
+
+
+def find_negative_values(field: str, values: Array | float, unit: str) -> list[Issue]:
+    """Report the first of one or many values that is not a finite number of at least 0."""
+    return [
+        Issue(issue.field, issue.message.replace(" is refused", f"{place} is refused"))
+        for place, value in _select_invalid(values, zero_is_valid=True)
+        for issue in find_negative(field, value, unit)
+    ]
+
+
+def _select_invalid(values: Array | float, zero_is_valid: bool) -> Iterator[tuple[str, float]]:
+    """Yield place and value of the first number that is not finite, or too small, if there is one."""
+    row = np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()
+    valid = np.isfinite(row) & ((row >= 0.0) if zero_is_valid else (row > 0.0))
+    for i in np.flatnonzero(~valid).tolist()[:1]:
+        yield (f" at index {i}" if row.size > 1 else ""), float(row[i])
+
+
+def find_negative(field: str, value: float, unit: str) -> list[Issue]:
+    """Report a value that is not a finite number of at least 0."""
+    if math.isfinite(value) and value >= 0.0:
+        return []
+    return [Issue(field, f"{_with_unit(value, unit)} is refused; give a finite number of at least 0.")]
+
+
+def find_column_issues(**arrays: Array) -> Iterable[Issue]:
+    """Report columns that are not finite, with the first such sample, and columns of unequal length."""
+    length = len(next(iter(arrays.values())))
+    for name, values in arrays.items():
+        if values.shape != (length,) or length < 1:
+            yield Issue(name, f"shape is {values.shape}; must be ({max(length, 1)},); give one value per sample.")
+        elif (bad := np.flatnonzero(~np.isfinite(values))).size:
+            more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+            message = f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
+            yield Issue(name, message)
+
+
+def check_type(field: str, value: object, expected: type, example: str) -> None:
+    """Raise a `TraceError` unless a value has the expected type; `example` makes one that has."""
+    if not isinstance(value, expected):
+        message = f"is {value!r:.60}, of type {type(value).__name__}; give a {expected.__name__}, such as {example}."
+        raise TraceError(Issue(field, message))
+
+
+def round_down(value: float) -> float:
+    """Round a positive number down to three digits, so that the remedy of an error passes when it is typed back in."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.floor(value / unit * (1 + 1e-12)) * unit:.3g}")
+
+
+def round_up(value: float) -> float:
+    """Round a positive number up to three digits, so that the remedy of an error passes when it is typed back in."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.ceil(value / unit * (1 - 1e-12)) * unit:.3g}")
+
+
+def raise_issues(issues: Iterable[Issue]) -> None:
+    """Raise all issues as one error, if there are any.
+
+    Raises
+    ------
+    TraceError
+        With one issue for each problem found.
+    """
+    if found := list(issues):
+        raise TraceError(found)
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return f"{value:g} {unit}".rstrip()

@@ -1,0 +1,142 @@
+"""Plan of a campaign: the article's trials, scenes without slip, and the seeds of tuning and of validation.
+
+`TUNING_SEEDS` are the seeds on which the constants of the detector `fast` were chosen, by trials like these and scenes
+of the same kinds. A validation starts beyond them, so that everything it reports is held out. The simulation was not
+changed for any detector's sake. `analog` was not tuned at all: its constants are the article's and its threshold is the
+design's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.sim import SceneFile
+from fingertip.sim.article import article_trials
+
+TUNING_SEEDS = range(1000, 1400)
+HELD_OUT_FROM = 5_000_000
+"""First seed of a validation."""
+
+LAST_SEED = 2**31 - 1 - 20_000_000
+"""Last first seed of a validation, which uses some millions of them."""
+SEED_RANGES = 4
+"""Number of ranges of held-out seeds over which the alarms of a validation are counted."""
+RANGE_SEEDS = 1_000_000
+"""Distance between these ranges."""
+
+
+def check_first_seed(seed: int) -> None:
+    """Refuse seeds on which a detector may have been trained or tuned.
+
+    Raises
+    ------
+    TraceError
+        If the seed is out of bounds.
+    """
+    if not HELD_OUT_FROM <= seed <= LAST_SEED:
+        reason = "seeds below were used to train and tune detectors" if seed < HELD_OUT_FROM else "it is too large"
+        raise TraceError(Issue("--seed", f"{seed} is refused, {reason}; choose {HELD_OUT_FROM} to {LAST_SEED}."))
+
+
+_GRASP = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
+NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
+    "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),
+    "release": (SceneFile(scene="release", hold={"min_s": 1.0}), 0.2),
+    "load change": (
+        SceneFile(
+            scene="load_change",
+            hold={**_GRASP, "max_force_n": 1.5},
+            load_change={"by_n": 1.0, "rise_s": 0.15},
+        ),
+        0.2,
+    ),
+    "drift": (
+        SceneFile(
+            scene="drift", hold={**_GRASP, "min_s": 20.0}, drift={"share_per_decade": 0.05, "volt_per_s": 0.0005}
+        ),
+        0.1,
+    ),
+    "motor": (
+        SceneFile(scene="motor_vibration", hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}),
+        0.1,
+    ),
+    "hard tap": (
+        SceneFile(
+            scene="hard_tap",
+            hold={**_GRASP, "min_force_n": 1.0},
+            tap={"force_n": 2.0, "rise_s": 0.004, "count": 3},
+        ),
+        0.1,
+    ),
+    "cable": (SceneFile(scene="cable_touch", hold=_GRASP, cable={"step_v": 0.02, "hum_v": 0.005}), 0.05),
+}
+"""Cause of false alarms -> scene without slip, and its fraction of the time without slip.
+
+The scenes are those of ``params/scenes``, with their sources and assumptions."""
+REPORTED_SEPARATELY = ("hard tap", "motor", "cable")
+"""Causes whose alarms are reported separately and not limited by a requirement.
+
+They shake the finger, or its wire, in the band of slip. A single force axis cannot distinguish them from slip before
+several periods have passed, unless they are stronger than slip ever is."""
+_DURATION_S = {"contact": 2.5, "release": 5.0, "load change": 3.4, "drift": 22.3, "motor": 5.3, "hard tap": 4.3}
+_DEFAULT_DURATION_S = 3.8
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene to simulate."""
+
+    cause: str
+    """Cause of the alarms in it; ``slip`` for a trial."""
+    scene: SceneFile
+    seed: int
+
+
+@dataclass(frozen=True)
+class CampaignPlan:
+    """Size of a campaign.
+
+    Raises
+    ------
+    TraceError
+        With one issue for each number that is out of range.
+    """
+
+    trials: int = 120
+    """Number of trials with slip."""
+    negative_minutes: float = 40.0
+    """Duration of the scenes without slip [min]."""
+
+    def __post_init__(self) -> None:
+        issues = []
+        if not 1 <= self.trials <= 100_000:
+            issues.append(Issue("--trials", f"{self.trials} is refused; choose 1 to 100000 (article: 120)."))
+        if not 0.5 <= self.negative_minutes <= 10_000:
+            issues.append(Issue("--minutes", f"{self.negative_minutes:g} min is refused; choose 0.5 to 10000 min."))
+        if issues:
+            raise TraceError(issues)
+
+
+def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
+    """Generate the trials, then the scenes without slip; every case has its own seed.
+
+    Fewer trials than the article's 120 are spread over its surfaces and speeds.
+    """
+    seed = first_seed
+    scenes = [scene for scene, _ in article_trials()]
+    for i in range(plan.trials):
+        at = i % len(scenes) if plan.trials >= len(scenes) else i * len(scenes) // plan.trials
+        yield Case("slip", scenes[at], seed)
+        seed += 1
+    for cause, (scene, fraction) in NEGATIVE_SCENES.items():
+        for _ in range(math.ceil(60 * plan.negative_minutes * fraction / nominal_duration_s(cause))):
+            yield Case(cause, scene, seed)
+            seed += 1
+
+
+def nominal_duration_s(cause: str) -> float:
+    """Approximate duration of a scene without slip [s]."""
+    return _DURATION_S.get(cause, _DEFAULT_DURATION_S)

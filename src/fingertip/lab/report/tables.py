@@ -1,0 +1,350 @@
+"""Results of a validation as one JSON object and as text, with their assumptions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopSummary
+from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
+from fingertip.lab.campaign.requirements import Requirement
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
+from fingertip.lab.report import protocol_table, robustness, wider_mix_table
+from fingertip.lab.studies.article import ArticleBoardResult, ProtocolStudy
+from fingertip.lab.studies.article_figures import Spectrum, WindowResult
+from fingertip.lab.studies.bounds import DiscriminationResult
+from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
+from fingertip.lab.studies.step_sensitivity import SamplingRateResult, StepSensitivity
+from fingertip.lab.studies.variants import BoardResult, KnockResult
+from fingertip.lab.wider_mix.mix import MixSummary
+from fingertip.slip.traces.origin import ENCODER_HZ, ENCODER_NOTE, encoder_delay_band_s, format_delay_band
+
+BOUND_LABEL = (
+    "estimate for the energy of one band alone (asymptotic); a detector that sees the slow force may be sooner"
+)
+"""Label of Lorden's bound (`fingertip.lab.studies.bounds`) in the tables."""
+MATCHED_ALARMS_PER_MINUTE = 0.1
+"""Rate of false alarms at which detectors are compared [1/min]."""
+ASSUMPTIONS = (
+    "All traces are simulated. Friction, vibration, noise and the scenes without slip rest on assumptions, which are "
+    "marked in fingertip.sim and in params/scenes. A real finger will differ.",
+    "Gross slip, from which the delay counts, begins when the pad slides at 1 mm/s. Elastic deflection of the bristles "
+    "of the contact, which would spring back, is not sliding. Including it, the pad has moved at 1 mm/s for 5 to 7 ms "
+    "by then, and the robot for some 13 ms. A detector that turns ON in the last 7 ms before gross slip has detected "
+    "it, with a delay of 0. The surface accelerates at 1 m/s2; the table of accelerations shows how much that "
+    "matters.",
+    "The detector analog reads the output of the design's simulated board. The variant article has a bare 1N4148; the "
+    "article does not name its diode. The table of board variants compares it with a board without dead zone.",
+    f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} were used to tune the detector fast; all seeds "
+    "used here are held out: no constant was chosen on them. The detectors analog, digital and fft were not tuned. The "
+    "thresholds of fft and fast follow from the noise; that of analog and digital is the design's "
+    "detector.threshold_v, by default the one that digital's noise allows.",
+    f"Reported separately: {', '.join(REPORTED_SEPARATELY)}. They shake the finger or its wire in the band of slip.",
+)
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """Results of the studies beside the campaign."""
+
+    bounds_s: Sequence[float]
+    """Lower bound on the delay of each slip [s] (`fingertip.lab.studies.bounds`)."""
+    variations: Sequence[VariationResult]
+    """Result of the detector with each of the simulation's assumptions changed."""
+    steps: StepSensitivity
+    """Effect of the simulation's time step."""
+    patch_radius_m: float
+    """Radius of the pad's contact patch at 1 N [m]."""
+    windows: Sequence[WindowResult]
+    """Delay of the article's chain by window length."""
+    spectra: Sequence[Spectrum]
+    """Spectra of slip by sensor."""
+    accelerations: Sequence[AccelerationResult]
+    """Delays by acceleration of the surface."""
+    rates: Sequence[SamplingRateResult]
+    """Delays by sampling rate."""
+    boards: Sequence[BoardResult]
+    """Detector analog by board variant."""
+    article: Sequence[ArticleBoardResult]
+    """The same finger on the article's board and converter; empty if the design has them."""
+    protocol: ProtocolStudy
+    """The same finger under the article's own protocol."""
+    motor: Sequence[DiscriminationResult]
+    """Discrimination of slip from a motor, by length of the segment."""
+    knocks: Sequence[KnockResult]
+    """False alarms from knocks, by force."""
+    closed_loop: Sequence[ClosedLoopSummary]
+    """Manipulations, without control and with each detector."""
+    seed_ranges: Sequence[DetectorResult]
+    """The detector's campaign on several ranges of seeds, the reported one first."""
+    wider_mix: Mapping[str, MixSummary]
+    """The detector on the wider mix, by kind of signal."""
+
+    def bound_s(self, fraction: float) -> float:
+        """Bound by which a fraction of the slips can be found [s]."""
+        ranked = sorted(self.bounds_s)
+        return ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]
+
+
+def as_data(
+    result: CampaignResult, detector: str, requirements: Sequence[Requirement], studies: StudyResults
+) -> dict[str, Any]:
+    """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
+    return {
+        "detector": detector,
+        "passed": all(requirement.passed for requirement in requirements),
+        "requirements": [
+            {
+                "name": requirement.name,
+                "value": _number(requirement.value),
+                "limit": requirement.limit,
+                "passed": requirement.passed,
+                "message": requirement.message,
+            }
+            for requirement in requirements
+        ],
+        "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
+        "matched": {name: _summary(matched) if matched else None for name, matched in _matched(result).items()},
+        "trials": result.plan.trials,
+        "negative_minutes": result.plan.negative_minutes,
+        "first_seed": result.first_seed,
+        "detectors": {name: _detector(result, name) for name in result.detectors},
+        "detection_bound": {"median_s": _number(studies.bound_s(0.5)), "p90_s": _number(studies.bound_s(0.9))},
+        "assumption_sensitivity": robustness.variations_as_data(studies.variations),
+        "step_sensitivity": robustness.steps_as_data(studies.steps),
+        "windows": [
+            {
+                "window_s": row.window_s,
+                "threshold_v": round(row.threshold_v, 6),
+                "found_share": round(row.found_share, 5),
+                "median_s": _number(row.median_s),
+                "p90_s": _number(row.p90_s),
+                "contact_alarms_per_minute": round(row.contact_alarms_per_minute, 4),
+            }
+            for row in studies.windows
+        ],
+        "spectra": [
+            {"sensor": one.label, **{f"share_above_{f}_hz": round(one.share_above(f), 4) for f in (67, 100, 200)}}
+            for one in studies.spectra
+        ],
+        "acceleration_sensitivity": [_fields(row) for row in studies.accelerations],
+        "sampling_rates": [_fields(row) for row in studies.rates],
+        "board_variants": [_fields(row) for row in studies.boards],
+        "article_board": [_fields(row) for row in studies.article],
+        "article_protocol": protocol_table.as_data(studies.protocol),
+        "motor_discrimination": [_fields(row) for row in studies.motor],
+        "knock_rejection": [_fields(row) for row in studies.knocks],
+        "closed_loop": [
+            {**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in studies.closed_loop
+        ],
+        "seed_ranges": wider_mix_table.ranges_as_data(studies.seed_ranges),
+        "wider_mix": wider_mix_table.as_data(studies.wider_mix),
+        "assumptions": list(ASSUMPTIONS),
+    }
+
+
+def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
+    return {name: result.at_alarm_rate(name, MATCHED_ALARMS_PER_MINUTE) for name in result.detectors}
+
+
+def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
+    nominal = result.at_nominal_threshold(name)
+    minutes = nominal.minutes()
+    return {
+        **_summary(nominal),
+        "below_30_ms": round(nominal.share_within_30_ms, 4),
+        "surfaces": {str(k): _group(v) for k, v in nominal.group_delays(surface).items()},
+        "speeds_m_s": {str(k): _group(v) for k, v in nominal.group_delays(speed_m_s).items()},
+        "alarms": {
+            cause: {
+                "count": count,
+                "minutes": round(minutes.get(cause, 0.0), 3),
+                "reported_separately": cause in REPORTED_SEPARATELY,
+            }
+            for cause, count in nominal.alarms().items()
+            if cause != "slip"
+        },
+        "trial_minutes": round(minutes.get("slip", 0.0), 3),
+        "delays_s": [round(d, 7) for d in nominal.delays_s],
+        "trade_off": [_summary(r) for r in result.detectors[name]],
+    }
+
+
+def _summary(result: DetectorResult) -> dict[str, Any]:
+    return {
+        "scale": result.scale,
+        "found_share": round(result.found_share, 5),
+        "median_s": _number(result.delay_s(0.5)),
+        "p90_s": _number(result.delay_s(0.9)),
+        "worst_s": _number(result.worst_s),
+        "median_since_motion_s": _number(result.motion_delay_s(0.5)),
+        "p90_since_motion_s": _number(result.motion_delay_s(0.9)),
+        "p90_since_motion_by_encoders_s": [_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
+        "on_share": round(result.on_share, 4),
+        "alarms_per_minute": round(result.alarms_per_minute, 4),
+        "alarms_per_minute_95": [_number(rate) for rate in result.alarm_interval],
+    }
+
+
+def _group(values: tuple[float, float, int]) -> dict[str, Any]:
+    mean, deviation, count = values
+    return {"mean_s": _number(mean), "deviation_s": _number(deviation), "found": count}
+
+
+def _fields(
+    row: AccelerationResult
+    | ArticleBoardResult
+    | BoardResult
+    | DiscriminationResult
+    | KnockResult
+    | SamplingRateResult,
+) -> dict[str, Any]:
+    """Fields of a row by name, rounded; an infinite delay is null."""
+    return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}
+
+
+def _number(value: float) -> float | None:
+    return round(value, 7) if math.isfinite(value) else None
+
+
+def _ms(seconds: float) -> str:
+    return f"{1000 * seconds:6.1f} ms" if math.isfinite(seconds) else "  missed "
+
+
+def _band(delay_s: float) -> str:
+    return format_delay_band(delay_s) if math.isfinite(delay_s) else "missed"
+
+
+def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str:
+    """Format the details of the results as text: detectors, bound and studies."""
+    lines = [
+        f"{'':17}{'since gross slip':>27} {'since motion':>21} {'p90 since motion,':>18}",
+        f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'median':>9} {'p90':>9} "
+        f"{f'encoders {ENCODER_HZ:g} Hz':>18} {'< 30 ms':>7}",
+    ]
+    for name in result.detectors:
+        nominal = result.at_nominal_threshold(name)
+        lines.append(
+            f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} {_ms(nominal.delay_s(0.9))} "
+            f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(nominal.motion_delay_s(0.9))} "
+            f"{_band(nominal.motion_delay_s(0.9)):>18} {100 * nominal.share_within_30_ms:6.1f}%"
+        )
+    lines.append(
+        f"{'bound':8} {'':7} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms {BOUND_LABEL}"
+    )
+    lines += [
+        "found, median, p90, worst: slips found, percentiles of the delay, longest found.",
+        "Since gross slip: the pad slides at 1 mm/s. Since motion: the robot moved;",
+        f"{ENCODER_NOTE}.",
+        "< 30 ms: slips found within 30 ms of gross slip.",
+        "",
+        f"{'detector':8} {'ON':>7} {'alarms/min (95 %)':>20}   " + "   ".join(REPORTED_SEPARATELY),
+    ]
+    for name in result.detectors:
+        nominal = result.at_nominal_threshold(name)
+        alarms, minutes = nominal.alarms(), nominal.minutes()
+        separate = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes)
+        rate = wider_mix_table.format_rate(nominal)
+        lines.append(f"{name:8} {100 * nominal.on_share:6.1f}% {rate:>20}   {separate}".rstrip())
+    lines += [
+        "ON: share of a slip, after its detection, in which the detector is ON.",
+        f"{', '.join(REPORTED_SEPARATELY)}: false alarms per minute in these scenes;",
+        "alarms/min excludes them.",
+    ]
+    lines += [
+        "",
+        f"each detector at its lowest threshold with at most {MATCHED_ALARMS_PER_MINUTE:g} alarms per minute:",
+    ]
+    for name, matched in _matched(result).items():
+        if matched is None:
+            lines.append(f"{name:8} none of the thresholds has so few alarms")
+        else:
+            lines.append(
+                f"{name:8} {100 * matched.found_share:6.1f}% {_ms(matched.delay_s(0.5))} "
+                f"{_ms(matched.delay_s(0.9))}   at {matched.scale:g} times its nominal threshold"
+            )
+    lines += wider_mix_table.as_lines(studies.seed_ranges, studies.wider_mix, detector)
+    lines += _study_tables(studies)
+    lines += robustness.variation_table(studies.variations, detector)
+    lines += robustness.step_table(studies.steps)
+    lines += ["", "digital by window length: median delay, alarms per minute at contacts, releases and load changes:"]
+    lines += [
+        f"{1000 * row.window_s:7.0f} ms {1000 * row.median_s:7.1f} ms {row.contact_alarms_per_minute:8.1f}"
+        for row in studies.windows
+    ]
+    return "\n".join(lines)
+
+
+def _study_tables(studies: StudyResults) -> list[str]:
+    """Tables of board variants, accelerations, sampling rates, motor tones, knocks and the closed loop."""
+    lines = [
+        "",
+        "analog by board and threshold; worst: mean delay on the worst surface:",
+        f"{'board':10} {'threshold':18} {'found':>6} {'median':>9} {'p90':>9} {'< 30 ms':>7} {'worst':>9} {'/min':>5}",
+    ]
+    lines += [
+        f"{b.variant:10} {1000 * b.threshold_v:6.2f} mV {'(noise) ' if b.by_rule else '(design)'} "
+        f"{100 * b.found_share:5.1f}% {_ms(b.median_s):>9} {_ms(b.p90_s):>9} {100 * b.below_30_ms:6.1f}% "
+        f"{_ms(b.worst_mean_s):>9} {b.alarms_per_minute:5.2f}"
+        for b in studies.boards
+    ]
+    if studies.article:
+        lines += [
+            "",
+            "the same finger on the article's board and converter (fingertip validate article has the details);",
+            f"{ENCODER_NOTE}:",
+            f"{'detector':10} {'found':>8} {'median':>10} {'p90':>10} {'p90 from motion':>16} {'alarms/min':>12}",
+        ]
+    lines += [
+        f"{a.detector:10} {100 * a.found_share:7.1f}% {_ms(a.median_s):>10} {_ms(a.p90_s):>10} "
+        f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
+        for a in studies.article
+    ]
+    lines += protocol_table.as_lines(studies.protocol)
+    detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
+    lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
+    lines.append(f"bound: {BOUND_LABEL}:")
+    lines.append("m/s2    " + "".join(f"{name:>19}" for name in detectors))
+    for a in dict.fromkeys(row.acceleration_m_s2 for row in studies.accelerations):
+        rows = {row.detector: row for row in studies.accelerations if row.acceleration_m_s2 == a}
+        cells = "".join(f"  {_short_ms(rows[name].median_s)} / {_short_ms(rows[name].p90_s)}" for name in detectors)
+        lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
+    lines += [
+        "",
+        f"detector fast by sampling rate; bound: {BOUND_LABEL}:",
+        f"{'rate':10}{'found':>7} {'median':>10} {'p90':>10} {'bound median':>13} {'bound p90':>11} {'alarms/min':>11}",
+    ]
+    lines += [
+        f"{r.sample_rate_hz:7g} Hz {100 * r.found_share:5.1f}% {_ms(r.median_s):>10} {_ms(r.p90_s):>10} "
+        f"{_ms(r.bound_median_s):>13} {_ms(r.bound_p90_s):>11} {r.alarms_per_minute:11.2f}"
+        for r in studies.rates
+    ]
+    lines += ["", "slips that can be distinguished from a motor's tones, by length of the segment:"]
+    lines += [f"{1000 * row.segment_s:7.0f} ms {100 * row.distinguished_share:6.0f}%" for row in studies.motor]
+    forces = list(dict.fromkeys(row.force_n for row in studies.knocks))
+    lines += ["", f"{'knocks reported as slip, by force [N]:':38}" + "".join(f"{force:6g}" for force in forces)]
+    for name, rise_s in dict.fromkeys((row.detector, row.rise_s) for row in studies.knocks):
+        group = [row for row in studies.knocks if (row.detector, row.rise_s) == (name, rise_s)]
+        label = f"{name}, rise time {1000 * rise_s:g} ms"
+        lines.append(f"{label:38}" + "".join(f"{100 * row.false_alarm_share:5.0f}%" for row in group))
+    lines += [
+        "",
+        "closed loop: four objects, each hit by a robot's pin. False grips: grip increases",
+        "without slip. Suppressed: detections without slip that did not tighten the grip,",
+        "because the hand was closing or its force was growing.",
+        f"{'detector':18} {'held':>9}   {'reaction median, slowest':>24} {'false grips':>11} {'suppressed':>10}",
+    ]
+    for row in studies.closed_loop:
+        text = f"{row.detector:18} {f'{row.held} of {row.count}':>9}"
+        if row.detector != NO_CONTROL:
+            ranked = row.reactions_s
+            times = f"{_ms(ranked[len(ranked) // 2])} {_ms(ranked[-1])}" if ranked else "no slip"
+            text += f"   {times:>24} {row.false_grips:11} {row.suppressed:10}"
+        lines.append(text)
+    return lines
+
+
+def _short_ms(seconds: float) -> str:
+    return f"{1000 * seconds:7.1f}" if math.isfinite(seconds) else " missed"

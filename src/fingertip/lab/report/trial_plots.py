@@ -1,0 +1,323 @@
+"""Plots of single trials and manipulations like the article's.
+
+One trial with all its signals (figure 9), one for each surface (figure 12) and grasped object (figure 13), one trial by
+window length (figure 5), and manipulations in the closed loop (figures 16 and 17).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.foundation.plot_style import (
+    BLUE,
+    ORANGE,
+    REFERENCE,
+    SERIES,
+    TEXT_COLOUR,
+    TRUTH,
+    new_figure,
+    style_axes,
+    to_png,
+)
+from fingertip.lab.campaign.evaluate import simulate_trace
+from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopTrial, any_finger_slips
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
+from fingertip.lab.campaign.run import scene_surface
+from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR
+from fingertip.lab.studies.article_figures import WINDOW_DETECTOR, WINDOWS_S, with_window
+from fingertip.sim import SceneFile
+from fingertip.sim.article import article_trials
+from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
+from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.report import shade_encoder_band
+from fingertip.slip.traces.intervals import intervals
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_VOLTAGE, _ENVELOPE, _FORCE = BLUE, ORANGE, TEXT_COLOUR
+_FINGERS = dict(zip(("thumb", "index", "middle", "ring", "little"), SERIES, strict=True))
+SHORT_WINDOW_S = 0.01
+"""Window in which a contact is reported as slip in the article's figure 5 [s]."""
+DETECTORS_SHOWN = ("analog", "digital", "fast")
+CLOSED_LOOP_PLOTS = {"closed_loop_power.png": "parallelepiped", "closed_loop_pinch.png": "cylinder"}
+"""File -> object, as in the article's figures 16 and 17; `select_pair` may take another one of the same grasp."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExampleTrial:
+    """One trial of a surface or an object."""
+
+    label: str
+    speed_m_s: float
+    trace: Trace
+    force_n: float
+
+    @property
+    def title(self) -> str:
+        """Surface, speed and holding force."""
+        return f"{self.label}, {100 * self.speed_m_s:g} cm/s, {self.force_n:.2f} N"
+
+
+def simulate_examples(design: Design, first_seed: int = HELD_OUT_FROM) -> list[ExampleTrial]:
+    """Simulate one trial of each surface and grasped object; the speeds alternate."""
+    scenes: dict[tuple[str, float], SceneFile] = {}
+    for scene, _ in article_trials():
+        scenes.setdefault((scene_surface(scene), scene.slide.speed_m_s), scene)
+    labels = list(dict.fromkeys(label for label, _ in scenes))
+    speeds = sorted({speed for _, speed in scenes})
+    examples = []
+    with compiled():
+        for i, label in enumerate(labels):
+            speed = speeds[i % len(speeds)]
+            trace, force_n = simulate_trace(
+                design, Case("slip", scenes[(label, speed)], first_seed + i), ("analog", *DETECTORS_SHOWN)
+            )
+            examples.append(ExampleTrial(label, speed, trace, force_n))
+    return examples
+
+
+def plot_trials(design: Design, first_seed: int = HELD_OUT_FROM) -> dict[str, bytes]:
+    """Plot the examples; returns file name -> PNG."""
+    examples = simulate_examples(design, first_seed)
+    objects = [example for example in examples if example.label.startswith("object")]
+    surfaces = [example for example in examples if example not in objects]
+    wood = next(example for example in examples if example.label == "wood")  # its slip is visible without magnification
+    return {
+        "trial.png": plot_signals(design, wood),
+        "trials_surfaces.png": plot_panels(design, surfaces),
+        "trials_objects.png": plot_panels(design, objects),
+        "window_trial.png": plot_window_rows(design, _find_contact_alarm(design, examples)),
+    }
+
+
+def _find_contact_alarm(design: Design, examples: Sequence[ExampleTrial]) -> ExampleTrial:
+    """First trial in which the article's short window takes the contact for slip; the first of all if none does."""
+    short = with_window(design, SHORT_WINDOW_S)
+    for example in examples:
+        assert example.trace.slip is not None
+        before = slice(0, int(np.flatnonzero(example.trace.slip)[0]))
+        if make_detector(WINDOW_DETECTOR, short).process(example.trace.voltage_v[before]).on.any():
+            return example
+    return examples[0]
+
+
+def plot_signals(design: Design, example: ExampleTrial) -> bytes:
+    """Plot force, voltage, the board's output and each detector's ON of one trial, as figure 9; returns a PNG."""
+    figure = new_figure(10, 9)
+    force, voltage, envelope, on = figure.subplots(4, 1, sharex=True, height_ratios=(2, 2, 2, 1.3))
+    trace = example.trace
+    t = trace.time_s
+    force.plot(t, trace.force_n, color=_FORCE, linewidth=0.8)
+    force.set_ylabel("normal force [N]")
+    voltage.plot(t, trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
+    voltage.set_ylabel("tactile voltage [V]")
+    mean_mv = 1000 * make_detector("digital", design).process(trace.voltage_v).statistic_v
+    threshold_mv = 1000 * design.detector.threshold_v
+    (sampled,) = select_inputs(trace, "analog")
+    envelope.plot(t, 1000 * sampled, color=_ENVELOPE, linewidth=0.7, label=f"board's output ({design.board.variant})")
+    envelope.plot(t, mean_mv, color=COLOURS["digital"], linewidth=1.2, label="digital, mean over the window")
+    label = f"threshold {threshold_mv:g} mV"
+    envelope.axhline(threshold_mv, color="black", linestyle="--", linewidth=1, label=label)
+    highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
+    envelope.set_ylim(0, 1.35 * highest)
+    envelope.set_ylabel("envelope [mV]")
+    rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
+    _draw_rows(on, trace, rows)
+    for axes in (force, voltage, envelope):
+        _shade_slip(axes, trace)
+        _shade_motion(axes, trace)
+        style_axes(axes)
+    touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
+    for axes in (force, voltage, envelope, on):
+        for at in (touching[0], touching[-1]) if touching.size else ():
+            axes.axvline(float(t[at]), color=REFERENCE, linestyle="--", linewidth=1)
+    title = f"{example.title}; grey dashes: contact and release; shaded: slip ({NOTE})"
+    force.set_title(title, loc="left", fontsize=10)
+    on.set_xlabel("time [s]")
+    on.set_xlim(float(t[0]), float(t[-1]))
+    envelope.legend(
+        frameon=False, ncols=2, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
+    )  # fmt: skip
+    figure.align_ylabels()
+    return to_png(figure)
+
+
+def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
+    """Plot voltage, envelope and ON of the digital chain, one panel per trial, as figures 12 and 13; returns a PNG."""
+    columns = 2
+    count = -(-len(examples) // columns)
+    figure = new_figure(11.5, 2.8 * count + 0.4)
+    grid = figure.subplots(count, columns, squeeze=False)
+    for example, axes in zip(examples, grid.flat, strict=False):
+        t, trace = example.trace.time_s, example.trace
+        axes.plot(t, trace.voltage_v, color=_VOLTAGE, linewidth=0.6)
+        low, high = float(np.min(trace.voltage_v)), float(np.max(trace.voltage_v))
+        span = high - low
+        axes.set_ylim(low - 1.1 * span, high + 0.45 * span)  # the voltage above, the envelope below
+        axes.set_ylabel("tactile voltage [V]", color=_VOLTAGE)
+        chain = SlipChain(ChainSettings.from_design(design)).process(trace.voltage_v)
+        twin = axes.twinx()
+        twin.plot(t, 1000 * chain.envelope_v, color=_ENVELOPE, linewidth=0.6)
+        twin.axhline(1000 * design.detector.threshold_v, color="black", linestyle="--", linewidth=0.7)
+        slipping = chain.envelope_v[np.asarray(trace.slip)]
+        twin.set_ylim(0, 2600 * max(0.04, float(np.max(slipping, initial=0.0))))
+        twin.set_ylabel("envelope [mV]", color=_ENVELOPE)
+        twin.spines["top"].set_visible(False)
+        _shade_slip(axes, trace)
+        _shade_motion(axes, trace)
+        spans = [(i.onset_s, i.end_s - i.onset_s) for i in intervals(t, chain.on)]
+        axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLOURS["digital"], linewidth=0)
+        axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
+        axes.set_title(example.title, loc="left", fontsize=10)
+        axes.set_xlim(float(t[0]), float(t[-1]))
+        style_axes(axes)
+    for axes in list(grid.flat)[len(examples) :]:
+        axes.set_visible(False)
+    figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", frameon=False, fontsize=9)
+    for axes in grid[-1]:
+        axes.set_xlabel(f"time [s]; shaded: slip; digital chain ({NOTE})", fontsize=9)
+    return to_png(figure)
+
+
+def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
+    """Plot ON and OFF of the digital chain on one trial for each window, as figure 5; returns a PNG."""
+    figure = new_figure(10, 5.5)
+    voltage, on = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.6))
+    t = example.trace.time_s
+    voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
+    voltage.set_ylabel("tactile voltage [V]")
+    _shade_slip(voltage, example.trace)
+    _shade_motion(voltage, example.trace)
+    voltage.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    rows = []
+    for window_s in WINDOWS_S:
+        flags = make_detector(WINDOW_DETECTOR, with_window(design, window_s)).process(example.trace.voltage_v).on
+        rows.append((f"{1000 * window_s:g} ms", flags))
+    _draw_rows(on, example.trace, rows)
+    on.set_ylabel("window")
+    voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
+    on.set_xlabel("time [s]")
+    on.set_xlim(float(t[0]), float(t[-1]))
+    style_axes(voltage)
+    return to_png(figure)
+
+
+def plot_closed_loop(trials: Sequence[ClosedLoopTrial], detector: str) -> dict[str, bytes]:
+    """Plot a manipulation for each of `CLOSED_LOOP_PLOTS`, with and without control; returns name -> PNG."""
+    plots = {}
+    for name, shown in CLOSED_LOOP_PLOTS.items():
+        if pair := select_pair(trials, detector, shown):
+            plots[name] = plot_manipulation(*pair)
+    return plots
+
+
+def select_pair(
+    trials: Sequence[ClosedLoopTrial], detector: str, shown: str
+) -> tuple[ClosedLoopTrial, ClosedLoopTrial] | None:
+    """Select the same manipulation with and without control, of an object or of another in the same grasp.
+
+    The first one is taken that is held with control and lost without: otherwise nothing is seen of what the detector
+    does. If there is none, it is the object's first manipulation; None if it has none with both.
+    """
+    without = {(trial.name, trial.seed): trial for trial in trials if trial.detector == NO_CONTROL}
+    pairs = [
+        (trial, without[trial.name, trial.seed])
+        for trial in trials
+        if trial.detector == detector and (trial.name, trial.seed) in without
+    ]
+    own = [pair for pair in pairs if pair[0].name == shown]
+    if not own:
+        return None
+    grasp = own[0][0].manipulation.scene.grasp.kind
+    others = [pair for pair in pairs if pair[0].name != shown and pair[0].manipulation.scene.grasp.kind == grasp]
+    return next((pair for pair in (*own, *others) if pair[0].held and not pair[1].held), own[0])
+
+
+def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> bytes:
+    """Plot forces, detections, closing of the fingers and displacement of the object; returns a PNG."""
+    figure = new_figure(10, 9)
+    panels = figure.subplots(4, 1, sharex=True, height_ratios=(2.2, 0.9, 2.2, 1.4))
+    force, detections, closing, displacement = panels
+    manipulation = trial.manipulation
+    t = manipulation.time_s
+    for i, finger in enumerate(manipulation.fingers):
+        color = _FINGERS[finger]
+        force.plot(t, manipulation.output("force_n")[i], color=color, linewidth=0.8, label=finger)
+        closing.plot(t, 1000 * manipulation.signals.closing_m[i], color=color, linewidth=1.1, label=finger)
+    force.set_ylabel("normal force [N]")
+    # Above the axes, where it covers no data
+    force.legend(frameon=False, ncols=5, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    closing.set_ylabel("closing [mm]")
+    # Show the last millimetres, in which the hand reacts: the initial closing is the same in all manipulations.
+    closed = np.searchsorted(t, manipulation.plan.closed_s)
+    low = 1000 * float(min(signal[closed] for signal in manipulation.signals.closing_m))
+    closing.set_ylim(bottom=max(0.0, 0.85 * low))
+    flags = np.array([(decision.detected, decision.suppressed) for decision in trial.decisions], dtype=np.bool_)
+    periods = np.array([decision.time_s for decision in trial.decisions])
+    rows = (
+        ("used", intervals(periods, flags[:, 0] & ~flags[:, 1]), COLOURS.get(trial.detector, OTHER_COLOUR)),
+        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), REFERENCE),
+        ("true slip", intervals(t, any_finger_slips(manipulation)), TRUTH),
+    )
+    for row, (_, found, color) in enumerate(rows):
+        spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.01)) for i in found]
+        detections.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
+    detections.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    detections.set_ylim(len(rows) - 0.4, -0.6)
+    detections.set_ylabel(f"detections\nof {trial.detector}")
+    for decision in trial.decisions:
+        if decision.tightened:
+            for axes in panels:
+                axes.axvline(decision.time_s, color=TEXT_COLOUR, linestyle=":", linewidth=1)
+    displacement.plot(t, 1000 * manipulation.signals.object_m, color=BLUE, label="with control")
+    other = uncontrolled.manipulation
+    label = f"without control: {'held too' if uncontrolled.held else 'lost'}"
+    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=REFERENCE, label=label)
+    displacement.set_ylabel("object [mm]")
+    displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
+    displacement.legend(
+        frameon=False, fontsize=9, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0
+    )
+    for axes in panels:
+        style_axes(axes)
+    displacement.set_xlim(float(t[0]), float(t[-1]))
+    reaction = "no reaction" if trial.reaction_s is None else f"reaction {1000 * trial.reaction_s:.0f} ms"
+    held = "held" if trial.held else "lost"
+    scene = manipulation.scene
+    grasp = f"{scene.grasp.kind} grasp of {trial.name.replace('_', ' ')}, {1000 * scene.object.mass_kg:g} g"
+    figure.suptitle(f"{grasp}, {trial.detector} in the loop: {held}, {reaction}", x=0.01, ha="left", fontsize=10)
+    figure.align_ylabels()
+    return to_png(figure)
+
+
+def _draw_rows(
+    axes: Axes, trace: Trace, rows: Sequence[tuple[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]]
+) -> None:
+    """Draw one row of ON intervals per name, the true slip last."""
+    assert trace.slip is not None
+    named = [*rows, ("true slip", trace.slip)]
+    for row, (name, flags) in enumerate(named):
+        spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.004)) for i in intervals(trace.time_s, flags)]
+        color = TRUTH if name == "true slip" else COLOURS.get(name, BLUE)
+        axes.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
+    axes.set_yticks(range(len(named)), [name for name, _ in named])
+    axes.set_ylim(len(named) - 0.4, -0.6)
+    style_axes(axes, "x")
+
+
+def _shade_motion(axes: Axes, trace: Trace) -> None:
+    if trace.origin.motion_s is not None:
+        shade_encoder_band(axes, trace.origin.motion_s)
+
+
+def _shade_slip(axes: Axes, trace: Trace) -> None:
+    assert trace.slip is not None
+    for slip in intervals(trace.time_s, trace.slip):
+        axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.25, linewidth=0)

@@ -1,0 +1,285 @@
+"""Sensitivity of the delay to the acceleration of the surface, the assumption that changes it most.
+
+The article gives a trapezoidal velocity profile, 4 cm at 4, 6 or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second"
+(figure 9). An acceleration a adds ``v / a`` to that second: 40 ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both
+round to one second. Vibration in the fingertip's band needs a speed of ``f lambda``, frequency times wavelength, so
+slip with a larger acceleration is found sooner, by every detector and by the bound.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign.evaluate import (
+    TrialResult,
+    evaluate,
+    find_onset_s,
+    measure_vibration_n,
+    median_of_known,
+    simulate_trace,
+)
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
+from fingertip.lab.campaign.run import DetectorResult, quantile_s
+from fingertip.lab.studies.bounds import compute_bounds_s
+from fingertip.sim import SceneFile
+from fingertip.slip import DETECTORS
+from fingertip.slip.detectors.noise import noise_level
+
+ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
+ASSUMED_M_S2 = 1.0
+"""Acceleration of the scenes [m/s2]."""
+BOUND = "bound"
+"""Name that stands for a detector in the rows of Lorden's bound."""
+
+
+@dataclass(frozen=True)
+class AccelerationResult:
+    """Result of one detector, or of the bound, at one acceleration; delays are infinite if too few slips were found."""
+
+    acceleration_m_s2: float
+    detector: str
+    found_share: float
+    median_s: float
+    p90_s: float
+
+
+def study_accelerations(
+    design: Design,
+    trials: int = 24,
+    first_seed: int = HELD_OUT_FROM,
+    accelerations_m_s2: Sequence[float] = ACCELERATIONS_M_S2,
+    detectors: Sequence[str] = tuple(DETECTORS),
+) -> list[AccelerationResult]:
+    """Run the same trials at each acceleration, with the design's thresholds."""
+    plan = CampaignPlan(trials, 0.5)
+    results = []
+    for a in accelerations_m_s2:
+
+        def accelerate(scene: SceneFile, a: float = a) -> SceneFile:
+            return scene.model_copy(update={"slide": scene.slide.model_copy(update={"acceleration_m_s2": a})})
+
+        delays: dict[str, list[float]] = {name: [] for name in detectors}
+        slips = dict.fromkeys(detectors, 0)
+        with compiled():
+            for case in generate_cases(plan, first_seed):
+                if case.cause != "slip":
+                    break
+                changed = replace(case, scene=accelerate(case.scene))
+                trace, force_n = simulate_trace(design, changed, detectors)
+                for name in detectors:
+                    (result,) = evaluate(changed, trace, force_n, name, design, [1.0])
+                    delays[name] += result.delays_s
+                    slips[name] += result.slips
+        bounds = compute_bounds_s(design, plan, first_seed, accelerate)
+        for name, found, count in [(BOUND, bounds, len(bounds)), *((n, delays[n], slips[n]) for n in detectors)]:
+            fraction = sum(delay < float("inf") for delay in found) / count
+            results.append(
+                AccelerationResult(a, name, fraction, quantile_s(found, count, 0.5), quantile_s(found, count, 0.9))
+            )
+    return results
+
+
+# Changes of the simulation's assumptions: parameters of scene and design, and the values or factors they take.
+
+
+_SCENE = "scene."
+
+
+@dataclass(frozen=True)
+class Factor:
+    """Factor of the value that a parameter has already."""
+
+    by: float
+
+
+Change: TypeAlias = "bool | int | float | str | Factor"
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Assumption that is changed, by one parameter or by several that belong together."""
+
+    label: str
+    changes: Mapping[str, Change]
+    """Dotted parameter -> its value, or the factor of its value. `scene.` precedes parameters of the scene, as in a
+    sweep; the others are the design's."""
+    is_realistic: bool = False
+    """True for an effect that real fingers show and the trials leave out by default."""
+
+    def vary_scene(self, scene: SceneFile) -> SceneFile:
+        """Return a scene with the changes of its parameters."""
+        changes = {name.removeprefix(_SCENE): to for name, to in self.changes.items() if name.startswith(_SCENE)}
+        return SceneFile(**_apply(scene.model_dump(), changes)) if changes else scene
+
+    def vary_design(self, design: Design) -> Design:
+        """Return a design with the changes of its parameters.
+
+        The threshold changes by the same ratio as the one that the design's noise allows, as a user would set it.
+        """
+        changes = {name: to for name, to in self.changes.items() if not name.startswith(_SCENE)}
+        if not changes:
+            return design
+        tables = _apply(design.model_dump(), changes)
+        before, after = noise_level(design).threshold_v, noise_level(Design(**tables)).threshold_v
+        if before > 0.0 and after > 0.0:
+            tables["detector"]["threshold_v"] *= after / before
+        return Design(**tables)
+
+
+def _apply(tables: dict[str, Any], changes: Mapping[str, Change]) -> dict[str, Any]:
+    """Change parameters of tables in place, and return the tables."""
+    for name, change in changes.items():
+        table, _, key = name.partition(".")
+        tables[table][key] = tables[table][key] * change.by if isinstance(change, Factor) else change
+    return tables
+
+
+def change_converter(bits: int, high_v: float) -> dict[str, Change]:
+    """Parameters of a converter from 0 V to `high_v` [V], in the scene and in the design.
+
+    A user of this converter states it in the design, because the thresholds follow from the design's noise and step.
+    The noise ahead of the converter stays the design's.
+    """
+    return {
+        "scene.converter.bits": bits,
+        "scene.converter.low_v": 0.0,
+        "scene.converter.high_v": high_v,
+        "detector.adc_bits": bits,
+        "detector.adc_range_v": high_v,
+        "detector.adc_polarity": "unipolar",
+    }
+
+
+LONG_WAIT_S = 10.0
+"""Holding time before slip in which a detector can adapt to noise [s]; the article's trials hold for 1 s."""
+HELD_LONGER = f"held for {LONG_WAIT_S:g} s"
+PATCH_AVERAGE = "profile averaged over the contact patch"
+STICK_SLIP = "stick-slip"
+BOTH = "patch average and stick-slip"
+ELASTO_PLASTIC = "elasto-plastic bristles"
+"""Labels of variations whose results the report explains."""
+
+VARIATIONS: tuple[Variation, ...] = (
+    Variation("surface accelerates at 0.5 m/s2", {"scene.slide.acceleration_m_s2": Factor(0.5)}),
+    Variation("surface accelerates at 4 m/s2", {"scene.slide.acceleration_m_s2": Factor(4.0)}),
+    Variation("resonance 60 Hz", {"scene.contact.resonance_hz": Factor(60 / 90)}),
+    Variation("resonance 135 Hz", {"scene.contact.resonance_hz": Factor(1.5)}),
+    Variation("half the force", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)}),
+    Variation("half the noise", {"detector.noise_v": Factor(0.5)}),
+    Variation("twice the noise", {"detector.noise_v": Factor(2.0)}),
+    Variation("half the speed", {"scene.slide.speed_m_s": Factor(0.5)}),
+    Variation(PATCH_AVERAGE, {"scene.contact.patch_average": True}, True),
+    Variation(STICK_SLIP, {"scene.contact.stick_slip": True}, True),
+    Variation(BOTH, {"scene.contact.patch_average": True, "scene.contact.stick_slip": True}, True),
+    Variation(ELASTO_PLASTIC, {"scene.contact.bristles": "elasto_plastic"}, True),
+    Variation("pink noise, 0.1 mV per decade", {"scene.noise.pink_v": 1e-4}, True),
+    Variation("vibration of the hand, 0.1 mV", {"scene.noise.hand_v": 1e-4}, True),
+    Variation("vibration of the hand, 0.5 mV", {"scene.noise.hand_v": 5e-4}, True),
+    Variation(
+        f"vibration of the hand, 0.5 mV, {HELD_LONGER}",
+        {"scene.noise.hand_v": 5e-4, "scene.hold.wait_s": LONG_WAIT_S},
+        True,
+    ),
+    Variation("mains hum of 1 mV at 50 Hz, and harmonics", {"scene.noise.hum_v": 1e-3}, True),
+    Variation(
+        f"mains hum of 1 mV at 50 Hz, and harmonics, {HELD_LONGER}",
+        {"scene.noise.hum_v": 1e-3, "scene.hold.wait_s": LONG_WAIT_S},
+        True,
+    ),
+    Variation("converter of 12 bits, 0 to 5 V", change_converter(12, 5.0), True),
+    Variation("converter of 10 bits, 0 to 5 V", change_converter(10, 5.0), True),
+)
+
+
+# Sensitivity of the delay to the simulation's assumptions: one at a time, on the same trials.
+#
+# Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the
+# surface over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers.
+# Their levels are assumptions that nobody has verified.
+
+
+UNCHANGED = Variation("unchanged", {})
+_NEGATIVE_MINUTES = 2.0
+
+
+@dataclass(frozen=True)
+class VariationResult:
+    """Result with one changed assumption."""
+
+    label: str
+    is_realistic: bool
+    """True for an effect that real fingers show and the trials leave out by default."""
+    slips: int
+    """Number of true slips; a trial with stick-slip may have several."""
+    found_share: float
+    median_s: float
+    """Median delay over all slips [s]; infinite if fewer than half were found."""
+    change_s: float
+    """Change of the median against the unchanged trials [s]; NaN if either is infinite."""
+    alarms_per_minute: float
+    """False alarms in a few minutes without slip: a change that shortens the delay may also cause alarms."""
+    onset_change_s: float
+    """Median change of the true onset of slip, counted from the start of the slide [s]; NaN if none is comparable."""
+    vibration_n: float
+    """RMS vibration of the normal force in slip, median of the trials [N]; NaN without slip."""
+
+
+@dataclass(frozen=True)
+class _VariationRun:
+    pooled: DetectorResult
+    onsets_s: tuple[float, ...]
+    """True onset in each trial, NaN without slip."""
+    vibrations_n: tuple[float, ...]
+
+
+def study_assumptions(
+    design: Design,
+    detector: str,
+    trials: int = 24,
+    first_seed: int = HELD_OUT_FROM,
+    variations: Sequence[Variation] = VARIATIONS,
+) -> list[VariationResult]:
+    """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
+    base = _run_variation(design, detector, UNCHANGED, trials, first_seed)
+    results = [_compare(UNCHANGED, base, base)]
+    for variation in variations:
+        results.append(_compare(variation, _run_variation(design, detector, variation, trials, first_seed), base))
+    return results
+
+
+def _run_variation(design: Design, detector: str, variation: Variation, trials: int, first_seed: int) -> _VariationRun:
+    changed_design = variation.vary_design(design)
+    collected: list[TrialResult] = []
+    onsets_s, vibrations_n = [], []
+    with compiled():
+        for case in generate_cases(CampaignPlan(trials, _NEGATIVE_MINUTES), first_seed):
+            if case.cause in REPORTED_SEPARATELY:
+                continue
+            changed_case = replace(case, scene=variation.vary_scene(case.scene))
+            trace, force_n = simulate_trace(changed_design, changed_case, [detector])
+            collected += evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
+            if case.cause == "slip":
+                onsets_s.append(find_onset_s(changed_design, changed_case, trace))
+                vibrations_n.append(measure_vibration_n(trace))
+    return _VariationRun(DetectorResult(1.0, tuple(collected)), tuple(onsets_s), tuple(vibrations_n))
+
+
+def _compare(variation: Variation, run: _VariationRun, base: _VariationRun) -> VariationResult:
+    median_s, before_s = run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
+    is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
+    return VariationResult(
+        variation.label,
+        variation.is_realistic,
+        run.pooled.slips,
+        run.pooled.found_share,
+        median_s,
+        median_s - before_s if is_comparable else math.nan,
+        run.pooled.alarms_per_minute,
+        median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True)),
+        median_of_known(run.vibrations_n),
+    )

@@ -1,0 +1,313 @@
+"""Placement of dimensions: extension and dimension lines, arrows, and text where nothing else lies.
+
+Dimension lines lie in lanes beside their view, short ones inside. Diameters get a leader. For each size many places are
+tried, and the one of least cost among those whose text is clear of everything is taken (ISO 129-1 for the form).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from fingertip.foundation.numerics import Array
+from fingertip.pictures.drawing.primitives import (
+    DIMENSION,
+    Arc,
+    Arrow,
+    Hatch,
+    Point,
+    Polyline,
+    Primitive,
+    Text,
+    line,
+    text_width,
+)
+from fingertip.pictures.drawing.sizes import Circle, Length
+
+# Raster of a sheet that tells what is drawn where, so that no text covers anything else.
+
+
+Box = tuple[float, float, float, float]
+_CELL_MM = 0.25
+
+
+class Occupancy:
+    """Raster of a sheet with three layers: lines of views, lines of dimensions, and text."""
+
+    def __init__(self, width: float, height: float) -> None:
+        shape = (math.ceil(height / _CELL_MM) + 1, math.ceil(width / _CELL_MM) + 1)
+        self.edges, self.lines, self.texts = (np.zeros(shape, dtype=bool) for _ in range(3))
+
+    def add(self, primitives: Iterable[Primitive], *, is_view: bool = False) -> None:
+        """Add primitives; those of views count as edges."""
+        layer = self.edges if is_view else self.lines
+        for primitive in primitives:
+            match primitive:
+                case Polyline(points):
+                    self._mark(layer, points)
+                case Arc():
+                    self._mark(layer, primitive.points())
+                case Arrow():
+                    corners = primitive.corners()
+                    self._mark(layer, (*corners, corners[0]))
+                case Hatch():
+                    for hatched in primitive.lines():
+                        self._mark(layer, hatched.points)
+                case Text():
+                    rows, columns = self._cells(primitive.box(), 0.0)
+                    self.texts[rows, columns] = True
+
+    def block(self, box: Box) -> None:
+        """Keep everything out of a box."""
+        rows, columns = self._cells(box, 0.0)
+        self.texts[rows, columns] = True
+
+    def is_free(self, box: Box, margin: float) -> bool:
+        """Tell whether nothing lies in a box and within a margin of it, and the box within the sheet."""
+        left, bottom, right, top = box
+        height, width = ((n - 1) * _CELL_MM for n in self.texts.shape)
+        if left < margin or bottom < margin or right > width - margin or top > height - margin:
+            return False
+        rows, columns = self._cells(box, margin)
+        return not any(layer[rows, columns].any() for layer in (self.edges, self.lines, self.texts))
+
+    def crosses_text(self, points: Iterable[Point]) -> bool:
+        """Tell whether a polyline crosses a text."""
+        return self._count(self.texts, points) > 0
+
+    def crossings(self, points: Iterable[Point]) -> tuple[int, int]:
+        """Count the cells of edges and of other lines that a polyline crosses."""
+        points = tuple(points)
+        return self._count(self.edges, points), self._count(self.lines, points)
+
+    def _cells(self, box: Box, margin: float) -> tuple[slice, slice]:
+        left, bottom, right, top = box
+        return (
+            slice(max(0, int((bottom - margin) / _CELL_MM)), max(0, math.ceil((top + margin) / _CELL_MM)) + 1),
+            slice(max(0, int((left - margin) / _CELL_MM)), max(0, math.ceil((right + margin) / _CELL_MM)) + 1),
+        )
+
+    def _mark(self, layer: np.ndarray, points: Iterable[Point]) -> None:
+        rows, columns = self._indices(layer, points)
+        layer[rows, columns] = True
+
+    def _count(self, layer: np.ndarray, points: Iterable[Point]) -> int:
+        rows, columns = self._indices(layer, points)
+        return int(layer[rows, columns].sum())
+
+    def _indices(self, layer: np.ndarray, points: Iterable[Point]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the cells under a polyline, without those outside the sheet."""
+        sampled: list[Array] = []
+        for a, b in pairwise(points):
+            count = max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)
+            sampled.append(np.linspace(a, b, count))
+        cells = (np.concatenate(sampled) / _CELL_MM).astype(int) if sampled else np.zeros((0, 2), int)
+        columns, rows = cells[:, 0], cells[:, 1]
+        inside = (rows >= 0) & (rows < layer.shape[0]) & (columns >= 0) & (columns < layer.shape[1])
+        return rows[inside], columns[inside]
+
+
+TEXT_MM = 2.5
+"""Height of dimensions (ISO 3098-1)."""
+FIRST_LANE_MM, LANE_MM = 9.0, 7.0
+"""Distance of the first dimension line from its view, and of the next one from it."""
+_MAX_LANES = 12
+_ARROW_MM = 2.5
+_GAP_MM, _PAST_MM = 0.8, 1.5
+"""Gap between outline and extension line, and its length past the dimension line."""
+_ABOVE_LINE_MM, _BALLOON_ABOVE_MM = 0.9, 1.3
+_BALLOON_RADIUS_MM = 2.3
+_BALLOON_GAP_MM = 0.8
+_MARGIN_MM = 0.6
+"""Free space around text."""
+_LEADER_ANGLES_DEG = (45, 135, 225, 315, 60, 120, 240, 300, 30, 150, 210, 330, 75, 105, 255, 285, 15, 165, 195, 345)
+_LEADER_LENGTHS_MM = (5, 7, 9, 12, 15, 18, 21, 25, 30, 35, 40, 45, 50, 60, 70, 80)
+_MAX_ALONG = 10
+"""Cells of other lines under a dimension line from which on both would run along each other."""
+
+
+class NoRoomError(Exception):
+    """A size finds no place on a sheet of this scale."""
+
+
+@dataclass(frozen=True)
+class PlacedLength:
+    """Length on paper: its ends, the side and edge of the view, and its text."""
+
+    size: Length
+    start: Point
+    end: Point
+    edge: float
+    """Coordinate of the view's edge on the side of the dimension line."""
+    balloon: int
+
+    @property
+    def is_level(self) -> bool:
+        """True if the dimension line is horizontal."""
+        return self.size.side in ("above", "below")
+
+    @property
+    def span(self) -> float:
+        """Length of the dimension line."""
+        i = 0 if self.is_level else 1
+        return abs(self.end[i] - self.start[i])
+
+
+def place_lengths(lengths: Sequence[PlacedLength], occupancy: Occupancy) -> Iterator[Primitive]:
+    """Place all lengths on one side of a view.
+
+    Raises
+    ------
+    NoRoomError
+        If one finds no place.
+    """
+    pending = sorted(lengths, key=lambda placed: (round(placed.span, 3), placed.size.name))
+    while pending:
+        placed = pending.pop(0)
+        index = 0 if placed.is_level else 1
+        reserved = [end[index] for other in pending for end in (other.start, other.end)]
+        own = [placed.start[index], placed.end[index]]
+        reserved = [at for at in reserved if min(abs(at - mine) for mine in own) > 0.05]
+        found = _place_length(placed, occupancy, reserved)
+        occupancy.add(found)
+        yield from found
+
+
+def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence[float]) -> tuple[Primitive, ...]:
+    """Place one length; `reserved` are the coordinates of extension lines to come."""
+    best: tuple[float, tuple[Primitive, ...]] | None = None
+    index, side = (0, placed.size.side) if placed.is_level else (1, placed.size.side)
+    out = 1.0 if side in ("above", "right") else -1.0
+    low, high = sorted((placed.start[index], placed.end[index]))
+    width = _group_width(placed.size.text(), placed.balloon)
+
+    def at(u: float, v: float) -> Point:
+        return (u, v) if placed.is_level else (v, u)
+
+    for lane in range(_MAX_LANES):
+        v = placed.edge + out * (FIRST_LANE_MM + lane * LANE_MM)
+        if best and best[0] <= 3.0 * lane:
+            break
+        for middle, penalty in _text_middles(low, high, width):
+            begin, end = middle - width / 2, middle + width / 2
+            if any(begin - _MARGIN_MM < u < end + _MARGIN_MM for u in reserved):
+                continue
+            text = _text_group(placed.size.text(), placed.balloon, at(begin, v), turned=not placed.is_level)
+            if not all(occupancy.is_free(box, _MARGIN_MM) for box in _boxes(text)):
+                continue
+            narrow = high - low < 2 * _ARROW_MM + 1.5
+            outside = _ARROW_MM + 1.5 if narrow else 0.0
+            along = (at(min(low - outside, begin), v), at(max(high + outside, end), v))
+            extensions = []
+            for point in (placed.start, placed.end):
+                u = point[index]
+                from_v = point[1 - index] + out * _GAP_MM
+                extensions.append((at(u, from_v), at(u, v + out * _PAST_MM)))
+            if any(occupancy.crosses_text(each) for each in (along, *extensions)):
+                continue
+            edges, lines = occupancy.crossings(along)
+            if lines > _MAX_ALONG:
+                continue
+            crossed = sum(sum(occupancy.crossings(each)) for each in extensions)
+            cost = 3.0 * lane + penalty + 0.4 * edges + 0.6 * lines + 0.01 * crossed
+            if best and cost >= best[0]:
+                continue
+            turn = 0.0 if placed.is_level else 90.0
+            inwards = (at(low, v), turn + (0.0 if narrow else 180.0)), (at(high, v), turn + (180.0 if narrow else 0.0))
+            arrows = tuple(Arrow(tip, direction, _ARROW_MM) for tip, direction in inwards)
+            drawn = (*(line(a, b, DIMENSION) for a, b in (along, *extensions)), *arrows, *text)
+            best = (cost, drawn)
+    if best is None:
+        raise NoRoomError(placed.size.name)
+    return best[1]
+
+
+def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float, float]]:
+    """List places for the middle of a text along a dimension line, with what each costs."""
+    middle, span = (low + high) / 2, high - low
+    if width <= span - 2 * _ARROW_MM - 1.0:
+        room = (span - width) / 2 - _ARROW_MM
+        for share in (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0):
+            yield middle + share * room, 0.5 * abs(share)
+    beyond = _ARROW_MM + 2.0 + width / 2
+    for further in (0.0, 6.0, 14.0):
+        yield high + beyond + further, 1.5 + 0.1 * further
+        yield low - beyond - further, 1.7 + 0.1 * further
+
+
+def place_circle(
+    size: Circle, centre: Point, radius: float, balloon: int, occupancy: Occupancy
+) -> tuple[Primitive, ...]:
+    """Place a diameter or a radius with a leader. The radius is that on paper.
+
+    Raises
+    ------
+    NoRoomError
+        If it finds no place.
+    """
+    best: tuple[float, tuple[Primitive, ...]] | None = None
+    width = _group_width(size.text(), balloon)
+    directions = [angle for angle in _LEADER_ANGLES_DEG if size.has_edge_at(angle)]
+    for order, angle_deg in enumerate(directions):
+        c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+        tip = (centre[0] + radius * c, centre[1] + radius * s)
+        for length in _LEADER_LENGTHS_MM:
+            knee = (tip[0] + length * c, tip[1] + length * s)
+            way = 1.0 if c > 0.0 else -1.0
+            landing = (knee[0] + way * (width + 1.0), knee[1])
+            begin = min(knee[0], landing[0]) + 0.5
+            text = _text_group(size.text(), balloon, (begin, knee[1]), turned=False)
+            if not all(occupancy.is_free(box, _MARGIN_MM) for box in _boxes(text)):
+                continue
+            path = (tip, knee, landing)
+            if occupancy.crosses_text(path):
+                continue
+            edges, lines = occupancy.crossings((_away(tip, c, s), knee, landing))
+            cost = 0.12 * length + 0.5 * edges + 0.5 * lines + 0.05 * order
+            if best and cost >= best[0]:
+                continue
+            arrow = Arrow(tip, angle_deg + 180.0, _ARROW_MM)
+            best = (cost, (line(tip, knee, DIMENSION), line(knee, landing, DIMENSION), arrow, *text))
+    if best is None:
+        raise NoRoomError(size.name)
+    occupancy.add(best[1])
+    return best[1]
+
+
+def _away(tip: Point, c: float, s: float) -> Point:
+    """Return a point on the leader past its arrow, where it no longer touches the circle."""
+    return tip[0] + c, tip[1] + s
+
+
+def _group_width(text: str, balloon: int) -> float:
+    return text_width(text, TEXT_MM) + (2 * _BALLOON_RADIUS_MM + _BALLOON_GAP_MM if balloon else 0.0)
+
+
+def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple[Arc | Text, ...]:
+    """Arrange a text and its balloon along a line that begins at `start`, on its upper or left side."""
+    above = _BALLOON_ABOVE_MM if balloon else _ABOVE_LINE_MM
+
+    def to_paper(u: float, v: float) -> Point:
+        return (start[0] - v, start[1] + u) if turned else (start[0] + u, start[1] + v)
+
+    if not balloon:
+        return (Text(text, to_paper(0.0, above), TEXT_MM, turned=turned),)
+    r, middle = _BALLOON_RADIUS_MM, above + TEXT_MM / 2
+    return (
+        Arc(to_paper(r, middle), r, 0.0, 360.0, DIMENSION),
+        Text(str(balloon), to_paper(r, above), TEXT_MM, "middle", turned),
+        Text(text, to_paper(2 * r + _BALLOON_GAP_MM, above), TEXT_MM, turned=turned),
+    )
+
+
+def _boxes(group: Sequence[Arc | Text]) -> Iterator[Box]:
+    for item in group:
+        if isinstance(item, Text):
+            yield item.box()
+        else:
+            (x, y), r = item.centre, item.radius
+            yield x - r, y - r, x + r, y + r

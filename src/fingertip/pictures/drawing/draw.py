@@ -1,0 +1,115 @@
+"""Drawing of a design: a sheet for each printed part, as SVG files and one PDF."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.design import Design
+from fingertip.foundation import extras
+from fingertip.pictures.drawing.insert_sizes import bone_drawing, core_drawing, lid_drawing
+from fingertip.pictures.drawing.layout import lay_out
+from fingertip.pictures.drawing.mold_sizes import dorsal_drawing, palmar_drawing
+from fingertip.pictures.drawing.pdf import render_pdf
+from fingertip.pictures.drawing.primitives import Sheet
+from fingertip.pictures.drawing.projection import project_parts
+from fingertip.pictures.drawing.sizes import Length, PartDrawing
+from fingertip.pictures.drawing.svg import render_svg
+from fingertip.pictures.drawing.title_block import Heading
+
+# Sheets of a design: one for each printed part.
+
+
+_DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
+    "bone": bone_drawing,
+    "lid": lid_drawing,
+    "mold_palmar": palmar_drawing,
+    "mold_dorsal": dorsal_drawing,
+    "core": core_drawing,
+}
+
+
+def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
+    """List the printed parts of a design with what their sheets show."""
+    printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
+    return tuple(_as_printed(design, _DRAWINGS[name](design)) for name in printed)
+
+
+def _as_printed(design: Design, drawing: PartDrawing) -> PartDrawing:
+    """Add to each size what the printer adds. The scale of the files is there to give the design's size."""
+    sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
+    return replace(drawing, sizes=sizes, notes=_notes(design, drawing))
+
+
+def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
+    notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step."]
+    if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:
+        notes.append("Engraved text is not shown.")
+    offset, scale = design.printer.offset_mm, design.printer.scale_percent
+    if offset:
+        much = "thick" if offset > 0.0 else "thin"
+        notes.append(f"All sizes are those of the print, {abs(offset):g} mm too {much} (printer.offset_mm):")
+        outer, inner = ("smaller", "larger") if offset > 0.0 else ("larger", "smaller")
+        notes.append(f"in STEP, outer sizes are so much {outer}, inner ones {inner}.")
+    if scale != 100.0:
+        notes.append(f"STL and 3MF hold the sizes of STEP times {scale:g} %.")
+    if any(isinstance(size, Length) and size.is_reference for size in drawing.sizes):
+        notes.append("Sizes in parentheses start at no surface: for reference only.")
+    return tuple(notes)
+
+
+PDF = "drawing.pdf"
+
+
+def svg_name(part: str) -> str:
+    """Name of the file with the sheet of a part."""
+    return f"drawing_{part}.svg"
+
+
+def file_names(design: Design) -> tuple[str, ...]:
+    """List the files of a drawing."""
+    return (*(svg_name(drawing.part) for drawing in part_drawings(design)), PDF)
+
+
+def require_packages(field: str) -> None:
+    """Raise a `MissingLibraryError` that blames `field` unless cadquery and reportlab are installed."""
+    extras.require(field, "cadquery", "reportlab", alternative="draw a picture with fingertip picture")
+
+
+def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, Sheet]:
+    """Draw a sheet for each printed part, by name.
+
+    Raises
+    ------
+    MissingLibraryError
+        If cadquery cannot be loaded.
+    GeometryError
+        If the B-rep kernel fails, or no paper has room for all dimensions.
+    """
+    drawings = part_drawings(design)
+    # The engraved letters would hide the rest under some hundred edges. A note names them.
+    plain = design.with_values({"mold.engraving_depth_mm": 0.0})
+    progress("projecting the parts in a second process")
+    views = project_parts(tuple((d.part, PARTS[d.part].solid(plain), d.views) for d in drawings))
+    sheets = {}
+    for number, drawing in enumerate(drawings, 1):
+        progress(f"laying out {drawing.part}")
+        sheets[drawing.part] = lay_out(drawing, views[drawing.part], Heading(design.name, "", number, len(drawings)))
+    return sheets
+
+
+def draw_files(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, bytes]:
+    """Draw a design: file name -> content.
+
+    Raises
+    ------
+    MissingLibraryError
+        If cadquery or reportlab is missing.
+    GeometryError
+        As `draw_sheets` does.
+    """
+    require_packages("drawing")
+    sheets = draw_sheets(design, progress)
+    files = {svg_name(part): render_svg(sheet) for part, sheet in sheets.items()}
+    return files | {PDF: render_pdf(tuple(sheets.values()), f"fingertip {design.name}")}

@@ -1,0 +1,272 @@
+"""Layout of a sheet: paper and scale, places of the views, centre lines, section line, and all dimensions.
+
+The largest scale of ISO 5455 on the smallest paper whose views and dimensions all find a place is taken; A3 before a
+smaller scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.pictures.drawing.dimensioning import (
+    FIRST_LANE_MM,
+    LANE_MM,
+    Box,
+    NoRoomError,
+    Occupancy,
+    PlacedLength,
+    place_circle,
+    place_lengths,
+)
+from fingertip.pictures.drawing.primitives import (
+    CENTRE,
+    EDGE,
+    HIDDEN,
+    Arrow,
+    Hatch,
+    Point,
+    Polyline,
+    Primitive,
+    Sheet,
+    Text,
+    line,
+)
+from fingertip.pictures.drawing.sizes import Circle, Length, PartDrawing, Side
+from fingertip.pictures.drawing.title_block import Heading, Paper, draw_frame
+from fingertip.pictures.drawing.views import PROJECTIONS, ProjectedView, Projection, ViewName
+
+A4, A3 = Paper("A4", 297.0, 210.0), Paper("A3", 420.0, 297.0)
+A2, A1 = Paper("A2", 594.0, 420.0), Paper("A1", 841.0, 594.0)
+SCALES = (("5:1", 5.0), ("2:1", 2.0), ("1:1", 1.0), ("1:2", 0.5))
+"""Scales of ISO 5455."""
+CHOICES = (
+    *((paper, scale) for scale in SCALES for paper in (A4, A3)),
+    *((paper, scale) for scale in SCALES[2:] for paper in (A2, A1)),
+)
+"""Papers and scales in the order in which they are tried."""
+_HATCH_MM = 2.5
+_PAST_VIEW_MM = 3.0
+"""Length of centre lines past what they pass through."""
+_CUT_MM = (2.0, 7.0)
+"""Distances from the view between which the ends of the section line lie."""
+_LETTER_MM = 3.5
+_NAME_ABOVE_MM = 3.0
+"""Distance of the section's name from the section."""
+Arrangement: TypeAlias = tuple[tuple[ViewName, ViewName | None], ...]
+"""Views on the left and on the right of each row, from the top."""
+_SIDES: tuple[Side, ...] = ("above", "below", "left", "right")
+_MIN_GAP_MM = 12.0
+
+
+@dataclass(frozen=True)
+class PlacedView:
+    """View with its scale and its place on paper."""
+
+    name: ViewName
+    view: ProjectedView
+    projection: Projection
+    scale: float
+    origin: Point
+    """Place of the part's origin on paper."""
+
+    def on_paper(self, point: Point) -> Point:
+        """Place a point of the view."""
+        return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
+
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Return left, bottom, right and top on paper."""
+        left, bottom, right, top = self.view.bounds()
+        return *self.on_paper((left, bottom)), *self.on_paper((right, top))
+
+    def edge(self, side: Side) -> float:
+        """Return the coordinate from which the lanes of a side are counted: past the ends of the section line."""
+        left, bottom, right, top = self.bounds()
+        past = _beside_section_line(self.name)
+        return {"above": top, "below": bottom, "left": left - past, "right": right + past}[side]
+
+
+def _beside_section_line(name: ViewName) -> float:
+    """Return the width that the ends of the section line need on both sides of a view."""
+    return _CUT_MM[1] - 2.0 if name in ("palmar", "dorsal") else 0.0
+
+
+def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading: Heading) -> Sheet:
+    """Lay out the sheet of a part. The scale in the heading is filled in.
+
+    Raises
+    ------
+    GeometryError
+        If no paper and scale has room for all dimensions.
+    """
+    missing = ""
+    for paper, (name, scale) in CHOICES:
+        for arrangement in _arrangements(part.plan):
+            try:
+                primitives = _draw(part, views, replace(heading, scale=name), paper, scale, arrangement)
+            except NoRoomError as error:
+                missing = str(error)
+                continue
+            title = f"{heading.design}: {part.title}, sheet {heading.sheet} of {heading.sheets}"
+            return Sheet(title, paper.width, paper.height, primitives)
+    message = f"no paper has room for the {missing} of {part.part}; measure it in the STEP file of `fingertip build`."
+    raise GeometryError(Issue("drawing", message))
+
+
+def _draw(
+    part: PartDrawing,
+    views: Mapping[ViewName, ProjectedView],
+    heading: Heading,
+    paper: Paper,
+    scale: float,
+    arrangement: Arrangement,
+) -> tuple[Primitive, ...]:
+    frame, free_above = draw_frame(paper, part, heading)
+    placed = _place_views(part, views, scale, (paper.left, free_above, paper.right, paper.top), arrangement)
+    occupancy = Occupancy(paper.width, paper.height)
+    for box in (
+        (0.0, 0.0, paper.left, paper.height), (paper.right, 0.0, paper.width, paper.height),
+        (0.0, 0.0, paper.width, free_above), (0.0, paper.top, paper.width, paper.height),
+    ):  # fmt: skip
+        occupancy.block(box)
+    edges = [primitive for view in placed.values() for primitive in _view_edges(view)]
+    centres = [*_centre_lines(placed, part), *_circle_centres(placed, part)]
+    # Centre lines and the ends of the section line count as edges: no dimension line runs along them.
+    occupancy.add(edges, is_view=True)
+    occupancy.add(centres, is_view=True)
+    marks = [*_section_marks(placed[part.plan], placed["section"])]
+    occupancy.add(marks, is_view=True)
+    dimensions: list[Primitive] = []
+    balloons = {size.name: i for i, size in enumerate(part.checked, 1)}
+    for view in placed.values():
+        for side in _SIDES:
+            dimensions += place_lengths(_lengths_on(view, side, part, balloons), occupancy)
+    for view in placed.values():
+        for size in part.sizes:
+            if isinstance(size, Circle) and size.view == view.name:
+                centre = view.on_paper(view.projection.flatten(size.centre))
+                dimensions += place_circle(size, centre, size.radius * scale, balloons.get(size.name, 0), occupancy)
+    return (*edges, *centres, *marks, *dimensions, *frame)
+
+
+def _place_views(
+    part: PartDrawing, views: Mapping[ViewName, ProjectedView], scale: float, free: Box, arrangement: Arrangement
+) -> dict[ViewName, PlacedView]:
+    """Place the views in rows and columns; a row shares its origin's height, a column the place of its origin."""
+    bounds = {name: tuple(scale * b for b in views[name].bounds()) for name in part.views}
+    rows = [[name for name in row if name] for row in arrangement]
+    columns = [[name for row in arrangement for name in row[k : k + 1] if name] for k in (0, 1)]
+
+    def lanes(name: ViewName, side: Side) -> float:
+        lengths = [size for size in part.sizes if isinstance(size, Length) and size.view == name and size.side == side]
+        beside = _beside_section_line(name) if side in ("left", "right") else 0.0
+        named = _NAME_ABOVE_MM + _LETTER_MM if (name, side) == ("section", "above") else 0.0
+        return max(named, beside) + (FIRST_LANE_MM + LANE_MM * (len(lengths) - 1) + 4.0 if lengths else _MIN_GAP_MM / 2)
+
+    def extent(names: Sequence[ViewName], k: int, low: Side, high: Side) -> tuple[float, float, float, float]:
+        """Return the lower and upper bound of views along an axis, and the widths of their lanes."""
+        return (
+            min(bounds[name][k] for name in names), max(bounds[name][k + 2] for name in names),
+            max(lanes(name, low) for name in names), max(lanes(name, high) for name in names),
+        )  # fmt: skip
+
+    across = [extent(names, 0, "left", "right") for names in columns if names]
+    upwards = [extent(names, 1, "below", "above") for names in rows]
+    spare_x = free[2] - free[0] - sum(high - low + before + after for low, high, before, after in across)
+    spare_y = free[3] - free[1] - sum(high - low + before + after for low, high, before, after in upwards)
+    if spare_x < 0.0 or spare_y < 0.0:
+        raise NoRoomError("views")
+    xs, ys = [], []
+    x, y = free[0], free[3]
+    for low, high, before, after in across:
+        x += spare_x / (len(across) + 1) + before
+        xs.append(x - low)
+        x += high - low + after
+    for low, high, before, after in upwards:
+        y -= spare_y / (len(upwards) + 1) + after
+        ys.append(y - high)
+        y -= high - low + before
+    return {
+        name: PlacedView(name, views[name], PROJECTIONS[name], scale, (xs[k], ys[i]))
+        for i, row in enumerate(arrangement)
+        for k, name in enumerate(row)
+        if name
+    }
+
+
+def _arrangements(plan: ViewName) -> tuple[Arrangement, ...]:
+    """List the places of the views: a palmar view above the front view, a dorsal one below it, the end on its right.
+
+    The section may stand anywhere, because it has a name.
+    """
+    if plan == "palmar":
+        return ((("palmar", "section"), ("front", "end")), (("palmar", None), ("front", "end"), ("section", None)))
+    return ((("front", "end"), ("dorsal", "section")), (("front", "end"), ("dorsal", None), ("section", None)))
+
+
+def _view_edges(placed: PlacedView) -> Iterator[Primitive]:
+    """Draw the edges of a view: hatching and hidden ones first, so that visible ones lie over them."""
+    view = placed.view
+    if view.cut:
+        yield Hatch(tuple(tuple(placed.on_paper(p) for p in ring) for ring in view.cut), _HATCH_MM)
+    for edges, style in ((view.hidden, HIDDEN), (view.visible, EDGE)):
+        for edge in edges:
+            yield Polyline(tuple(placed.on_paper(p) for p in edge), style)
+
+
+def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
+    """Draw the plane of symmetry in plan and end view, and the axes of holes."""
+    for name in (part.plan, "end"):
+        left, bottom, right, top = views[name].bounds()
+        x, y = views[name].origin
+        if name == "end":
+            yield line((x, bottom - _PAST_VIEW_MM), (x, top + _PAST_VIEW_MM), CENTRE)
+        else:
+            yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), CENTRE)
+    for axis in part.axes:
+        view = views[axis.view]
+        start, end = (view.on_paper(view.projection.flatten(p)) for p in (axis.start, axis.end))
+        yield line(start, end, CENTRE)
+
+
+def _circle_centres(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
+    """Draw the crossed centre lines of the circles that are dimensioned."""
+    for size in part.sizes:
+        if isinstance(size, Circle):
+            view = views[size.view]
+            x, y = view.on_paper(view.projection.flatten(size.centre))
+            reach = size.radius * view.scale + _PAST_VIEW_MM / 2
+            yield line((x - reach, y), (x + reach, y), CENTRE)
+            yield line((x, y - reach), (x, y + reach), CENTRE)
+
+
+def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]:
+    """Draw the section line A-A in the plan, with arrows in the direction of view, and the name over the section."""
+    left, _, right, _ = plan.bounds()
+    y = plan.origin[1]
+    towards = 1.0 if plan.projection.up[0] > 0.0 else -1.0  # the section looks along +x
+    for edge, out in ((left, -1.0), (right, 1.0)):
+        near, far = (edge + out * distance for distance in _CUT_MM)
+        yield line((near, y), (far, y), EDGE)
+        yield line((far, y), (far, y + towards * 6.0), EDGE)
+        yield Arrow((far, y + towards * 7.5), 90.0 * towards, 3.5)
+        below = y - towards * 2.0 - (_LETTER_MM if towards > 0.0 else 0.0)
+        yield Text("A", (far, below), _LETTER_MM, "middle")
+    left, _, _, top = section.bounds()
+    yield Text("A-A", (left, top + _NAME_ABOVE_MM), _LETTER_MM)
+
+
+def _lengths_on(view: PlacedView, side: Side, part: PartDrawing, balloons: Mapping[str, int]) -> list[PlacedLength]:
+    return [
+        PlacedLength(
+            size,
+            view.on_paper(view.projection.flatten(size.start)),
+            view.on_paper(view.projection.flatten(size.end)),
+            view.edge(side),
+            balloons.get(size.name, 0),
+        )
+        for size in part.sizes
+        if isinstance(size, Length) and size.view == view.name and size.side == side
+    ]

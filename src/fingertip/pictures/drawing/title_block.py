@@ -1,0 +1,185 @@
+"""Frame, title block, table of the sizes to check, and notes of a sheet (ISO 5457 and ISO 7200 for the form)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fingertip.foundation.version import __version__
+from fingertip.pictures.drawing.dimensioning import TEXT_MM
+from fingertip.pictures.drawing.primitives import (
+    CENTRE,
+    EDGE,
+    FRAME,
+    GRID,
+    Arc,
+    Polyline,
+    Primitive,
+    Text,
+    line,
+    rectangle,
+    text_width,
+)
+from fingertip.pictures.drawing.sizes import GENERAL, PartDrawing, general
+
+BORDER_MM, FILING_MM = 10.0, 20.0
+"""Width of the border, and on the left, where the sheet is filed."""
+_ROW_MM, _LINE_MM, _PAD_MM = 5.2, 3.9, 1.5
+_BLOCK_WIDTH_MM = 130.0
+_BLOCK_ROWS_MM = (9.0, 9.0, 9.0, 9.0)
+_TITLE_MM = 3.5
+
+
+@dataclass(frozen=True)
+class Paper:
+    """Size of a sheet in landscape [mm]."""
+
+    name: str
+    width: float
+    height: float
+
+    @property
+    def left(self) -> float:
+        """Left edge of the frame."""
+        return FILING_MM
+
+    @property
+    def right(self) -> float:
+        """Right edge of the frame."""
+        return self.width - BORDER_MM
+
+    @property
+    def bottom(self) -> float:
+        """Lower edge of the frame."""
+        return BORDER_MM
+
+    @property
+    def top(self) -> float:
+        """Upper edge of the frame."""
+        return self.height - BORDER_MM
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Content of the title block that the part alone does not give."""
+
+    design: str
+    scale: str
+    sheet: int
+    sheets: int
+
+
+def draw_frame(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[tuple[Primitive, ...], float]:
+    """Draw frame, title block, table and notes; returns the height above which the sheet is free too."""
+    block, block_top = _title_block(paper, part, heading)
+    # On narrow paper the table stands above the title block.
+    beside = paper.right - paper.left - _BLOCK_WIDTH_MM >= 180.0
+    right, bottom = (paper.right - _BLOCK_WIDTH_MM, paper.bottom) if beside else (paper.right, block_top)
+    table, table_top = _table(part, paper.left, right, bottom)
+    notes_left = paper.right - _BLOCK_WIDTH_MM + _PAD_MM if beside else paper.left + _PAD_MM
+    base = block_top if beside else paper.bottom
+    notes = [
+        Text(note, (notes_left, base + _PAD_MM + 1.0 + i * 4.5), TEXT_MM) for i, note in enumerate(reversed(part.notes))
+    ]
+    top = max(block_top + (4.5 * len(notes) + 2.0 if beside else 0.0), table_top)
+    return (rectangle(paper.left, paper.bottom, paper.right, paper.top, FRAME), *block, *table, *notes), top
+
+
+def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[list[Primitive], float]:
+    left, right, bottom = paper.right - _BLOCK_WIDTH_MM, paper.right, paper.bottom
+    top = bottom + sum(_BLOCK_ROWS_MM)
+    first, second = left + 50.0, left + 102.0
+    rows = [bottom + sum(_BLOCK_ROWS_MM[:i]) for i in range(len(_BLOCK_ROWS_MM) + 1)]
+    drawn: list[Primitive] = [rectangle(left, bottom, right, top, EDGE)]
+    drawn += [line((left, y), (right, y), GRID) for y in rows[1:-1]]
+    drawn += [line((x, rows[0]), (x, rows[2]), GRID) for x in (first, second)]
+    drawn += [line((second, rows[2]), (second, top), GRID), line((first, rows[3]), (first, top), GRID)]
+    cells = (
+        (left, rows[3], "part", part.title),
+        (first, rows[3], "design", heading.design),
+        (left, rows[2], "material", part.material),
+        (left, rows[1], "general tolerances", GENERAL),
+        (first, rows[1], "unit", "mm"),
+        (second, rows[1], "scale", heading.scale),
+        (left, rows[0], "made with", f"fingertip {__version__}"),
+        (first, rows[0], "file", f"drawing_{part.part}.svg"),
+        (second, rows[0], "sheet", f"{heading.sheet} of {heading.sheets}"),
+    )
+    ends = {left: (first, second), first: (second, second), second: (right, right)}
+    for x, y, label, content in cells:
+        height = _TITLE_MM if label in ("part", "scale", "sheet") else TEXT_MM
+        room = (second if label == "material" else ends[x][0]) - x - 2 * _PAD_MM
+        drawn.append(Text(label, (x + _PAD_MM, y + _BLOCK_ROWS_MM[0] - 2.9), 1.8))
+        drawn.append(Text(_shorten(content, height, room), (x + _PAD_MM, y + 1.5), height))
+    drawn += _projection_symbol((second + right) / 2, rows[2] + _BLOCK_ROWS_MM[0])
+    return drawn, top
+
+
+def _projection_symbol(x: float, y: float) -> list[Primitive]:
+    """Draw the symbol of first-angle projection: a truncated cone and, on its right, its view from the left."""
+    large, small, length = 4.2, 2.1, 8.4
+    cone_x, circle_x = x - 9.0, x + 6.0
+    cone = ((cone_x, y - small), (cone_x + length, y - large), (cone_x + length, y + large), (cone_x, y + small))
+    return [
+        Polyline((*cone, cone[0]), EDGE),
+        Arc((circle_x, y), large, 0.0, 360.0, EDGE),
+        Arc((circle_x, y), small, 0.0, 360.0, EDGE),
+        line((cone_x - 1.5, y), (cone_x + length + 1.5, y), CENTRE),
+        line((circle_x - large - 1.5, y), (circle_x + large + 1.5, y), CENTRE),
+        line((circle_x, y - large - 1.5), (circle_x, y + large + 1.5), CENTRE),
+    ]
+
+
+def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple[list[Primitive], float]:
+    """Draw the table of the sizes to check."""
+    columns = [left, left + 9.0, left + 9.0 + 58.0, left + 88.0, left + 110.0]
+    wrapped = [
+        (
+            size,
+            _wrap(size.name, columns[2] - columns[1] - 2 * _PAD_MM),
+            _wrap(size.action, right - columns[4] - 2 * _PAD_MM),
+        )
+        for size in part.checked
+    ]
+    heights = [_ROW_MM + _LINE_MM * (max(len(name), len(action)) - 1) for _, name, action in wrapped]
+    drawn: list[Primitive] = []
+    y = bottom
+    for i in range(len(wrapped) - 1, -1, -1):
+        size, name, action = wrapped[i]
+        y += heights[i]
+        first = y - 3.8
+        tolerance = size.tolerance or general(size.printed)
+        symbol = size.text().removesuffix(f" {tolerance.text()}")
+        drawn += [Text(str(i + 1), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle")]
+        drawn += [Text(text, (columns[1] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(name)]
+        drawn += [
+            Text(symbol, (columns[2] + _PAD_MM, first), TEXT_MM),
+            Text(tolerance.text(), (columns[3] + _PAD_MM, first), TEXT_MM),
+        ]
+        drawn += [Text(text, (columns[4] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(action)]
+        drawn.append(line((left, y), (right, y), GRID))
+    top = y + _ROW_MM
+    titles = ("check", "size, measured with calipers", "print reads", "tolerance", "if it is out of tolerance")
+    drawn += [Text(title, (x + 0.8, y + 1.4), 2.0) for x, title in zip(columns, titles, strict=True)]
+    drawn += [line((x, bottom), (x, top), GRID) for x in columns[1:]]
+    return [rectangle(left, bottom, right, top, EDGE), *drawn], top
+
+
+def _wrap(text: str, width: float) -> list[str]:
+    """Break a text into lines of at most this width."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if text_width(longer, TEXT_MM) <= width or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def _shorten(text: str, height: float, width: float) -> str:
+    """Cut a text that is too wide for its cell."""
+    if text_width(text, height) <= width:
+        return text
+    while text and text_width(f"{text}...", height) > width:
+        text = text[:-1]
+    return f"{text}..."

@@ -1,0 +1,332 @@
+"""Picture of a design: exploded views from both sides, a section through the mold, and a joint on the hand.
+
+An arrow points at the place where the bone breaks first.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.kernel.solids import Solid
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.interface import knuckle
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.strength.assess import assess_strength
+from fingertip.design import Design
+from fingertip.design.geometry.joint import Joint
+from fingertip.foundation.display import Picture
+from fingertip.foundation.numerics import Array
+from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
+from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
+
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
+
+
+# View of a clevis: the finger on the hand's knuckle, straight and bent to the end of its travel, cut open.
+
+
+HAND = "hand"
+"""Name of the hand's part of the joint."""
+_GAP_MM = 12.0
+
+
+def place_on_hand(
+    design: Design, joint: Joint, evaluator: MeshEvaluator, parts: Mapping[str, Solid]
+) -> list[tuple[str, Mesh]]:
+    """Place the given parts on the hand twice, side by side along the finger, without their half at x < 0."""
+    placed: list[tuple[str, Mesh]] = []
+    shift = 0.0
+    for angle_deg in (0.0, design.hand.travel_deg) if design.hand.travel_deg else (0.0,):
+        turned = {name: _turn(evaluator, solid, joint, angle_deg) for name, solid in parts.items()}
+        hand = evaluator.manifold(knuckle(design, joint)).trim_by_plane((1.0, 0.0, 0.0), 0.0)
+        hand = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z - 3 * joint.radius)
+        hand = hand.trim_by_plane((0.0, -1.0, 0.0), -design.dimensions.collar.section.dorsal)
+        turned[HAND] = to_canonical_mesh(hand)
+        high = max(float(mesh.vertices[:, 2].max()) for mesh in turned.values())
+        low = min(float(mesh.vertices[:, 2].min()) for mesh in turned.values())
+        placed += [(name, _shift(mesh, shift - low)) for name, mesh in turned.items()]
+        shift += high - low + _GAP_MM
+    return placed
+
+
+def _turn(evaluator: MeshEvaluator, solid: Solid, joint: Joint, angle_deg: float) -> Mesh:
+    """Cut a solid open, and bend it about the pin by an angle towards the palmar side."""
+    cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
+    at_origin = cut.translate((0.0, -joint.axis_y, -joint.axis_z))
+    return to_canonical_mesh(at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z)))
+
+
+def _shift(mesh: Mesh, z_mm: float) -> Mesh:
+    return Mesh(mesh.vertices + np.array((0.0, 0.0, z_mm)), mesh.triangles)
+
+
+_TOLERANCE_MM = 0.02
+_MARGIN_PX, _CAPTION_PX, _FONT_PX, _CLEAR_PX = 36, 24, 17, 5
+_INK, _MARK_INK = (40, 40, 40), (150, 30, 20)
+_PART_LABELS = (*PARTS, "sensor")
+_COLOURS: Mapping[str, Colour] = {
+    **{name: part.colour for name, part in PARTS.items()},
+    "sensor": SENSOR_COLOUR,
+    HAND: (0.80, 0.80, 0.78),
+}
+"""Colours of the parts and of what lies with them."""
+_MARK_REACH_MM = 1.0
+"""Distance along the finger within which the surface above a weak section is looked for."""
+
+
+@dataclass(frozen=True)
+class PlacedMesh:
+    """Mesh at the position where it is drawn."""
+
+    label: str
+    mesh: Mesh
+    colour: Colour
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Distance by which the mesh was moved from where the part lies."""
+
+
+def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
+    """Draw two exploded views of a design above a section through the closed mold.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    width_px
+        Width of the picture [pixels]; the height follows from it.
+    progress
+        Called with a message for each view.
+
+    Returns
+    -------
+    bytes
+        Picture as PNG.
+    """
+    from PIL import Image
+
+    evaluator = MeshEvaluator(_TOLERANCE_MM)
+    parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
+    parts["sensor"] = evaluator.mesh(sensor_body(design))
+    exploded = _explode(parts)
+    half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
+    views: list[tuple[str, list[PlacedMesh], Camera, int]] = [
+        ("dorsal view", exploded, Camera.from_angles(28, 24), half),
+        ("palmar view", exploded, Camera.from_angles(28, -38), width_px - half),
+    ]
+    panels = []
+    for title, placed, camera, width in views:
+        progress(f"drawing: {title}")
+        marks = (mark,) if title == "dorsal view" else ()
+        panels.append(_draw_panel(title, placed, camera, width, labels=_PART_LABELS, marks=marks))
+    for section in list_sections(design, evaluator):
+        progress(f"drawing: {section.title.partition(';')[0]}")
+        panels.append(draw_section(section, evaluator, width_px))
+    if design.dimensions.joint:
+        title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
+        progress(f"drawing: {title}")
+        panels.append(
+            _draw_panel(title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px, labels=(HAND,))
+        )
+    top_height = max(panels[0].shape[0], panels[1].shape[0])
+    below = panels[2:]
+    picture = np.full((top_height + sum(panel.shape[0] for panel in below), width_px, 3), 255, dtype=np.uint8)
+    picture[: panels[0].shape[0], :half] = panels[0]
+    picture[: panels[1].shape[0], half:] = panels[1]
+    for panel in below:
+        picture[top_height : top_height + panel.shape[0]] = panel
+        top_height += panel.shape[0]
+    file = io.BytesIO()
+    Image.fromarray(picture).save(file, format="PNG", optimize=True)
+    return file.getvalue()
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Text with an arrow to a point."""
+
+    text: str
+    point_mm: tuple[float, float, float]
+
+
+def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:
+    """Mark the place where the bone breaks first."""
+    found = assess_strength(design, evaluator)
+    weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
+    (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
+    y = _height_of(design, weakest.place)
+    if y is None:
+        beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
+        y = float(vertices[beside, 1].max(initial=0.0))
+    lines = (
+        f"weakest: {weakest.place},",
+        f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
+        "at the grip force",
+    )
+    return Mark("\n".join(lines), (dx, y + dy, weakest.z_mm + dz))
+
+
+def _height_of(design: Design, place: str) -> float | None:
+    """Find the height y of a named place of a clevis [mm]; None for a cross-section, which has no single one."""
+    joint, anchor = design.dimensions.joint, design.dimensions.anchor
+    if anchor and "anchor" in place:
+        return anchor.y
+    return joint.axis_y if joint and place != "cross-section" else None
+
+
+def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
+    """Place bone, sensor, lid and skin on the hand."""
+    assert design.dimensions.joint
+    solids = {
+        name: part.solid(design) for name, part in parts_by_name(design).items() if name in ("bone", "lid", "skin")
+    }
+    solids["sensor"] = sensor_body(design)
+    placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
+    return [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
+
+
+def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
+    """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
+    size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
+    gap = 6.0
+    # So far that no half hides the bone, from above or from the palm
+    spread = 1.25 * (size["bone"][1] + size["mold_palmar"][1] / 2) + 2 * gap
+    shift = {
+        "mold_dorsal": (0.0, spread, 0.0),
+        "skin": (0.0, 0.0, size["skin"][2] * 0.55 + gap),
+        "bone": (0.0, 2.0, -size["skin"][2] * 0.55),
+        "sensor": (0.0, 2.0 - gap, -size["skin"][2] * 0.55),
+        "mold_palmar": (0.0, -spread, 0.0),
+    }
+    if "lid" in parts:
+        shift["lid"] = (0.0, 2.0 + gap, -size["skin"][2] * 0.55)
+    if "core" in parts:
+        shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
+    return [
+        PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), _COLOURS[name], offset)
+        for name, offset in shift.items()
+    ]
+
+
+def _draw_panel(
+    title: str,
+    placed: list[PlacedMesh],
+    camera: Camera,
+    width_px: int,
+    *,
+    labels: Collection[str],
+    marks: tuple[Mark, ...] = (),
+) -> NDArray[np.uint8]:
+    """Draw meshes with their names, a scale bar and marks."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    centre, size = bounds([item.mesh for item in placed], camera)
+    # A long and flat picture need not fill the width; others leave room for the names.
+    scale = (width_px - 2 * _MARGIN_PX) / size[0] * (0.62 if HAND in labels else 0.9)
+    height_px = int(size[1] * scale) + 2 * _MARGIN_PX + 2 * _CAPTION_PX
+    canvas = Canvas(width_px, height_px, scale, camera)
+    for item in placed:
+        canvas.draw(item.mesh, item.colour, centre)
+    image = canvas.image()
+    picture = Image.fromarray(image)
+    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=_FONT_PX)
+    taken: NDArray[np.bool_] = np.asarray((image < 255).any(axis=2))
+    _claim(taken, pen.textbbox((16, 10), title, font=font))
+    pen.text((16, 10), title, fill=_INK, font=font)
+    draw_scale_bar(pen, (16.0, height_px - 16.0), scale)
+    _claim(taken, (0, height_px - 34, 260, height_px))
+
+    def to_pixel(point: Array) -> tuple[float, float]:
+        u, v = ((point - centre) @ camera.axes.T * scale)[:2]
+        return width_px / 2 + u, height_px / 2 - v
+
+    for mark in marks:
+        _draw_mark(pen, font, mark, to_pixel(np.array(mark.point_mm)), taken)
+    for item in placed:
+        if item.label in labels:
+            corners = (item.mesh.vertices - centre) @ camera.axes.T * scale
+            (left, low), (right, high) = corners.min(axis=0)[:2], corners.max(axis=0)[:2]
+            box = (width_px / 2 + left, height_px / 2 - high, width_px / 2 + right, height_px / 2 - low)
+            text = item.label.replace("_", " ")
+            place = find_free_place(taken, pen.textbbox((0, 0), text, font=font), box)
+            pen.text(place, text, fill=_INK, font=font)
+            _claim(taken, pen.textbbox(place, text, font=font))
+    return np.asarray(picture)
+
+
+def _draw_mark(pen: ImageDraw, font: Any, mark: Mark, tip: tuple[float, float], taken: NDArray[np.bool_]) -> None:
+    """Draw a text above the left end of the parts, with a line to the point that it marks."""
+    box = pen.multiline_textbbox((0, 0), mark.text, font=font)
+    place = find_free_place(taken, box, (16.0, tip[1] - 40.0, tip[0], tip[1]))
+    pen.multiline_text(place, mark.text, fill=_MARK_INK, font=font)
+    _claim(taken, pen.multiline_textbbox(place, mark.text, font=font))
+    start = (
+        min(max(tip[0], place[0] + 20), place[0] + box[2] - 20),
+        place[1] + (box[3] if place[1] < tip[1] else 0) + 4,
+    )
+    pen.line([start, tip], fill=_MARK_INK, width=2)
+    pen.ellipse([tip[0] - 5, tip[1] - 5, tip[0] + 5, tip[1] + 5], outline=_MARK_INK, width=2)
+
+
+def find_free_place(
+    taken: NDArray[np.bool_], text: tuple[float, float, float, float], part: tuple[float, float, float, float]
+) -> tuple[float, float]:
+    """Find the place nearest to a part where a text covers nothing.
+
+    Parameters
+    ----------
+    taken
+        Pixels that are not empty, shape (height, width).
+    text
+        Bounding box of the text at the origin: left, top, right, bottom [pixels].
+    part
+        Bounding box of the part.
+
+    Returns
+    -------
+    tuple
+        Origin of the text.
+    """
+    height, width = taken.shape
+    wide, high = int(text[2] - text[0]) + 2 * _CLEAR_PX, int(text[3] - text[1]) + 2 * _CLEAR_PX
+    filled = np.zeros((height + 1, width + 1), dtype=np.int64)
+    filled[1:, 1:] = taken.cumsum(axis=0).cumsum(axis=1)  # counts of any rectangle follow from its corners
+    counts = filled[high:, wide:] - filled[:-high, wide:] - filled[high:, :-wide] + filled[:-high, :-wide]
+    rows, columns = np.nonzero(counts == 0)
+    if not len(rows):
+        return part[0] - text[0], part[3] - text[1]
+    # Distance between the two rectangles, and then to the middle of the part
+    beside = np.maximum(0, np.maximum(part[0] - (columns + wide), columns - part[2]))
+    beyond = np.maximum(0, np.maximum(part[1] - (rows + high), rows - part[3]))
+    off = np.hypot(columns + wide / 2 - (part[0] + part[2]) / 2, rows + high / 2 - (part[1] + part[3]) / 2)
+    best = int(np.argmin(np.hypot(beside, beyond) + 0.2 * off))
+    return float(columns[best] + _CLEAR_PX - text[0]), float(rows[best] + _CLEAR_PX - text[1])
+
+
+def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> None:
+    """Mark a rectangle as not empty."""
+    left, top, right, bottom = (max(0, int(side)) for side in box)
+    taken[top : bottom + 1, left : right + 1] = True
+
+
+# Picture of a design as an object, for Python and Jupyter.
+
+
+def picture(design: Design, width_px: int = 1600) -> Picture:
+    """Draw a design: exploded views, a section through the closed mold and, with a joint, the finger on its hand.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    width_px
+        Width of the picture [pixels].
+    """
+    return Picture(draw(design, width_px))

@@ -1,0 +1,368 @@
+"""Longitudinal section of the closed mold, or of a bone, with every feature named beside it.
+
+The cut is drawn as polygons: meshes that touch in the plane would fight for each pixel in a depth buffer. Runner, gate
+and vents that lie in other planes are drawn there as dashed outlines. Names stand above and below the parts, where no
+edge runs, with a line to what they name.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.solids import Box, Solid, intersection, union
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.shapes.runners import luer_cone, runners
+from fingertip.design import Design
+from fingertip.filling.mold_filling import place_vents
+from fingertip.foundation.numerics import Array
+from fingertip.pictures.raster import Colour
+
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
+    from PIL.ImageFont import FreeTypeFont
+
+Point = tuple[float, float]
+"""Point of the plane: along the finger (z) and dorsal (y) [mm]."""
+SENSOR_COLOUR: Colour = (0.86, 0.68, 0.24)
+_FINE = 3
+"""Factor by which the picture is drawn finer than it is returned."""
+_PLANE_MM = 1e-3
+"""Distance of the cut from the plane of symmetry, in which edges of parts lie [mm]."""
+_CUT_SHADE = 0.88
+"""Brightness of a cut, over that of the part's surface."""
+_INK, _NAME_INK = (40, 40, 40), (25, 45, 90)
+_FONT_PX, _ROW_PX, _GAP_PX, _LINE_PX = 17, 26, 14, 16
+_CHEEK_PLANES = 6
+_NEAR_MM = 1.3
+"""Distance from an outline within which a feature counts as shown [mm]."""
+_BESIDE_MM = 0.05
+"""Distance of a dashed outline's plane from the axis of what it shows, whose facets end there [mm]."""
+
+
+@dataclass(frozen=True)
+class Feature:
+    """Feature of a part and the point where its line ends."""
+
+    name: str
+    at: Point
+
+
+@dataclass(frozen=True)
+class Section:
+    """Contents of one section."""
+
+    title: str
+    parts: Mapping[str, Solid]
+    dashed: Sequence[tuple[Solid, float]]
+    """Solids that are drawn dashed, each with the x of the plane in which it is cut."""
+    features: Sequence[Feature]
+
+
+def list_sections(design: Design, evaluator: MeshEvaluator) -> list[Section]:
+    """List the sections of a design: of the closed mold, and of the bone where it does not lie in it."""
+    solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
+    finger = {name: solids[name] for name in ("bone", "lid") if name in solids} | {"sensor": sensor_body(design)}
+    mold = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin")}
+    ways, of_mold, of_bone = _list_ways(design), list(_list_mold_features(design)), list(_list_bone_features(design))
+    title = "longitudinal section of the closed mold; dashed: in front of or behind the plane of the section"
+    # The window of a folded tail leaves nothing of the base in the middle: a cheek beside it is shown.
+    dims = design.dimensions
+    cheeks = [(solids["bone"], _find_cheek(design, solids["bone"], evaluator))] if dims.fold else []
+    if "core" in solids:
+        mold["core"] = solids["core"]
+        beside = "; dashed: a cheek beside the window" if cheeks else ""
+        return [
+            Section(title, mold, ways, of_mold),
+            Section(f"longitudinal section of the bone with its sensor{beside}", finger, cheeks, of_bone),
+        ]
+    return [Section(title, mold | finger, [*ways, *cheeks], [*of_mold, *of_bone])]
+
+
+def _find_cheek(design: Design, bone: Solid, evaluator: MeshEvaluator) -> float:
+    """Find the plane x beside the window of a folded tail in which the bone is longest [mm]."""
+    low, high = design.dimensions.tail_half_width, design.dimensions.bone_outline.section.half_width
+    planes = [low + (high - low) * (i + 0.5) / _CHEEK_PLANES for i in range(_CHEEK_PLANES)]
+
+    def length(x: float) -> float:
+        corners = np.concatenate(slice_solid(evaluator, bone, x))[:, 0]
+        return round(float(np.ptp(corners)), 3)
+
+    return max(planes, key=length)
+
+
+def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> NDArray[np.uint8]:
+    """Draw a section with the names of its features; returns the picture (height, width, 3)."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    font = ImageFont.load_default(size=_FONT_PX * _FINE)
+    assert isinstance(font, ImageFont.FreeTypeFont)
+    cuts = {name: slice_solid(evaluator, solid, _PLANE_MM) for name, solid in section.parts.items()}
+    dashed = [slice_solid(evaluator, solid, x) for solid, x in section.dashed]
+    corners = np.concatenate([ring for rings in (*cuts.values(), *dashed) for ring in rings])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    scale = 0.8 * width_px / (high[0] - low[0])
+    size = (high - low) * scale
+    outlines = [ring for rings in (*cuts.values(), *dashed) for ring in rings]
+    features = [one for one in dict.fromkeys(section.features) if is_near(one.at, outlines)]
+    upper = [feature for feature in features if feature.at[1] >= 0]
+    lower = [feature for feature in features if feature.at[1] < 0]
+    above, below = (_place_names(names, font, low[0], scale, width_px, size[0]) for names in (upper, lower))
+    head = _ROW_PX + 14
+    top = head + _ROW_PX * _count_rows(above) + _LINE_PX
+    height_px = int(top + size[1] + _LINE_PX + _ROW_PX * _count_rows(below) + 44)
+    picture = Image.new("RGB", (width_px * _FINE, height_px * _FINE), "white")
+    pen, left = ImageDraw.Draw(picture), (width_px - size[0]) / 2
+
+    def to_pixel(point: Iterable[float]) -> Point:
+        z, y = point
+        return _FINE * (left + (z - low[0]) * scale), _FINE * (top + (high[1] - y) * scale)
+
+    for name, rings in cuts.items():
+        _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], _colour_of(name))
+    for rings in dashed:
+        for ring in rings:
+            _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
+    for names, line_y, way in ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1)):
+        for placed in names:
+            _draw_name(pen, font, placed, to_pixel(placed.feature.at), line_y, way)
+    pen.text((16 * _FINE, 10 * _FINE), section.title, fill=_INK, font=font)
+    picture = picture.resize((width_px, height_px), Image.Resampling.BOX)
+    draw_scale_bar(ImageDraw.Draw(picture), (16.0, height_px - 16.0), scale)
+    return np.asarray(picture)
+
+
+def is_near(point: Point, outlines: Sequence[Array]) -> bool:
+    """Return whether a point lies within an outline or close to one: the section then shows what is there."""
+    at = np.array(point)
+    is_inside = False
+    for ring in outlines:
+        a, b = ring, np.roll(ring, -1, axis=0)
+        along = b - a
+        squares = np.maximum((along * along).sum(axis=1), 1e-12)
+        share = np.clip(((at - a) * along).sum(axis=1) / squares, 0.0, 1.0)
+        if np.hypot(*(a + share[:, None] * along - at).T).min() <= _NEAR_MM:
+            return True
+        crosses = (a[:, 1] > at[1]) != (b[:, 1] > at[1])
+        x = a[:, 0] + (at[1] - a[:, 1]) / np.where(crosses, along[:, 1], 1.0) * along[:, 0]
+        is_inside |= bool(np.count_nonzero(crosses & (x > at[0])) % 2)
+    return is_inside
+
+
+def slice_solid(evaluator: MeshEvaluator, solid: Solid, x: float) -> list[Array]:
+    """Cut a solid by the plane at `x` [mm]; returns its outlines as points (z, y), holes among them."""
+    turned = evaluator.manifold(solid).rotate((0.0, -90.0, 0.0))  # x becomes the height, z runs against the first axis
+    return [np.asarray(ring) * np.array([-1.0, 1.0]) for ring in turned.slice(x).to_polygons()]
+
+
+def draw_scale_bar(pen: ImageDraw, corner: Point, pixels_per_mm: float) -> None:
+    """Draw a bar of a round length, its lower left corner at a point of the picture."""
+    from PIL import ImageFont
+
+    wanted = 130 / pixels_per_mm
+    decade = 10.0 ** math.floor(math.log10(wanted))
+    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted)
+    x, y = corner
+    end = x + length * pixels_per_mm
+    pen.line([(x, y), (end, y)], fill=_INK, width=2)
+    for at in (x, end):
+        pen.line([(at, y - 5), (at, y + 5)], fill=_INK, width=2)
+    font = ImageFont.load_default(size=_FONT_PX - 2)
+    pen.text((end + 8, y), f"{length:g} mm", fill=_INK, font=font, anchor="lm")
+
+
+def _list_ways(design: Design) -> list[tuple[Solid, float]]:
+    """List what leads silicone in and air out beside the plane, each with its own plane."""
+    inlet, layout = design.mold_layout.inlet, design.mold_layout
+    fixed, vents = runners(design), place_vents(design)
+    ways = fixed[: len(fixed) - len(vents)]
+    if inlet:
+        sprue, runner = ways
+        shown = [(union(sprue, *luer_cone(design)), inlet.x), (runner, math.copysign(abs(inlet.gate_x), inlet.x))]
+    else:
+        shown = [(union(*ways), layout.gate_x)]
+    for vent, solid in zip(vents, fixed[len(ways) :], strict=True):
+        shown.append((solid, vent.point_mm[0]))
+    # Some reach past the block, so that they cut its faces.
+    low, high = -layout.palmar_height, layout.dorsal_height
+    block = Box((-layout.half_width, low, layout.proximal_z), (layout.half_width, high, layout.distal_z))
+    return [(intersection(solid, block), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
+
+
+def _list_mold_features(design: Design) -> Iterable[Feature]:
+    """List the features of mold and skin."""
+    dims, layout = design.dimensions, design.mold_layout
+    outer, inlet, chaplet = dims.outer, layout.inlet, dims.chaplet
+    if inlet:
+        yield Feature("gate", (inlet.gate_z, inlet.depth / 2))
+        yield Feature("inlet for the syringe", (inlet.z, layout.dorsal_height - 2.0))
+    else:
+        yield Feature("gate", ((layout.inlet_z + layout.distal_z) / 2, 0.0))
+        yield Feature("funnel", (layout.distal_z - 1.0, 0.0))
+    for i, vent in enumerate(place_vents(design)):
+        _, y, z = vent.point_mm
+        if vent.kind == "dorsal":
+            yield Feature("vent", (z, (y + layout.dorsal_height) / 2 + 1.5 * i))
+        elif vent.kind == "tip":
+            yield Feature("vent", ((z + layout.distal_z) / 2, y))
+        else:
+            yield Feature("vent", (z, vent.diameter_mm / 4))
+    if chaplet:
+        height = (chaplet.facet_y + outer.section.dorsal) / 2
+        yield Feature("chaplet", (chaplet.z - (chaplet.radius + chaplet.hole_radius) / 2, height))
+    middle = 0.45 * design.skin.length_mm
+    yield Feature("skin", (middle, -(dims.flat_depth + outer.section.palmar) / 2 - 0.2))
+    yield Feature("palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2))
+    yield Feature("dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height))
+    if design.mold.method == "sleeve":
+        yield Feature("core", (middle, 0.0))
+
+
+def _list_bone_features(design: Design) -> Iterable[Feature]:
+    """List the features of the bone and its sensor."""
+    dims, bone = design.dimensions, design.bone
+    section, collar = dims.bone_outline.section, dims.collar
+    dorsal, palmar = (section.dorsal + collar.section.dorsal) / 2, (dims.base_flat_depth + collar.section.palmar) / 2
+    # A folded tail takes the collar's dorsal side for its trough, and its proximal end for the window.
+    if dims.fold:
+        yield Feature("collar", (-bone.collar_length_mm / 4, -palmar))
+    else:
+        yield Feature("collar", (-bone.collar_length_mm / 2, dorsal))
+    if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
+        groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
+        yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))
+    yield Feature("sensor", (dims.sensor_z, -dims.flat_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
+    if not dims.window_opens_into_gap:
+        yield Feature("hole for the tie", (dims.tie_hole_z, dims.tie_hole_y))
+    if dims.fold:
+        fold = dims.fold
+        yield Feature("window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0))
+        yield Feature(
+            "lid", ((fold.nose_z + fold.trough_end_z) / 2, fold.floor_y + 0.7 * (section.dorsal - fold.floor_y))
+        )
+        if not dims.window_opens_into_gap:
+            yield Feature("cable groove", (dims.cable_groove_end_z + 1.0, section.dorsal - dims.cable_groove_depth / 2))
+    else:
+        yield Feature("relief of the solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6))
+        yield Feature("cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2))
+    if dims.joint:
+        yield Feature("joint", (dims.joint.axis_z, dims.joint.axis_y))
+        if dims.anchor:
+            yield Feature("tendon's anchor", (dims.anchor.z, dims.anchor.y))
+    elif bone.interface == "post":
+        yield Feature("cross bolt", (dims.cross_bolt_z, (section.dorsal - dims.base_flat_depth) / 2))
+
+
+@dataclass(frozen=True)
+class _PlacedName:
+    feature: Feature
+    x: float
+    """Middle of the name [pixels]."""
+    row: int
+    """Row counted from the parts."""
+
+
+def _place_names(
+    features: Sequence[Feature], font: FreeTypeFont, low_z: float, scale: float, width_px: int, length_px: float
+) -> list[_PlacedName]:
+    """Place names in as few rows as their widths allow, each as near as possible to what it names."""
+    left = (width_px - length_px) / 2
+    ordered = sorted(features, key=lambda feature: feature.at[0])
+    widths = [font.getlength(feature.name) / _FINE + _GAP_PX for feature in ordered]
+    rows = max(1, math.ceil(sum(widths) / (width_px - 40)))
+    placed: list[_PlacedName] = []
+    for row in range(rows):
+        chosen = list(itertools.islice(zip(ordered, widths, strict=True), row, None, rows))
+        wanted = [left + (feature.at[0] - low_z) * scale for feature, _ in chosen]
+        middles = spread([width for _, width in chosen], wanted, width_px)
+        placed += [_PlacedName(feature, x, row) for (feature, _), x in zip(chosen, middles, strict=True)]
+    return placed
+
+
+def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> list[float]:
+    """Shift intervals until none overlaps the next and all lie within `total`; returns their middles.
+
+    Neighbours that would overlap form a block, which stands where its members' mean wish is.
+    """
+    blocks: list[tuple[float, float, list[int]]] = []  # middle, width, members
+    for i, (width, wish) in enumerate(zip(widths, wanted, strict=True)):
+        middle, size, members = wish, width, [i]
+        while True:
+            middle = min(max(middle, size / 2), total - size / 2)
+            if not blocks or blocks[-1][0] + blocks[-1][1] / 2 <= middle - size / 2 + 1e-9:
+                break
+            _, before, others = blocks.pop()
+            members = [*others, *members]
+            size += before
+            middle = sum(wanted[k] for k in members) / len(members)
+        blocks.append((middle, size, members))
+    found = [0.0] * len(widths)
+    for middle, size, members in blocks:
+        start = middle - size / 2
+        for k in members:
+            found[k] = start + widths[k] / 2
+            start += widths[k]
+    return found
+
+
+def _count_rows(names: Sequence[_PlacedName]) -> int:
+    return 1 + max((placed.row for placed in names), default=-1)
+
+
+def _draw_name(pen: ImageDraw, font: FreeTypeFont, placed: _PlacedName, target: Point, line_y: float, way: int) -> None:
+    """Draw a name and the line to its feature, with a dot at the end."""
+    x, y = placed.x * _FINE, (line_y + way * (_ROW_PX * placed.row + 2)) * _FINE
+    pen.line([(x, y), target], fill=_NAME_INK, width=_FINE)
+    radius = 3.5 * _FINE
+    u, v = target
+    pen.ellipse([u - radius, v - radius, u + radius, v + radius], fill="white", outline=_NAME_INK, width=2 * _FINE)
+    base = y - 5 * _FINE if way < 0 else y + 15 * _FINE
+    left, top, right, bottom = pen.textbbox((x, base), placed.feature.name, font=font, anchor="ms")
+    pen.rectangle([left - 4 * _FINE, top - _FINE, right + 4 * _FINE, bottom + _FINE], fill="white")
+    pen.text((x, base), placed.feature.name, fill=_NAME_INK, font=font, anchor="ms")
+
+
+def _colour_of(name: str) -> tuple[int, int, int]:
+    base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
+    red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
+    return red, green, blue
+
+
+def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int, int]) -> None:
+    """Fill outlines by the even-odd rule, so that holes stay open, and draw their edges."""
+    from PIL import Image, ImageChops, ImageDraw
+
+    mask = Image.new("1", picture.size)
+    for ring in rings:
+        one = Image.new("1", picture.size)
+        ImageDraw.Draw(one).polygon(list(ring), fill=1)
+        mask = ImageChops.logical_xor(mask, one)
+    picture.paste(colour, mask=mask)
+    pen = ImageDraw.Draw(picture)
+    for ring in rings:
+        pen.line([*ring, ring[0]], fill=_INK, width=_FINE)
+
+
+def _dash(pen: ImageDraw, line: Sequence[Point]) -> None:
+    """Draw a dashed line."""
+    on, off = 7.0 * _FINE, 4.0 * _FINE
+    done = 0.0
+    for (ax, ay), (bx, by) in itertools.pairwise(line):
+        length = math.hypot(bx - ax, by - ay)
+        at = 0.0
+        while at < length:
+            phase = (done + at) % (on + off)
+            step = min((on if phase < on else on + off) - phase, length - at)
+            if phase < on:
+                ends = [(ax + (bx - ax) * t / length, ay + (by - ay) * t / length) for t in (at, at + step)]
+                pen.line(ends, fill=_INK, width=round(1.3 * _FINE))
+            at += max(step, 1e-6)
+        done += length

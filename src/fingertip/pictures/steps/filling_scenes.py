@@ -1,0 +1,239 @@
+"""Scenes at the closed mold: try the syringe, fill or pour, and let it cure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from fingertip.cad.kernel.solids import Box, cylinder, difference
+from fingertip.filling.mold_filling import place_vents
+from fingertip.pictures.raster import Camera
+from fingertip.pictures.steps.bench import GLASS, PRODUCT, STEEL, Bench
+from fingertip.pictures.steps.scene import DORSAL, FUNNEL_UP, Arrow, Label, Scene, Shown
+
+Data = Mapping[str, Any]
+
+_LIFT_MM = 12.0
+"""Height of a lifted syringe above its cone [mm]."""
+
+
+def _in_pose(data: Data) -> Camera:
+    """Look at the mold from its side in the pose of filling, in which the first vent is the highest point."""
+    x, y, z = data["filling"]["up"]
+    return Camera.looking_from((-1.0, 0.35, 0.35), (x, y, z))
+
+
+def _closed(bench: Bench) -> list[Shown]:
+    """Show the closed mold with its bolts."""
+    return [
+        bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(), *bench.chaplet_screw()
+    ]  # fmt: skip
+
+
+def _vent_labels(bench: Bench, text: str) -> list[Label]:
+    """Label the outer ends of all vents."""
+    m, labels = bench.design.mold_layout, []
+    for vent in place_vents(bench.design):
+        (x, _, z) = vent.point_mm
+        match vent.kind:
+            case "dorsal":
+                labels.append(Label(text, (x, m.dorsal_height, z)))
+            case "tip":
+                labels.append(Label(text, (x, 0.0, m.distal_z)))
+            case "side":
+                side = math.copysign(m.half_width, x)
+                labels.append(Label(text, (side, 0.0, m.clear_side_z(z, vent.diameter_mm))))
+    return labels
+
+
+def try_cone(bench: Bench, data: Data) -> Scene:
+    """Show the empty syringe above the cone of the empty mold."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    return Scene(
+        (bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.syringe(lift_mm=_LIFT_MM)),
+        DORSAL,
+        (
+            *_vent_labels(bench, "vent: a wire\nmust pass"),
+            Label("Luer cone: the nozzle\nmust not rock", (inlet.x, m.dorsal_height, inlet.z)),
+        ),
+        (_into_cone(bench),),
+    )
+
+
+def try_syringe(bench: Bench, data: Data) -> Scene:
+    """Show the empty syringe above its cone, its plunger pulled back."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    return Scene(
+        (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
+        DORSAL,
+        (*_vent_labels(bench, "vent: air must come"), Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z))),
+        (_into_cone(bench),),
+    )
+
+
+def _into_cone(bench: Bench) -> Arrow:
+    """Show the way of the nozzle into its cone."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    x, z = inlet.x, inlet.z + 10.0
+    return Arrow((x, m.dorsal_height + _LIFT_MM - 1.0, z), (x, m.dorsal_height + 2.0, z))
+
+
+def measure(bench: Bench, data: Data) -> Scene:
+    """Show where to measure the sensor of the closed mold."""
+    low = bench.design.dimensions.base_end_z
+    return Scene(
+        tuple(_closed(bench)),
+        DORSAL,
+        (Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)),),
+    )
+
+
+def fill(bench: Bench, data: Data) -> Scene:
+    """Show the mold in its pose, cut open, while the silicone rises from the side of the collar to the vent."""
+    m, inlet, filling = bench.design.mold_layout, bench.design.mold_layout.inlet, data["filling"]
+    assert inlet
+    start = (inlet.x, m.dorsal_height + 70.0, inlet.z)
+    pressing = f"{filling['syringe']['thumb_n']:g} N, steadily,\nsome {filling['fill_s']:g} s"
+    return Scene(
+        (
+            bench.part("mold_dorsal", cut=True), bench.part("mold_palmar", cut=True), *bench.in_mold(cut=True),
+            bench.casting(cut=True), *bench.vents(), *bench.chaplet_screw(cut=True), *bench.bolts(cut=True),
+            *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
+        ),
+        _in_pose(data),
+        (
+            *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
+            Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
+        ),
+        (Arrow((start[0], start[1], start[2] + 12.0), (start[0], start[1] - 22.0, start[2] + 12.0)),),
+    )  # fmt: skip
+
+
+def leave(bench: Bench, data: Data) -> Scene:
+    """Show the full mold with the syringe in its cone."""
+    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
+    assert inlet
+    return Scene(
+        (*_closed(bench), *bench.syringe(0.2)),
+        _in_pose(data),
+        (
+            *_vent_labels(bench, "full"),
+            Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
+            Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
+        ),
+    )
+
+
+def stand(bench: Bench, data: Data) -> Scene:
+    """Show the mold that gravity fills, its funnel up."""
+    m = bench.design.mold_layout
+    return Scene(
+        tuple(_closed(bench)),
+        FUNNEL_UP,
+        (
+            Label("funnel", (m.gate_x, 0.0, m.distal_z)),
+            Label(f"{bench.insert}, down", (0.0, 0.0, bench.design.dimensions.base_end_z)),
+            Label("hold here", (-m.half_width, 0.0, m.pry_z)),
+        ),
+    )
+
+
+def pour(bench: Bench, data: Data) -> Scene:
+    """Show the stream into the funnel, the mold cut open."""
+    m = bench.design.mold_layout
+    stream = cylinder("z", (m.gate_x, 0.0), m.distal_z - 2.0, m.distal_z + 25.0, 0.6)
+    return Scene(
+        (
+            bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(),
+            bench.solid(stream, PRODUCT),
+        ),
+        FUNNEL_UP,
+        (Label("thin stream", (m.gate_x, 0.0, m.distal_z + 20.0)), *_vent_labels(bench, "silicone must rise here")),
+    )  # fmt: skip
+
+
+def cure(bench: Bench, data: Data) -> Scene:
+    """Show the mold while the silicone cures, with the syringe still in its cone."""
+    hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.design.mold_layout
+    syringe = bench.syringe(0.2) if m.inlet else []
+    pose = _in_pose(data) if m.inlet else FUNNEL_UP
+    return Scene((*_closed(bench), *syringe), pose, (Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)),))
+
+
+# Scenes at the scale: weigh, degas, and load the syringe.
+
+
+_FRONT = Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0))
+_CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
+
+
+def _find_level_mm(data: Data) -> float:
+    """Level of the mixture in the cup [mm]."""
+    density = 0.5 * sum(data["silicone"]["properties"]["density_g_cm3"][end] for end in ("low", "high"))
+    return float(1000.0 * data["batch"]["total_g"] / density / (math.pi * _CUP_RADIUS_MM**2))
+
+
+def weigh(bench: Bench, data: Data) -> Scene:
+    """Show the cup on the scale, and the level after each component."""
+    batch, (first, second) = data["batch"], data["silicone"]["components"]
+    level = _find_level_mm(data)
+    share = batch["a_g"] / batch["total_g"]
+    scale = Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
+    return Scene(
+        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), bench.solid(scale, STEEL)),
+        _FRONT,
+        (
+            Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (_CUP_RADIUS_MM, 0.0, level)),
+            Label(f"first {batch['a_g']:g} g of {first}", (-_CUP_RADIUS_MM, 0.0, share * level)),
+            Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
+        ),
+    )
+
+
+def degas(bench: Bench, data: Data) -> Scene:
+    """Show the cup under vacuum, large enough for the foam."""
+    level = _find_level_mm(data)
+    bell = difference(
+        cylinder("z", (0.0, 0.0), -2.0, 75.0, 45.0), cylinder("z", (0.0, 0.0), 0.0, 72.0, 42.0),
+        Box((-60.0, -60.0, 0.0), (60.0, 0.0, 90.0)),
+    )  # fmt: skip
+    return Scene(
+        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, 4 * level), bench.solid(bell, GLASS)),
+        _FRONT,
+        (
+            Label("foam rises some\nfour times as high,\nthen falls", (_CUP_RADIUS_MM, 0.0, 4 * level)),
+            Label("vacuum chamber", (-43.0, 0.0, 60.0)),
+            Label(f"silicone before:\n{level:.0f} mm high in this cup", (-_CUP_RADIUS_MM, 0.0, level)),
+        ),
+    )
+
+
+def load_syringe(bench: Bench, data: Data) -> Scene:
+    """Show the syringe with its silicone."""
+    filling, inlet = data["filling"], bench.design.mold_layout.inlet
+    assert inlet
+    share = filling["load_cm3"] / filling["syringe"]["volume_ml"]
+    shown = bench.syringe(share)
+    high = max(float(item.mesh.vertices[:, 1].max()) for item in shown)
+    low = min(float(item.mesh.vertices[:, 1].min()) for item in shown)
+    camera = Camera.looking_from((-1.0, -0.2, 0.2), (0.0, 1.0, 0.0))
+    level = float(shown[-1].mesh.vertices[:, 1].max())
+    radius = inlet.syringe.bore_mm / 2
+    shown += [*bench.plunger_wire(level), *bench.nozzle_cap()]
+    return Scene(
+        tuple(shown),
+        camera,
+        (
+            Label("cap: take it off\nbefore you press\nthe air out", (inlet.x, low, inlet.z)),
+            Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),
+            Label(
+                "wire beside the plunger\nlets the air out; then\npull it out",
+                (inlet.x - radius, level + 8.0, inlet.z + 0.7 * radius),
+            ),
+        ),
+        (Arrow((inlet.x, high + 16.0, inlet.z), (inlet.x, high + 2.0, inlet.z)),),
+    )

@@ -1,0 +1,169 @@
+"""Scene of a step: shaded meshes with arrows and labels, drawn as a PNG.
+
+Labels stand in the margins, on the side of what they name, one below the other, so that none covers the parts or
+another label.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.kernel.solids import Point3
+from fingertip.foundation.numerics import Array
+from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
+
+if TYPE_CHECKING:
+    from PIL.ImageDraw import ImageDraw
+
+
+Pixel: TypeAlias = tuple[float, float]
+
+_WIDTH_PX, _MARGIN_PX, _PADDING_PX = 900, 200, 24
+"""Width of a picture, of the margin on each side that holds labels, and the distance of everything from the edge."""
+_MAX_HEIGHT_PX = 560
+_FONT_PX, _LINE_PX = 16, 20
+_INK, _LEADER, _ARROW = (35, 35, 40), (115, 115, 120), (176, 44, 24)
+_HEAD_PX, _HEAD_ANGLE = 13.0, math.radians(24.0)
+"""Length of an arrow's head, and the angle between its edge and the arrow."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Mesh at the place where it is drawn."""
+
+    mesh: Mesh
+    colour: Colour
+
+
+@dataclass(frozen=True)
+class Label:
+    """Text that names a point."""
+
+    text: str
+    """One line, or several that are separated by line feeds."""
+    point_mm: Point3
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """Motion of a part or a force on it."""
+
+    start_mm: Point3
+    end_mm: Point3
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Content of a picture: meshes, the camera that sees them, and what is written beside them."""
+
+    shown: tuple[Shown, ...]
+    camera: Camera
+    labels: tuple[Label, ...] = ()
+    arrows: tuple[Arrow, ...] = ()
+
+
+def draw_scene(scene: Scene) -> bytes:
+    """Draw a scene as a PNG, as large as its parts allow within the margins."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    centre, size = bounds(_everything(scene), scene.camera)
+    room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
+    scale = min(room[0] / size[0], room[1] / size[1])
+    height = int(size[1] * scale) + 2 * _PADDING_PX
+    height = max(height, _PADDING_PX * 2 + _LINE_PX * max(_count_lines(scene, side, centre) for side in (-1, 1)))
+
+    canvas = Canvas(_WIDTH_PX, height, scale, scene.camera)
+    for item in scene.shown:
+        canvas.draw(item.mesh, item.colour, centre)
+    picture = Image.fromarray(canvas.image())
+    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=_FONT_PX)
+
+    def place(point: Point3) -> Pixel:
+        u, v = ((np.array(point) - centre) @ scene.camera.axes.T * scale)[:2]
+        return _WIDTH_PX / 2 + float(u), height / 2 - float(v)
+
+    for arrow in scene.arrows:
+        _draw_arrow(pen, place(arrow.start_mm), place(arrow.end_mm))
+    for side in (-1, 1):
+        entries = [(place(label.point_mm), label.text) for label in _labels_on(scene, side, centre)]
+        for y, (tip, text) in zip(_spread(entries, height), entries, strict=True):
+            x = _PADDING_PX if side < 0 else _WIDTH_PX - _PADDING_PX
+            pen.multiline_text(
+                (x, y), text, fill=_INK, font=font, anchor="lm" if side < 0 else "rm", spacing=_LINE_PX - _FONT_PX,
+                align="left" if side < 0 else "right",
+            )  # fmt: skip
+            end = x - side * (max(font.getlength(line) for line in text.split("\n")) + 6)
+            pen.line([(end, y), tip], fill=_LEADER, width=1)
+            pen.ellipse([tip[0] - 3, tip[1] - 3, tip[0] + 3, tip[1] + 3], fill=_INK)
+    file = io.BytesIO()
+    picture.quantize(128, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
+    return file.getvalue()
+
+
+def _everything(scene: Scene) -> Iterable[Mesh]:
+    """Return the meshes, and the ends of the arrows as one more."""
+    ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
+    return (*(item.mesh for item in scene.shown), Mesh(ends, np.zeros((0, 3), dtype=np.int32)))
+
+
+def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:
+    """Return the labels of one side of the picture, from top to bottom."""
+    right, up = scene.camera.axes[:2]
+    chosen = [label for label in scene.labels if (1 if (np.array(label.point_mm) - centre) @ right > 0 else -1) == side]
+    return sorted(chosen, key=lambda label: -float(np.array(label.point_mm) @ up))
+
+
+def _count_lines(scene: Scene, side: int, centre: Array) -> int:
+    return sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre))
+
+
+def _spread(entries: Sequence[tuple[Pixel, str]], height: int) -> list[float]:
+    """Find heights of labels near those of their points, in the same order, such that none overlaps the next [px]."""
+    halves = [_LINE_PX * (text.count("\n") + 1.6) / 2 for _, text in entries]
+    heights: list[float] = []
+    lowest = _PADDING_PX / 2
+    for (tip, _), half in zip(entries, halves, strict=True):
+        heights.append(max(tip[1], lowest + half))
+        lowest = heights[-1] + half
+    highest = height - _PADDING_PX / 2
+    for i in reversed(range(len(heights))):
+        heights[i] = min(heights[i], highest - halves[i])
+        highest = heights[i] - halves[i]
+    return heights
+
+
+def _draw_arrow(pen: ImageDraw, start: Pixel, end: Pixel) -> None:
+    pen.line([start, end], fill=_ARROW, width=4)
+    way = math.atan2(end[1] - start[1], end[0] - start[0])
+    head = [
+        (end[0] - _HEAD_PX * math.cos(way + turn), end[1] - _HEAD_PX * math.sin(way + turn))
+        for turn in (-_HEAD_ANGLE, _HEAD_ANGLE)
+    ]
+    ahead = end[0] + 4 * math.cos(way), end[1] + 4 * math.sin(way)
+    pen.polygon([ahead, *head], fill=_ARROW)
+
+
+# Cameras that several scenes share, with distal (z) to the right unless stated.
+
+
+DORSAL = Camera.from_angles(28, 24)
+PALMAR = Camera.from_angles(28, -38)
+SIDE = Camera.from_angles(0, 0)
+CUT_FROM_ABOVE = Camera.from_angles(24, 18)
+"""Camera on the cut face of a section and on the dorsal side."""
+CUT_FROM_BELOW = Camera.from_angles(24, -24)
+"""Camera on the cut face of a section and on the palmar side, where the sensor lies."""
+LOW = Camera.from_angles(28, 13)
+"""Camera that sees both halves of a mold, one above the other."""
+RUNNER_SIDE = Camera.from_angles(152, 14)
+"""Camera on the side on which the runner lies, with distal to the left."""
+CAVITY_UP = Camera.looking_from((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
+"""Camera on a section of the dorsal half that lies with its cavity up, with distal to the left."""
+FUNNEL_UP = Camera.looking_from((-1.0, 0.5, 0.3), (0.0, 0.0, 1.0))

@@ -1,0 +1,208 @@
+"""Summary of a simulation, as text and as data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
+from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.hand.manipulation import ManipulationResult
+from fingertip.sim.scene.run import SceneRecord, SceneResult
+from fingertip.slip.traces.intervals import STICK_S, intervals, merge
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
+    """Return the summary as plain mappings and lists, for JSON. Keys carry their units.
+
+    Parameters
+    ----------
+    result
+        Result of a simulation.
+    grips_s
+        Moments at which a controller tightened the grip [s]; None without a controller.
+    """
+    data = {
+        "scene": result.scene.name,
+        "columns": ["time_s", *result.column_names],
+        "samples": result.samples,
+        "sample_rate_hz": round(result.sample_rate_hz, 6),
+        "duration_s": round(result.duration_s, 7),
+        "force_n": round(result.force_n, 6),
+        "seed": result.seed,
+        "stages": [{"name": s.name, "states": s.states, "evaluations": s.evaluations} for s in result.stages],
+        "slips": [{"onset_s": round(s.onset_s, 7), "end_s": round(s.end_s, 7)} for s in result.slips],
+    }
+    if isinstance(result, SceneRecord):
+        slide = result.scene.slide
+        speed = slide.speed_m_s if slide.distance_m else 0.0
+        return data | {"surface": result.scene.contact.surface, "speed_m_s": speed}
+    target, plan = result.scene.object, result.plan
+    data |= {
+        "surface": target.surface,
+        "speed_m_s": result.scene.knock.speed_m_s,
+        "mass_kg": target.mass_kg,
+        "grasp": result.scene.grasp.kind,
+        "fingers": {name: round(f, 6) for name, f in zip(result.fingers, plan.force_n.tolist(), strict=True)},
+        "knock_s": round(plan.knock_s, 7) if plan.pin else None,
+        "held": result.lost_s is None,
+        "lost_s": None if result.lost_s is None else round(result.lost_s, 7),
+        "moved_m": round(float(result.signals.object_m[-1]), 9),
+    }
+    return data if grips_s is None else data | {"grips_s": [*grips_s]}
+
+
+def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
+    """Return the summary as lines of text. The parameters are those of `as_data`.
+
+    Slips that are no further apart than `STICK_S` are one line, as `fingertip detect` counts them.
+    """
+    size = f"seed {result.seed}: {result.samples} samples, {result.duration_s:.2f} s"
+    slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(result.slips, STICK_S)]
+    if isinstance(result, SceneRecord):
+        scene = result.scene
+        slides = scene.slide.distance_m > 0.0
+        title = f"{_describe_surface(scene.contact.surface)}, {scene.slide.speed_m_s:g} m/s" if slides else scene.name
+        return [f"{title}, {result.force_n:.2f} N, {size}", *slips]
+    target = result.scene.object
+    surface = _describe_surface(target.surface)
+    title = f"object: {surface}, {1000 * target.mass_kg:g} g, {result.scene.grasp.kind} grasp"
+    moved = f"the object moved by {1000 * result.signals.object_m[-1]:.1f} mm"
+    end = "was held" if result.lost_s is None else f"left the fingers at {result.lost_s:.4f} s"
+    lines = [f"{title}, thumb {result.force_n:.2f} N, {size}"]
+    lines += [f"knock at {result.plan.knock_s:.4f} s"] if result.plan.pin else []
+    lines += [f"thumb: {slip}" for slip in slips]
+    lines.append(f"{moved} and {end}")
+    if grips_s is not None:
+        times = ", ".join(f"{at:.2f} s" for at in grips_s)
+        lines.append(
+            f"the controller tightened the grip at {times}" if times else "the controller never tightened the grip"
+        )
+    return lines
+
+
+def _describe_surface(name: str) -> str:
+    label = SURFACES[name].label
+    return name if label == name else f"{name} ({label})"
+
+
+# Plot of a simulation: one panel for each recorded output.
+#
+# Beside the plots of the benchmarks, this is the only module of `fingertip.sim` that draws.
+
+
+AnyArray = NDArray[Any]
+
+_LABELS = {
+    "voltage_v": ("sampled\nvoltage [V]", 1),
+    "force_n": ("normal\nforce [N]", 1),
+    "slip": ("true slip", 1),
+    "velocity_m_s": ("velocity\n[mm/s]", 1000),
+    "shear_m": ("pad shear\n[mm]", 1000),
+    "tactile_v": ("tactile\nvoltage [V]", 1),
+    "filtered_v": ("filtered\nvoltage [V]", 1),
+    "envelope_v": ("envelope\nvoltage [V]", 1),
+    "sampled_envelope_v": ("sampled\nenvelope [V]", 1),
+    "sampled_filtered_v": ("sampled filtered\nvoltage [V]", 1),
+    "closing_m": ("finger\nclosing [mm]", 1000),
+    "command_m": ("commanded\nclosing [mm]", 1000),
+    "object_m": ("object\nposition [mm]", 1000),
+    "pin_n": ("pin force\n[N]", 1),
+    "slip_pin_v": ("ON/OFF\noutput [V]", 1),
+}
+"""Axis label of each output, and the factor from its unit to the label's."""
+
+
+def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
+    """Plot the outputs over a common time axis. Shading marks true slip.
+
+    Returns
+    -------
+    bytes
+        PNG, 1500 pixels wide. It contains no date and no version, so the same data give the same bytes.
+    """
+    names = result.scene.outputs
+    fingers = result.fingers if isinstance(result, ManipulationResult) else ("",)
+    ratios = [0.25 + 0.15 * len(fingers) if name == "slip" else 1.0 for name in names]
+    figure = new_figure(10, 1.4 + 1.9 * sum(ratios))
+    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
+    for axes, name in zip(panels, names, strict=True):
+        signal = result.output(name) if isinstance(result, ManipulationResult) else result.columns[name]
+        rows = signal if signal.ndim == 2 else signal[None, :]
+        style_axes(axes, "both")
+        label, factor = _LABELS[name]
+        if name == "slip":
+            _draw_slip_bars(axes, result.time_s, rows, fingers)
+        else:
+            _shade_slip(axes, result)
+            for i, row in enumerate(rows):
+                axes.plot(result.time_s, factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i)
+            axes.set_ylabel(label)
+    if isinstance(result, ManipulationResult):
+        _add_legend(panels, names, fingers)
+        _mark_events(panels, result)
+    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_xlim(float(result.time_s[0]), float(result.time_s[-1]))
+    figure.align_ylabels()
+    return to_png(figure)
+
+
+def _draw_slip_bars(axes: Axes, time_s: AnyArray, rows: AnyArray, fingers: tuple[str, ...]) -> None:
+    for i, row in enumerate(rows):
+        slips = intervals(time_s, row.astype(np.bool_))
+        spans = [(slip.onset_s, slip.end_s - slip.onset_s) for slip in slips]
+        axes.broken_barh(spans, (i - 0.35, 0.7), color=TRUTH, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name or "true slip" for name in fingers])
+    axes.set_ylim(-0.6, len(rows) - 0.4)
+    axes.invert_yaxis()
+    axes.tick_params(axis="y", length=0)
+    if len(rows) > 1:
+        axes.set_ylabel("true slip")
+
+
+def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
+    slip = result.columns.get("slip")
+    if slip is not None:
+        for part in intervals(result.time_s, slip.astype(np.bool_)):
+            axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
+
+
+def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:
+    """Add a legend to the first panel that has a line for each finger."""
+    for axes, name in zip(panels, names, strict=True):
+        if name not in ("slip", "object_m", "pin_n"):
+            axes.legend(
+                axes.get_lines(),
+                fingers,
+                loc="upper left",
+                framealpha=1.0,
+                edgecolor="none",
+                ncols=len(fingers),
+                fontsize=9,
+            )
+            low, high = axes.get_ylim()
+            axes.set_ylim(low, high + 0.2 * (high - low))
+            return
+
+
+def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
+    """Mark the moments of a manipulation with dotted lines."""
+    events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
+    if result.plan.pin:
+        events.append(("knock", result.plan.knock_s))
+    if result.lost_s is not None:
+        events.append(("lost", result.lost_s))
+    for label, time_s in events:
+        for axes in panels:
+            axes.axvline(time_s, color=TEXT_COLOUR, linewidth=0.9, linestyle=":")
+        panels[0].annotate(
+            label, (time_s, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3), textcoords="offset points",
+            ha="center", va="bottom", fontsize=9, color=TEXT_COLOUR,
+        )  # fmt: skip

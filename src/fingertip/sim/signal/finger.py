@@ -1,0 +1,377 @@
+"""One finger, from the load on its pad to the samples of its voltages, chunk by chunk.
+
+A scene drives one finger, a hand five. Every part carries its state, so the cuts between chunks change no bit. Parts
+that no output needs do not exist: there is no vibration for slip alone, and no board for the sampled voltage.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
+from fingertip.sim.contact.surface_profile import Surface, SurfaceProfile, generate_profile
+from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
+from fingertip.sim.signal.analog_circuit import board_with_amplifiers
+from fingertip.sim.signal.board_output import compute_input_noise_v
+from fingertip.sim.signal.bridge import Bridge, ForceSensor
+from fingertip.sim.signal.comparator import SlipPin
+from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter
+from fingertip.sim.signal.filter_board import AnalogStream
+from fingertip.sim.signal.grid import (
+    CostMeter,
+    Grid,
+    Instants,
+    SampleClock,
+    Sampler,
+    StageCost,
+    draw_noise,
+    open_stream,
+)
+from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
+from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing
+
+BOARD_TOLERANCE_V = 1e-4
+"""Largest error of one step of the envelope on the base grid [V]."""
+OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v", "sampled_filtered_v"})
+OF_BRIDGE = OF_BOARD | {"voltage_v", "tactile_v"}
+OF_CONTACT = OF_BRIDGE | {"force_n"}
+"""Outputs that need the filter board, the bridge, and the contact force."""
+
+
+def needs_contact(outputs: frozenset[str]) -> bool:
+    """Return whether an output depends on the contact force, and with it on all that shakes the pad."""
+    return bool(outputs & OF_CONTACT)
+
+
+@dataclass(frozen=True, eq=False)
+class FingerDrive:
+    """Loads and motion of one finger at the next points of the grid.
+
+    A finger that does not slide has neither path nor motion. Where the contact is integrated in both directions, its
+    force is given with the motion, and the pad's vibration is part of it.
+    """
+
+    load_n: Array
+    """Quasi-static normal load [N]."""
+    push_n: Array | None = None
+    """Other forces that shake the pad while it touches [N]."""
+    push_jump_n: Array | None = None
+    """Jump of these forces right after the previous point [N]. None: they do not jump."""
+    path_m: Array | None = None
+    """Position of the pad over the surface [m]."""
+    velocity_m_s: Array | None = None
+    """Velocity of the pad over the surface [m/s]."""
+    bristle_m: Array | None = None
+    """Mean deflection of the bristles [m]."""
+    shear_m: Array | None = None
+    """Shear of the pad [m]."""
+    contact_n: Array | None = None
+    """Normal force of the contact, if it is known already [N]."""
+
+
+@dataclass(frozen=True, eq=False)
+class FingerSignals:
+    """Signals of one finger at the instants of its converter. A signal that no output needs is None."""
+
+    time_s: Array
+    """Time [s]."""
+    voltage_v: Array | None = None
+    """Tactile voltage as sampled by the ADC [V]."""
+    force_n: Array | None = None
+    """True normal force [N]."""
+    slip: NDArray[np.bool_] | None = None
+    """True gross slip; bristles that bend while the contact sticks do not count."""
+    velocity_m_s: Array | None = None
+    """Velocity of the pad over the surface, including that bending [m/s]."""
+    shear_m: Array | None = None
+    """Shear of the pad [m]."""
+    tactile_v: Array | None = None
+    """Voltage ahead of the filter board, with the noise of its amplifiers [V]."""
+    filtered_v: Array | None = None
+    """Output of the board's filter [V]."""
+    envelope_v: Array | None = None
+    """Output of the board's rectifier [V]."""
+    sampled_envelope_v: Array | None = None
+    """Output of the board's rectifier as sampled by the ADC [V]."""
+    sampled_filtered_v: Array | None = None
+    """Output of the board's filter as sampled by the ADC, above signal ground [V]."""
+    slip_pin_v: Array | None = None
+    """Voltage of the comparator's output, low while it reports slip [V]."""
+
+    @classmethod
+    def join(cls, chunks: list[FingerSignals]) -> FingerSignals:
+        """Join the signals of consecutive chunks."""
+        names = [field.name for field in fields(cls) if getattr(chunks[0], field.name) is not None]
+        return cls(**{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names})
+
+
+@dataclass(frozen=True)
+class FingerSetup:
+    """Everything that one finger is made of, before it moves."""
+
+    design: Design
+    """Gives the board, the ADC and its noise."""
+    pad: Pad
+    """Pad of the finger."""
+    held_n: float
+    """Holding force, for which the resonance of the contact is computed [N]."""
+    friction: Friction
+    """Friction of the surface, which tells sliding from bending bristles."""
+    open_random: Callable[[str], random.Random]
+    """Function from a purpose to the random numbers of surfaces."""
+    seed: tuple[int, str]
+    """Seed of the noise, and the name of the finger; no two fingers share their noise."""
+    surface: Surface | None = None
+    """Surface on which the finger slides. None: it does not slide."""
+    profile_start_m: float = 0.0
+    """Position at which the profile of the surface begins [m]."""
+    profile_length_m: float = 0.0
+    """Length of the profile [m]."""
+    patch_average: bool = False
+    """True if the pad averages the profile over its contact patch."""
+    sensing: Sensing = field(default_factory=Sensing)
+    converter: ConverterInput = field(default_factory=ConverterInput)
+    drift: Drift = field(default_factory=Drift)
+    cable: Cable = field(default_factory=Cable)
+    noise: Noise = field(default_factory=Noise)
+    event_origin_s: float = 0.0
+    """Moment from which a touch of the cable is counted [s]."""
+
+    def make_profile(self) -> SurfaceProfile:
+        """Generate the profile of the surface under this finger."""
+        assert self.surface
+        return generate_profile(
+            self.open_random("surface"), self.surface.roughness_um, self.surface.cutoff_wavelength_m,
+            self.profile_start_m, self.profile_length_m,
+            self.pad.patch_radius_m(self.held_n) if self.patch_average else 0.0,
+        )  # fmt: skip
+
+
+class Finger:
+    """Finger in progress.
+
+    Parameters
+    ----------
+    setup
+        What it is made of.
+    grid
+        Grid on which it is computed.
+    outputs
+        Names of the fields of `FingerSignals` to compute.
+    meter
+        Takes the cost of each part.
+    contact_is_given
+        Whether the drive brings the contact force.
+    """
+
+    def __init__(
+        self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter, contact_is_given: bool = False
+    ) -> None:
+        self._setup, self._outputs, self._meter = setup, outputs, meter
+        self._clock = SampleClock(grid, setup.design.detector.sample_rate_hz)
+        self._motion = _MotionSampler(setup.friction, outputs)
+        self._contact: _Contact | None = None
+        if needs_contact(outputs) and not contact_is_given:
+            self._contact = _Contact(setup, grid, meter)
+        self._force = Sampler() if "force_n" in outputs else None
+        self._bridge = _BridgeVoltage(setup, grid, meter) if outputs & OF_BRIDGE else None
+        self._converter: Converter | None = None
+        if "voltage_v" in outputs:
+            with meter.stage("ADC"):
+                self._converter = _build_converter(setup, grid, "noise", AntiAliasFilter.for_tactile)
+        self._board: _BoardSignals | None = None
+        if outputs & (OF_BOARD | {"tactile_v"}):
+            self._board = _BoardSignals(setup, grid, outputs, meter)
+
+    def process(self, drive: FingerDrive) -> FingerSignals:
+        """Follow the finger over the next points of the grid, and return its signals at the instants within them."""
+        at = self._clock.advance(len(drive.load_n))
+        found: dict[str, Any] = {"time_s": at.time_s}
+        found |= self._motion.process(drive, at, self._meter)
+        contact_n = drive.contact_n
+        if self._contact and contact_n is None:
+            contact_n = self._contact.process(drive)
+        if self._force:
+            assert contact_n is not None
+            with self._meter.stage("force"):
+                found["force_n"] = self._force.process(contact_n, at)
+        if self._bridge:
+            assert contact_n is not None
+            bridge_v, jumps = self._bridge.process(drive, contact_n)
+            if self._converter:
+                with self._meter.stage("ADC"):
+                    before_v = bridge_v if jumps is None else bridge_v - jumps
+                    found["voltage_v"] = self._converter.process(before_v, at, bridge_v)
+            if self._board:
+                found |= self._board.process(bridge_v, jumps, at)
+        return FingerSignals(**found)
+
+
+class _MotionSampler:
+    """True slip, velocity and shear at the samples."""
+
+    def __init__(self, friction: Friction, outputs: frozenset[str]) -> None:
+        self._friction, self._outputs = friction, outputs
+        self._samplers = [Sampler() for _ in range(4)]
+
+    def process(self, drive: FingerDrive, at: Instants, meter: CostMeter) -> dict[str, Array | NDArray[np.bool_]]:
+        load, velocity, bristle, shear = self._samplers
+        wanted = self._outputs & {"slip", "velocity_m_s", "shear_m"}
+        found: dict[str, Array | NDArray[np.bool_]] = {}
+        if not wanted:
+            return {}
+        if drive.velocity_m_s is None or drive.bristle_m is None or drive.shear_m is None:
+            with meter.stage("no motion"):
+                zeros = np.zeros(len(at.index))
+                return {name: zeros > 0.0 if name == "slip" else zeros for name in sorted(wanted)}
+        if wanted & {"slip", "velocity_m_s"}:
+            with meter.stage("slip"):
+                speed_m_s = found["velocity_m_s"] = velocity.process(drive.velocity_m_s, at)
+                if "slip" in wanted:
+                    bent, pressed = bristle.process(drive.bristle_m, at), load.process(drive.load_n, at)
+                    found["slip"] = self._friction.is_gross_slip(speed_m_s, bent, pressed)
+        if "shear_m" in wanted:
+            with meter.stage("shear"):
+                found["shear_m"] = shear.process(drive.shear_m, at)
+        return {name: found[name] for name in wanted}
+
+
+class _Contact:
+    """Contact force: the load and all vibration, through the resonance of the pad."""
+
+    def __init__(self, setup: FingerSetup, grid: Grid, meter: CostMeter) -> None:
+        self._meter = meter
+        self._profile: ProfileForce | None = None
+        if setup.surface:
+            with meter.stage("profile", 1):
+                self._profile = ProfileForce(setup.pad, setup.make_profile(), grid.step_s)
+        self._resonance = ContactResonance(grid.step_s, setup.pad.resonance_hz(setup.held_n), DAMPING_RATIO)
+
+    def process(self, drive: FingerDrive) -> Array:
+        force = drive.load_n
+        if self._profile:
+            assert drive.path_m is not None
+            with self._meter.stage("profile", 1, len(force)):
+                force = force + self._profile.process(drive.load_n, drive.path_m)
+        if drive.push_n is not None:
+            force = force + transmit(drive.load_n) * drive.push_n
+        with self._meter.stage("contact", 2, len(force)):
+            jump_n = None if drive.push_jump_n is None else transmit(drive.load_n) * drive.push_jump_n
+            return self._resonance.process(force, drive.load_n, jump_n)
+
+
+class _BridgeVoltage:
+    """Voltage of bridge and amplifier, with everything that is added to it but white noise."""
+
+    def __init__(self, setup: FingerSetup, grid: Grid, meter: CostMeter) -> None:
+        self._meter = meter
+        self._sensor = ForceSensor(grid.step_s, setup.drift.share_per_decade)
+        with meter.stage("bridge"):
+            self._bridge = Bridge.select(setup.design, setup.sensing.bridge)
+        self._interference = InterferenceSource(
+            grid, setup.drift, setup.cable, setup.noise, setup.event_origin_s,
+            lambda purpose: open_stream(setup.seed[0], setup.seed[1], purpose),
+        )  # fmt: skip
+
+    def process(self, drive: FingerDrive, contact_n: Array) -> tuple[Array, Array | None]:
+        """Return the voltage [V], and by how much it jumps at each point."""
+        with self._meter.stage("sensor", 1, len(contact_n)):
+            shown_n = self._sensor.process(contact_n, drive.shear_m)
+        with self._meter.stage("bridge"):
+            volts = self._bridge.voltage_v(shown_n)
+        if self._interference.is_silent:
+            return volts, None
+        with self._meter.stage("interference"):
+            added = self._interference.process(contact_n)
+        return volts + added.volts, added.jumps
+
+
+class _BoardSignals:
+    """Filter board, its comparator, and the sampled envelope."""
+
+    def __init__(self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter) -> None:
+        self._outputs, self._meter = outputs, meter
+        self._samplers = {name: Sampler() for name in ("tactile_v", "filtered_v", "envelope_v", "slip_pin_v")}
+        self._noise: RefinedNoise | None = None
+        if setup.sensing.noise:
+            with meter.stage("board noise"):
+                deviation_v, stream = compute_input_noise_v(setup.design), open_stream(*setup.seed, "board noise")
+                self._noise = RefinedNoise(grid, lambda count: draw_noise(stream, deviation_v, count))
+        self._board: AnalogStream | None = None
+        self._pin: SlipPin | None = None
+        self._converter: Converter | None = None
+        self._filtered_converter: Converter | None = None
+        if outputs & OF_BOARD:
+            with meter.stage("filter board", 4):
+                board = board_with_amplifiers(setup.design, setup.sensing.amplifiers)
+                # The board's own error falls with the step as that of its input does.
+                tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
+                self._board = AnalogStream(board, grid.step_s, tolerance_v=tolerance_v)
+        if "slip_pin_v" in outputs:
+            with meter.stage("comparator", 1):
+                self._pin = SlipPin(setup.design, grid.step_s)
+        if "sampled_envelope_v" in outputs:
+            with meter.stage("ADC of the envelope"):
+                self._converter = _build_converter(
+                    setup, grid, "envelope noise", AntiAliasFilter.for_envelope, from_signal_ground=True
+                )
+        if "sampled_filtered_v" in outputs:
+            with meter.stage("ADC of the filtered signal"):
+                self._filtered_converter = _build_converter(
+                    setup, grid, "filtered noise", AntiAliasFilter.for_filtered, from_signal_ground=True
+                )
+
+    def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
+        count, found = len(bridge_v), {}
+        tactile_v = bridge_v
+        if self._noise:
+            with self._meter.stage("board noise"):
+                tactile_v = bridge_v + self._noise.process(count)
+        if "tactile_v" in self._outputs:
+            found["tactile_v"] = self._samplers["tactile_v"].process(tactile_v, at)
+        if not self._board:
+            return found
+        before_v = tactile_v if jumps is None else tactile_v - jumps
+        taken = self._board.steps
+        with self._meter.stage("filter board", 4):
+            filtered, envelope = (rows[0] for rows in self._board.process(before_v[None], tactile_v[None]))
+        self._meter.add(StageCost("filter board", 4, self._board.steps - taken, 0.0))
+        signals = {"filtered_v": filtered, "envelope_v": envelope}
+        if self._pin:
+            with self._meter.stage("comparator", 1, count):
+                signals["slip_pin_v"] = self._pin.process(filtered, envelope)
+        found |= {
+            name: self._samplers[name].process(values, at) for name, values in signals.items() if name in self._outputs
+        }
+        if self._converter:
+            with self._meter.stage("ADC of the envelope"):
+                found["sampled_envelope_v"] = self._converter.process(envelope, at)
+        if self._filtered_converter:
+            with self._meter.stage("ADC of the filtered signal"):
+                found["sampled_filtered_v"] = self._filtered_converter.process(filtered, at)
+        return found
+
+
+def _build_converter(
+    setup: FingerSetup,
+    grid: Grid,
+    purpose: str,
+    anti_alias: Callable[[Design, float], AntiAliasFilter],
+    from_signal_ground: bool = False,
+) -> Converter:
+    sensing, design = setup.sensing, setup.design
+    noise = open_stream(*setup.seed, purpose) if sensing.noise else None
+    jitter = (open_stream(*setup.seed, f"jitter of {purpose}"), sensing.jitter_s) if sensing.jitter_s else None
+    adc = AdcRange.select(design, setup.converter)
+    if from_signal_ground:
+        adc = adc.above_signal_ground(design)
+    return Converter(design, anti_alias(design, grid.step_s), adc, grid.step_s, noise, jitter)

@@ -1,0 +1,244 @@
+"""Time grid of the simulation, and the instants at which a converter samples what happens on it.
+
+Contact, sensor and board are computed at the points of one grid, whose step does not depend on the sampling rate. So
+the rate changes the samples and nothing else. An instant between two points gets the straight line between them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.progress import ReportProgress, ShareText, describe_share
+
+BASE_HZ = 10_000.0
+"""Points per second: forces are then within 0.1 mN and envelopes within 1 mV of the limit for vanishing steps
+(docs/accuracy.md)."""
+_SNAP = 1e-6
+"""Distance from a point, in steps, at which an instant counts as that point."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Equidistant points in time, the first at 0."""
+
+    refinement: int = 1
+    """Number of steps per step of the base grid. Noise is drawn on the base grid, so it stays the same."""
+
+    @classmethod
+    def finer_than(cls, longest_step_s: float) -> Grid:
+        """Coarsest grid whose step is not above a limit [s]."""
+        return cls(max(1, math.ceil(1 / (BASE_HZ * longest_step_s))))
+
+    @property
+    def rate_hz(self) -> float:
+        """Number of points per second."""
+        return BASE_HZ * self.refinement
+
+    @property
+    def step_s(self) -> float:
+        """Time between two points [s]."""
+        return 1 / self.rate_hz
+
+    def time_s(self, first: int, count: int) -> Array:
+        """Times of points [s]."""
+        return np.arange(first, first + count) / self.rate_hz
+
+    def count_points(self, duration_s: float, sample_rate_hz: float) -> int:
+        """Number of points up to the last sample of a recording."""
+        last = count_samples(duration_s, sample_rate_hz) - 1
+        return math.ceil(last * self.rate_hz / sample_rate_hz - _SNAP) + 1
+
+
+def count_samples(duration_s: float, sample_rate_hz: float) -> int:
+    """Number of samples of a recording, the one at time 0 included."""
+    return math.ceil(duration_s * sample_rate_hz - _SNAP) + 1
+
+
+@dataclass(frozen=True, eq=False)
+class Instants:
+    """Samples that a chunk of points contains.
+
+    Positions count from the last point before the chunk, or from the first point in the first chunk.
+    """
+
+    first: int
+    """Number of samples before the chunk."""
+    index: NDArray[np.int64]
+    """Position of the last point at or before each instant."""
+    fraction: Array
+    """Fraction of the step from there to the next point."""
+    sample_rate_hz: float
+    """Sampling rate [Hz]."""
+
+    @property
+    def time_s(self) -> Array:
+        """Times of the samples [s]."""
+        return np.arange(self.first, self.first + len(self.index)) / self.sample_rate_hz
+
+
+class SampleClock:
+    """Instants of a converter, chunk by chunk.
+
+    Parameters
+    ----------
+    grid
+        Grid of the points.
+    sample_rate_hz
+        Sampling rate [Hz].
+    """
+
+    def __init__(self, grid: Grid, sample_rate_hz: float) -> None:
+        self._ratio, self._rate = grid.rate_hz / sample_rate_hz, sample_rate_hz
+        self._points = self._samples = 0
+
+    def advance(self, points: int) -> Instants:
+        """Return the instants within the next points."""
+        origin, last = max(self._points - 1, 0), self._points + points - 1
+        end = math.floor((last + _SNAP) / self._ratio) + 1
+        at = np.arange(self._samples, end) * self._ratio
+        whole = np.floor(at + _SNAP)
+        fraction = at - whole
+        fraction[np.abs(fraction) <= _SNAP] = 0.0
+        found = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
+        self._points, self._samples = last + 1, end
+        return found
+
+
+class Sampler:
+    """One signal of the grid at the instants of a converter, chunk by chunk."""
+
+    def __init__(self) -> None:
+        self._last = np.zeros(0)
+
+    def process(self, values: Array, at: Instants) -> Array:
+        """Return the signal at the instants within a chunk."""
+        known = np.concatenate((self._last, values)) if len(self._last) else values
+        self._last = values[-1:].copy()
+        picked = known[at.index]
+        if at.fraction.any():
+            between = np.flatnonzero(at.fraction)
+            before = at.index[between]
+            picked[between] += at.fraction[between] * (known[before + 1] - known[before])
+        return picked
+
+
+# Random numbers of the simulation: one independent stream for each seed and purpose.
+#
+# The generator is numpy's `RandomState`, whose streams are frozen, so that the same seed gives the same numbers with
+# any version (NEP 19).
+
+
+Stream = np.random.RandomState
+OpenStream = Callable[[str], Stream]
+"""Function from a purpose to its stream."""
+
+
+def open_stream(seed: int, *purpose: str) -> Stream:
+    """Open the stream of a seed and a purpose, so that one purpose never changes the numbers of another."""
+    name = ":".join((str(seed), *purpose))
+    return np.random.RandomState(np.frombuffer(hashlib.sha256(name.encode()).digest(), dtype="<u4"))
+
+
+def draw_noise(stream: Stream, deviation: float, count: int) -> Array:
+    """Draw white Gaussian noise."""
+    return np.asarray(deviation * stream.standard_normal(count))
+
+
+# Cost of each stage of a simulation: integrated states, evaluations of right-hand sides, CPU time.
+
+
+STAGES = (
+    "load", "hand", "object", "disturbances", "carriage", "friction", "coupled contact", "profile", "contact", "force",
+    "sensor", "bridge", "interference", "ADC", "board noise", "filter board", "comparator", "ADC of the envelope",
+    "ADC of the filtered signal", "no motion", "slip", "shear",
+)  # fmt: skip
+"""Names of all stages, in the order from hand to voltages. Each finger of a hand adds to the same stages."""
+
+
+@dataclass(frozen=True)
+class StageCost:
+    """Cost of one stage in one run."""
+
+    name: str
+    """Name of the stage."""
+    states: int
+    """Number of integrated states."""
+    evaluations: int
+    """Number of evaluations of the right-hand side."""
+    cpu_s: float
+    """CPU time [s]."""
+
+
+class CostMeter:
+    """Sum of the cost of each stage over all chunks. A stage that never ran is not listed."""
+
+    def __init__(self) -> None:
+        self._costs: dict[str, StageCost] = {}
+
+    @contextlib.contextmanager
+    def stage(self, name: str, states: int = 0, evaluations: int = 0) -> Iterator[None]:
+        """Measure one run of a stage."""
+        start = time.process_time()
+        yield
+        self.add(StageCost(name, states, evaluations, time.process_time() - start))
+
+    def add(self, cost: StageCost) -> None:
+        """Add the cost of one run of a stage."""
+        assert cost.name in STAGES
+        before = self._costs.get(cost.name, StageCost(cost.name, 0, 0, 0.0))
+        self._costs[cost.name] = StageCost(
+            cost.name, cost.states, before.evaluations + cost.evaluations, before.cpu_s + cost.cpu_s
+        )
+
+    @property
+    def costs(self) -> tuple[StageCost, ...]:
+        """Costs of the stages that ran, in the order of `STAGES`."""
+        return tuple(self._costs[name] for name in STAGES if name in self._costs)
+
+
+# Progress of long simulations.
+
+
+LONG_S = 15.0
+"""Duration above which a simulation reports its progress [s]."""
+_EVERY_S = 1.0
+"""Time between two reports [s]."""
+
+
+class ShareDone:
+    """Reports the share of a simulation that is done, and the time left.
+
+    Parameters
+    ----------
+    name
+        Name of the simulation.
+    duration_s
+        Simulated time in all [s].
+    progress
+        Receives the messages; None: nobody does.
+    """
+
+    def __init__(self, name: str, duration_s: float, progress: ReportProgress | None) -> None:
+        self._duration_s = duration_s
+        self._progress = progress if duration_s > LONG_S else None
+        self._begun = self._reported = time.monotonic()
+        if self._progress:
+            self._progress(f"{name}, {duration_s:.1f} s:")
+
+    def report(self, simulated_s: float) -> None:
+        """Report that so much has been simulated, if the last report is some time ago."""
+        now = time.monotonic()
+        if not self._progress or now - self._reported < _EVERY_S:
+            return
+        self._reported = now
+        share = simulated_s / self._duration_s
+        self._progress(ShareText(describe_share("simulating", share, now - self._begun), share))

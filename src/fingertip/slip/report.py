@@ -1,0 +1,299 @@
+"""Wording of detection results for people, and their form in JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fingertip.foundation.plot_style import (
+    BLUE,
+    GRID_COLOUR,
+    ORANGE,
+    RED,
+    REFERENCE,
+    TEXT_COLOUR,
+    TRUTH,
+    new_figure,
+    to_png,
+)
+from fingertip.slip.detection import Detection
+from fingertip.slip.detectors.digital import ChainOutput
+from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.detectors.registry import DETECTORS
+from fingertip.slip.traces.intervals import INCIPIENT_S, Interval, intervals, measure_false_on_s
+from fingertip.slip.traces.origin import BAND_LABEL, ENCODER_HZ, encoder_band_s, format_delay_band
+from fingertip.slip.traces.trace import Trace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+DETECTED = "detected"
+"""Name of an interval in which the detector is ON."""
+INTERVAL = "{onset} s to {end} s"
+"""Form in which an interval is printed."""
+_TOLD_S = 0.2
+"""Time of ON without slip from which it is told [s]: less is the detector's memory after a slip."""
+
+
+def format_delay(delay_s: float | None) -> str:
+    """Describe the delay with which a slip was detected.
+
+    Parameters
+    ----------
+    delay_s
+        Time from the slip's onset to detection [s]. None: the slip was missed. Negative: the detector responded to
+        incipient slip or was ON already.
+    """
+    if delay_s is None:
+        return "missed"
+    if -INCIPIENT_S <= delay_s < 0.0:
+        return f"detected {-1000 * delay_s:.1f} ms before onset, in incipient slip"
+    if delay_s < 0.0:
+        return f"already ON {round(-1000 * delay_s, 1):g} ms before onset"
+    return f"detected after {1000 * delay_s:.1f} ms"
+
+
+def as_text(detection: Detection) -> str:
+    """Describe a detection: one line for each interval and, if the true slips are known, for each slip."""
+    score, truth = detection.score, detection.trace.origin.truth
+    width = len(truth) if score else len(DETECTED)
+    lines = [f"detector {describe_detector(detection)}"]
+    lines += [f"{DETECTED:{width}} {_format_interval(i)}" for i in detection.intervals] or ["never ON"]
+    if score is None:
+        return "\n".join(lines)
+    since_motion = detection.motion_delays_s or (None,) * len(score.slips)
+    for slip, delay, moved in zip(score.slips, score.delays_s, since_motion, strict=True):
+        said = format_delay(delay) + ("" if moved is None else f", {format_motion_delay(moved)}")
+        lines.append(f"{truth:{width}} {_format_interval(slip)}: {said}")
+    lines.append(f"false intervals: {len(score.false_intervals)}")
+    lines.extend(f"{'':{width}} {_format_interval(i)}" for i in score.false_intervals)
+    silent_s = measure_false_on_s(detection.intervals, score.slips)
+    if silent_s > _TOLD_S:
+        lines.append(f"ON for {silent_s:.2f} s without slip")
+    return "\n".join(lines)
+
+
+def describe_detector(detection: Detection) -> str:
+    """Describe the detector of a detection, the signals and the threshold that it used."""
+    threshold = detection.threshold
+    return f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: {threshold.describe()}"
+
+
+def format_motion_delay(delay_s: float) -> str:
+    """Describe a delay since the robot moved, and the delays that encoders would show [s]."""
+    band = f"{format_delay_band(delay_s)} by encoders at {ENCODER_HZ:g} Hz"
+    return f"{1000 * delay_s:.1f} ms after the robot moved ({band})"
+
+
+def _format_interval(interval: Interval) -> str:
+    return INTERVAL.format(onset=f"{interval.onset_s:9.4f}", end=f"{interval.end_s:9.4f}")
+
+
+def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
+    """Convert a detection to plain mappings and lists for JSON. Keys contain their units.
+
+    Parameters
+    ----------
+    detection
+        The detection.
+    noise
+        Noise level that determines the noise-derived threshold.
+    """
+    score, moved = detection.score, detection.motion_delays_s
+    return {
+        "intervals": [
+            _interval_data(i) | {"confidence": round(c, 4)}
+            for i, c in zip(detection.intervals, detection.confidences, strict=True)
+        ],
+        "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
+        "slips": None if score is None else [_interval_data(i) for i in score.slips],
+        "delays_s": None if score is None else [_round_s(delay) for delay in score.delays_s],
+        "motion_s": _round_s(detection.trace.origin.motion_s),
+        "delays_since_motion_s": None if moved is None else [_round_s(delay) for delay in moved],
+        "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
+        "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
+        "detector": detection.detector,
+        "signals": list(detection.signals.columns),
+        "threshold_v": _round_v(detection.threshold_v),
+        "threshold_range_v": [_round_v(detection.threshold.lowest_v), _round_v(detection.threshold.highest_v)],
+        "threshold_of": detection.threshold.quantity,
+        "learned_noise_v": None if detection.learned_noise_v is None else round(detection.learned_noise_v, 7),
+        "noise_threshold_v": round(noise.threshold_v, 6) if noise else None,
+    }
+
+
+def _round_v(voltage_v: float) -> float:
+    """Round to 0.1 uV: thresholds of `fast` lie below a millivolt."""
+    return round(voltage_v, 7)
+
+
+def _round_s(time_s: float | None) -> float | None:
+    return None if time_s is None else round(time_s, 7)
+
+
+def _interval_data(interval: Interval) -> dict[str, float]:
+    return {"onset_s": round(interval.onset_s, 7), "end_s": round(interval.end_s, 7)}
+
+
+# Plot of a detection. This is the only module of `slip` that draws.
+
+
+_BEFORE_S, _AFTER_S = 0.06, 0.14
+"""Time before and after an onset that is drawn larger [s]."""
+
+
+def draw(trace: Trace, detection: Detection, title: str) -> bytes:
+    """Draw the voltage, the statistic with its threshold, and ON/OFF over a common time axis.
+
+    Below them, the first onset is drawn again, so wide that its delay can be read.
+
+    Returns
+    -------
+    bytes
+        PNG, 1500 pixels wide. It contains no date and no version, so the same data gives the same bytes.
+    """
+    slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
+    onset = _find_onset(detection, slips)
+    figure = new_figure(10, 7 if onset is None else 9.6)
+    ratios = (3, 3, 1) if onset is None else (3, 3, 1, 3)
+    top, middle, bottom, *large = figure.subplots(len(ratios), 1, height_ratios=ratios)
+    for axes in (top, middle):
+        axes.sharex(bottom)
+        axes.tick_params(labelbottom=False)
+    for axes in (top, middle, *large):
+        for slip in slips or ():
+            axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.3, linewidth=0)
+        axes.grid(True, color=GRID_COLOUR, linewidth=0.7)
+    figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+    _draw_voltage(top, trace)
+    _draw_statistic(middle, trace, detection)
+    if trace.origin.motion_s is not None:
+        for axes in (top, middle, *large):
+            shade_encoder_band(axes, trace.origin.motion_s)
+    # Above the axes, where it covers no data
+    middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=3, fontsize=9)
+    _draw_intervals(bottom, trace, detection, slips)
+    bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
+    if onset is not None:
+        _draw_onset(large[0], trace, detection, onset)
+    (large or [bottom])[-1].set_xlabel("time [s]")
+    figure.align_ylabels()
+    for axes in (top, middle, bottom, *large):
+        axes.spines[["top", "right"]].set_visible(False)
+    return to_png(figure)
+
+
+@dataclass(frozen=True)
+class _Onset:
+    """First slip that was detected, or the first detection where the truth is unknown."""
+
+    begin_s: float | None
+    """True onset; None if it is unknown."""
+    detected_s: float | None
+    """Time at which the detector turns ON; None if it does not."""
+
+
+def _find_onset(detection: Detection, slips: Sequence[Interval] | None) -> _Onset | None:
+    """Find the onset to draw larger; None if nothing slips and nothing is detected."""
+    if detection.score is None or not slips:
+        return _Onset(None, detection.intervals[0].onset_s) if detection.intervals else None
+    pairs = zip(detection.score.slips, detection.score.delays_s, strict=True)
+    found = next(((slip.onset_s, delay) for slip, delay in pairs if delay is not None), None)
+    return _Onset(slips[0].onset_s, None) if found is None else _Onset(found[0], found[0] + found[1])
+
+
+def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: _Onset) -> None:
+    """Draw the statistic around an onset, with the delay as an arrow."""
+    _draw_statistic(axes, trace, detection)
+    at = onset.begin_s if onset.begin_s is not None else onset.detected_s
+    assert at is not None
+    begin_s = at if trace.origin.motion_s is None else min(at, trace.origin.motion_s)
+    low, high = begin_s - _BEFORE_S, at + _AFTER_S
+    if onset.detected_s is not None and onset.detected_s > high:
+        high = onset.detected_s + _BEFORE_S
+    axes.set_xlim(max(low, float(trace.time_s[0])), min(high, float(trace.time_s[-1])))
+    inside = (trace.time_s >= low) & (trace.time_s <= high)
+    statistic, threshold = detection.output.statistic_v[inside], detection.output.threshold_v[inside]
+    top = 1000 * 1.9 * max(float(np.nanmax(threshold)), 0.6 * float(np.nanmax(statistic)))
+    axes.set_ylim(0.0, top)
+    for moment, style in ((onset.begin_s, "-"), (onset.detected_s, "--")):
+        if moment is not None:
+            axes.axvline(moment, color=BLUE, linewidth=1.2, linestyle=style)
+    said = "first detection, enlarged; true slip is unknown"
+    if onset.begin_s is not None and onset.detected_s is not None:
+        delay_ms = 1000 * (onset.detected_s - onset.begin_s)
+        said = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
+        axes.annotate(
+            "", (onset.begin_s, 0.86 * top), (onset.detected_s, 0.86 * top),
+            arrowprops={"arrowstyle": "<->", "color": BLUE, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        axes.annotate(
+            f"{delay_ms:.1f} ms", (min(onset.begin_s, onset.detected_s), 0.86 * top), xytext=(-6, 0),
+            textcoords="offset points", ha="right", va="center", fontsize=10, fontweight="bold", color=BLUE,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
+        )  # fmt: skip
+    elif onset.begin_s is not None:
+        said = "first onset, enlarged: it is not detected"
+    axes.set_title(said, loc="left", fontsize=9, color=TEXT_COLOUR)
+
+
+def _draw_voltage(axes: Axes, trace: Trace) -> None:
+    axes.plot(trace.time_s, trace.voltage_v, color=BLUE, linewidth=0.8)
+    axes.set_ylabel("tactile voltage [V]", color=BLUE)
+    if trace.force_n is None:
+        return
+    twin = axes.twinx()
+    twin.plot(trace.time_s, trace.force_n, color=REFERENCE, linewidth=0.8)
+    twin.set_ylabel("normal force [N]", color=TEXT_COLOUR)
+    twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(trace.force_n))))
+    twin.spines["top"].set_visible(False)
+    axes.set_zorder(twin.get_zorder() + 1)
+    axes.patch.set_visible(False)
+
+
+def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
+    output, label, envelope = detection.output, "statistic", None
+    if isinstance(output, ChainOutput):
+        envelope = output.envelope_v
+    elif DETECTORS[detection.detector].input_column == "envelope_v":
+        envelope = trace.envelope_v
+    if envelope is not None:
+        axes.plot(trace.time_s, 1000 * envelope, color=ORANGE, linewidth=0.7, label="envelope")
+        label = f"mean over {1000 * detection.memory_s:g} ms"
+    axes.plot(trace.time_s, 1000 * output.statistic_v, color=RED, linewidth=1.4, label=label)
+    axes.plot(
+        trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1,
+        label=detection.threshold.describe(),
+    )  # fmt: skip
+    # The envelope of contacts and releases is much larger than the statistic, so the axis is scaled to the statistic.
+    axes.set_ylim(0.0, max(2500 * float(np.nanmax(output.threshold_v)), 1350 * float(np.max(output.statistic_v))))
+    axes.set_ylabel(f"{detection.threshold.quantity} [mV]" if envelope is None else "envelope [mV]")
+
+
+def shade_encoder_band(axes: Axes, motion_s: float) -> None:
+    """Shade when encoders show that the robot moves; an edge keeps the band visible where it is narrow."""
+    begin_s, end_s = encoder_band_s(motion_s)
+    axes.axvspan(begin_s, end_s, color=ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
+
+
+def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:
+    rows = [(DETECTED, detection.intervals, RED)]
+    if slips is not None:
+        rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), TRUTH))
+    for row, (_, parts, color) in enumerate(rows):
+        axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.set_ylim(-0.6, len(rows) - 0.4)
+    axes.invert_yaxis()
+    axes.tick_params(axis="y", length=0)
+    axes.grid(True, axis="x", color=GRID_COLOUR, linewidth=0.7)
+    axes.set_axisbelow(True)
+    if detection.score is not None:
+        phrases = [f"detector {detection.detector}", *(format_delay(delay) for delay in detection.score.delays_s)]
+        phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
+        phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
+        axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=TEXT_COLOUR)

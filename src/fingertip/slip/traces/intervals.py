@@ -1,0 +1,145 @@
+"""Intervals in which a flag is true, and detected intervals scored against true slip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.foundation.numerics import Array
+
+STICK_S = 0.05
+"""Gap up to which two true slips count as one stick-slip event [s].
+
+No hand can respond between them. The gap is the same for every detector, so all are scored on the same slips."""
+
+INCIPIENT_S = 0.007
+"""Duration of incipient slip [s].
+
+A pad creeps faster and faster before its slip is gross. On the article's trials, as simulated, it exceeds 1 mm/s 4 to
+7 ms before. A detector that turns ON in that time and remains ON has detected this slip; it was not ON already."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Time from the first sample at which a flag is true to the first at which it is false (or the trace's last)."""
+
+    onset_s: float
+    end_s: float
+
+    def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
+        """Return whether two intervals overlap.
+
+        An interval of length 0, at a trace's last sample, overlaps one that contains its time.
+
+        Parameters
+        ----------
+        other
+            The other interval.
+        slack_s
+            Time by which this interval's end is extended [s].
+        """
+        begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
+        has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
+        return begin < end or (has_zero_length and begin == end)
+
+
+@dataclass(frozen=True)
+class Score:
+    """Result of scoring detected intervals against true slips."""
+
+    slips: tuple[Interval, ...]
+    """True slips; those no further apart than `STICK_S` are merged."""
+    delays_s: tuple[float | None, ...]
+    """Time from each slip's onset to the onset of the first interval that overlaps it [s].
+
+    None: missed. Negative: the detector was ON before; from ``-INCIPIENT_S`` on it detected the incipient slip."""
+    false_intervals: tuple[Interval, ...]
+    """Detected intervals that overlap no slip."""
+
+    @property
+    def missed(self) -> tuple[Interval, ...]:
+        """Slips that no detected interval overlaps."""
+        return tuple(slip for slip, delay in zip(self.slips, self.delays_s, strict=True) if delay is None)
+
+
+def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
+    """Find the intervals in which `flags` is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
+    last = len(time_s) - 1
+    return tuple(
+        Interval(float(time_s[start]), float(time_s[min(stop, last)]))
+        for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    )
+
+
+class SlipCollector:
+    """Intervals in which a flag is true, collected chunk by chunk."""
+
+    def __init__(self) -> None:
+        self._found: list[Interval] = []
+        self._onset_s: float | None = None
+        self._last_s = 0.0
+
+    def add(self, time_s: Array, flags: NDArray[np.bool_]) -> None:
+        """Add the next samples."""
+        if not len(time_s):
+            return
+        before = self._onset_s is not None
+        edges = np.flatnonzero(np.diff(np.concatenate(([before], flags)).astype(np.int8)))
+        for moment in time_s[edges].tolist():
+            if self._onset_s is None:
+                self._onset_s = moment
+            else:
+                self._found.append(Interval(self._onset_s, moment))
+                self._onset_s = None
+        self._last_s = float(time_s[-1])
+
+    def close(self) -> tuple[Interval, ...]:
+        """Return all intervals; one that is still open ends at the last sample."""
+        if self._onset_s is not None:
+            self._found.append(Interval(self._onset_s, self._last_s))
+            self._onset_s = None
+        return tuple(self._found)
+
+
+def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
+    """Merge intervals, given in order of time, that are no further apart than `gap_s` [s]."""
+    out: list[Interval] = []
+    for part in parts:
+        if out and part.onset_s - out[-1].end_s <= gap_s:
+            out[-1] = Interval(out[-1].onset_s, part.end_s)
+        else:
+            out.append(part)
+    return tuple(out)
+
+
+def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: float) -> Score:
+    """Score detected intervals against true slips.
+
+    Parameters
+    ----------
+    detected, truth
+        Intervals in order of time.
+    memory_s
+        The detector's memory [s]. A detected interval that begins within this time after a slip's end still results
+        from the slip's own samples, so it is not false.
+    """
+    slips = merge(truth, STICK_S)
+    delays = []
+    for slip in slips:
+        first = next((interval for interval in detected if slip.overlaps(interval)), None)
+        delays.append(None if first is None else first.onset_s - slip.onset_s)
+    false = tuple(d for d in detected if not any(slip.overlaps(d, memory_s) for slip in slips))
+    return Score(slips, tuple(delays), false)
+
+
+def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
+    """Measure the time that a detector is ON outside all slips [s].
+
+    An interval that began long before a slip overlaps it, and so is no false interval.
+    """
+    on_s = sum(i.end_s - i.onset_s for i in detected)
+    return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)

@@ -1,0 +1,320 @@
+"""Designs of a sweep's points: the base design with the point's parameters, refused where it breaks a rule.
+
+The bounds of the parameters are checked together with the axes, before any point. If only electronic tables vary, the
+rules of the printed parts give the same result at every point as for the base design, and so do the dimensions. Such a
+point takes microseconds instead of milliseconds.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold
+from fingertip.cad.kernel.solids import Solid
+from fingertip.design.model import Design
+from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
+from fingertip.design.rules import ELECTRONIC_RULES
+from fingertip.design.rules.remedies import describe_violations
+from fingertip.foundation.errors import DesignError
+from fingertip.sweep.axes import Value
+from fingertip.sweep.plan import SweepPlan
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+class DesignBuilder:
+    """Builds the design of each point of a plan."""
+
+    def __init__(self, plan: SweepPlan) -> None:
+        self._names = [axis.name for axis in plan.axes if not axis.name.startswith("scene.")]
+        self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in self._names)
+        self._tables = plan.design.model_dump()
+        self._base = Design.model_construct(**dict(plan.design))
+
+    def build(self, changes: Mapping[str, Value]) -> Design:
+        """Build the design of a point.
+
+        Raises
+        ------
+        DesignError
+            With every rule that the design breaks, without remedies: finding these takes too long for a sweep.
+        """
+        if not self._only_electronics_vary:
+            own_changes = {name: changes[name] for name in self._names}
+            return Design.without_remedies(**apply_changes(self._tables, own_changes))
+        tables: dict[str, dict[str, Any]] = {}
+        for name in self._names:
+            table, _, key = name.partition(".")
+            tables.setdefault(table, {})[key] = changes[name]
+        sections = {name: getattr(self._base, name).model_copy(update=new) for name, new in tables.items()}
+        design = self._base.model_copy(update=sections)
+        if issues := list(describe_violations(design, ELECTRONIC_RULES)):
+            raise DesignError(issues)
+        return design
+
+
+def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
+    """Copy nested tables with dotted parameters changed; unchanged tables are shared with the original."""
+    changed = dict(tables)
+    for name, value in changes.items():
+        table, _, key = name.rpartition(".")
+        if table:
+            changed[table] = {**changed[table], key: value}
+        else:
+            changed[key] = value
+    return changed
+
+
+# Least-recently-used cache with a weight limit: a worker's memory stays constant however long the sweep is.
+
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class LruCache(Generic[K, V]):
+    """Mapping that evicts the least recently used entries once their total weight exceeds a limit."""
+
+    def __init__(self, max_weight: float) -> None:
+        self.max_weight = max_weight
+        """Limit of the total weight."""
+        self.weight = 0.0
+        """Total weight of all entries."""
+        self._entries: OrderedDict[K, tuple[V, float]] = OrderedDict()
+
+    def get(self, key: K) -> V | None:
+        """Look up a value; None if there is none or it was evicted."""
+        entry = self._entries.get(key)
+        if entry is None:
+            return None
+        self._entries.move_to_end(key)
+        return entry[0]
+
+    def put(self, key: K, value: V, weight: float = 1.0) -> None:
+        """Store a value. The newest entry is never evicted, even if it alone exceeds the limit."""
+        if key in self._entries:
+            self.weight -= self._entries.pop(key)[1]
+        self._entries[key] = value, weight
+        self.weight += weight
+        while self.weight > self.max_weight and len(self._entries) > 1:
+            self.weight -= self._entries.popitem(last=False)[1][1]
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+
+# Mesh kernel with caches: solids, meshes and measurements are reused between the designs of a sweep.
+#
+# A solid is identified by a digest of its expression. What is derived from solids (an intersection, a gap, a volume)
+# is identified by a digest of the operation and its operands, and looked up before anything is meshed. While only the
+# mold varies, the bone is neither meshed nor measured twice. This module knows no part and no check: `cad` uses these
+# solids exactly as it uses those of manifold3d.
+
+
+MAX_TRIANGLES = 400_000
+"""Limit of the triangles of all cached solids: about 100 MB per worker."""
+MAX_MESHES = 12
+"""Number of cached meshes in canonical order."""
+MAX_KEYS = 2_000
+"""Number of cached digests of expressions."""
+MAX_MEASUREMENTS = 20_000
+"""Number of cached measurements. They are small, and outlive the solids that they were taken from."""
+
+
+def compute_digest(*parts: object) -> bytes:
+    """Compute a digest of several parts; two digests are equal only if all parts are."""
+    digest = hashlib.blake2b(digest_size=16)
+    for part in parts:
+        data = part if isinstance(part, bytes) else repr(part).encode()
+        digest.update(len(data).to_bytes(4, "big"))
+        digest.update(data)
+    return digest.digest()
+
+
+def restrict_kernel_to_one_thread() -> None:
+    """Make the mesh kernel compute on one thread in this process; the sweep has a process on each processor already.
+
+    On two threads a design takes 1.5 times the processor time. The kernel counts the processors at its first
+    computation and offers no setting. This function has no effect after that computation, or on systems other than
+    Linux.
+    """
+    if not hasattr(os, "sched_setaffinity"):
+        return
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        load_manifold()
+        from manifold3d import Manifold
+
+        cube = Manifold.cube((1.0, 1.0, 1.0))
+        (cube - cube.translate((0.5, 0.5, 0.5))).status()
+    finally:
+        os.sched_setaffinity(0, allowed)
+
+
+class CachedEvaluator(MeshEvaluator):
+    """Mesh evaluator that caches solids, meshes and measurements."""
+
+    def __init__(self, tolerance_mm: float) -> None:
+        super().__init__(tolerance_mm)
+        self.evaluated = 0
+        """Number of solids that were evaluated so far, for tests."""
+        self._solids: LruCache[bytes, Manifold] = LruCache(MAX_TRIANGLES)
+        self._keys: LruCache[Solid, bytes] = LruCache(MAX_KEYS)
+        self._expressions = _ExpressionEvaluator(self)
+        self._meshes: LruCache[bytes, Mesh] = LruCache(MAX_MESHES)
+        self._measurements: LruCache[bytes, Any] = LruCache(MAX_MEASUREMENTS)
+
+    def compute_key(self, solid: Solid) -> bytes:
+        """Compute the digest of an expression. It is cached too, because parts are made of parts."""
+        key = self._keys.get(solid)
+        if key is None:
+            key = compute_digest("solid", solid)
+            self._keys.put(solid, key)
+        return key
+
+    def manifold(self, solid: Solid) -> Any:
+        """Return the solid; it is evaluated only when a measurement that is not cached needs it."""
+        key = self.compute_key(solid)
+        return CachedManifold(self, key, lambda: self.evaluate_manifold(key, solid))
+
+    def mesh(self, solid: Solid) -> Mesh:
+        """Return the solid as a mesh on the grid, in canonical order."""
+        key = self.compute_key(solid)
+        mesh = self._meshes.get(key)
+        if mesh is None:
+            from fingertip.cad.kernel.mesh import to_canonical_mesh
+
+            mesh = to_canonical_mesh(self.evaluate_manifold(key, solid))
+            self._meshes.put(key, mesh)
+        return mesh
+
+    def measure(self, key: bytes, compute: Callable[[], Any]) -> Any:
+        """Return the cached measurement, or compute and cache it."""
+        entry = self._measurements.get(key)
+        if entry is None:
+            entry = (compute(),)  # a tuple, because the measurement itself may be None
+            self._measurements.put(key, entry)
+        return entry[0]
+
+    def evaluate_manifold(self, key: bytes, solid: Solid) -> Manifold:
+        """Return manifold3d's own object for a solid, from the cache if possible."""
+        manifold = self._solids.get(key)
+        if manifold is None:
+            self.evaluated += 1
+            manifold = self._expressions.evaluate(solid)
+            self._solids.put(key, manifold, manifold.num_tri())
+        return manifold
+
+
+class _ExpressionEvaluator(MeshEvaluator):
+    """Evaluator of one expression, whose operands come from the cache as manifold3d's own objects."""
+
+    def __init__(self, cached: CachedEvaluator) -> None:
+        super().__init__(cached.tolerance_mm)
+        self._cached = cached
+
+    def manifold(self, solid: Solid) -> Manifold:
+        """Return an operand of the expression."""
+        return self._cached.evaluate_manifold(self._cached.compute_key(solid), solid)
+
+    def evaluate(self, solid: Solid) -> Manifold:
+        """Evaluate the expression."""
+        return self._evaluate(solid)
+
+
+class CachedManifold:
+    """Solid known by its key; it stands for manifold3d's object, which is evaluated only where it must be."""
+
+    def __init__(self, evaluator: CachedEvaluator, key: bytes, evaluate: Callable[[], Manifold]) -> None:
+        self._evaluator, self._key, self._evaluate = evaluator, key, evaluate
+        self._manifold: Manifold | None = None
+
+    @property
+    def manifold(self) -> Manifold:
+        """manifold3d's own object.
+
+        Every step is evaluated at once: the rounding of a tree of steps would depend on what else the tree holds.
+        """
+        if self._manifold is None:
+            self._manifold = self._evaluate()
+            self._manifold.status()
+        return self._manifold
+
+    def volume(self) -> float:
+        """Volume [mm3]."""
+        return float(self._measure("volume"))
+
+    def genus(self) -> int:
+        """Number of through holes."""
+        return int(self._measure("genus"))
+
+    def bounding_box(self) -> Any:
+        """Minimum and maximum coordinates [mm]."""
+        return self._measure("bounding_box")
+
+    def min_gap(self, other: CachedManifold, max_mm: float) -> float:
+        """Minimum distance to another solid [mm], searched for up to `max_mm`."""
+        return float(self._measure("min_gap", other, max_mm))
+
+    def decompose(self) -> list[CachedManifold]:
+        """Split the solid into its connected bodies. Their volumes are cached."""
+        key = compute_digest("volumes of bodies", self._key)
+        volumes: list[float] = self._evaluator.measure(key, lambda: [b.volume() for b in self.manifold.decompose()])
+        bodies = []
+        for i, volume in enumerate(volumes):
+            body = self._derive("body", i, evaluate=partial(self._evaluate_body, i))
+            self._evaluator.measure(compute_digest("volume", body._key), partial(float, volume))
+            bodies.append(body)
+        return bodies
+
+    def _evaluate_body(self, i: int) -> Manifold:
+        return self.manifold.decompose()[i]
+
+    def translate(self, by_mm: tuple[float, float, float]) -> CachedManifold:
+        """Translate the solid."""
+        return self._derive("translate", by_mm, evaluate=lambda: self.manifold.translate(by_mm))
+
+    def rotate(self, degrees: tuple[float, float, float]) -> CachedManifold:
+        """Rotate the solid about the coordinate axes, x first."""
+        return self._derive("rotate", degrees, evaluate=lambda: self.manifold.rotate(degrees))
+
+    def scale(self, factors: tuple[float, float, float]) -> CachedManifold:
+        """Scale the solid about the origin."""
+        return self._derive("scale", factors, evaluate=lambda: self.manifold.scale(factors))
+
+    def trim_by_plane(self, normal: tuple[float, float, float], offset_mm: float) -> CachedManifold:
+        """Cut the solid by a plane and keep the side to which the normal points."""
+        return self._derive("trim", normal, offset_mm, evaluate=lambda: self.manifold.trim_by_plane(normal, offset_mm))
+
+    def __xor__(self, other: CachedManifold) -> CachedManifold:
+        return self._derive("and", other._key, evaluate=lambda: self.manifold ^ other.manifold)
+
+    def __sub__(self, other: CachedManifold) -> CachedManifold:
+        return self._derive("less", other._key, evaluate=lambda: self.manifold - other.manifold)
+
+    def __add__(self, other: CachedManifold) -> CachedManifold:
+        return self._derive("or", other._key, evaluate=lambda: self.manifold + other.manifold)
+
+    def __getattr__(self, name: str) -> Any:
+        """Forward any other method to manifold3d's object; its result is not cached."""
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return lambda *arguments: self._call(name, arguments)
+
+    def _call(self, name: str, arguments: tuple[Any, ...]) -> Any:
+        own = (a.manifold if isinstance(a, CachedManifold) else a for a in arguments)
+        return getattr(self.manifold, name)(*own)
+
+    def _measure(self, name: str, *arguments: Any) -> Any:
+        keys = [a._key if isinstance(a, CachedManifold) else a for a in arguments]
+        return self._evaluator.measure(compute_digest(name, self._key, *keys), lambda: self._call(name, arguments))
+
+    def _derive(self, operation: str, *arguments: object, evaluate: Callable[[], Manifold]) -> CachedManifold:
+        return CachedManifold(self._evaluator, compute_digest(operation, self._key, *arguments), evaluate)

@@ -1,0 +1,373 @@
+"""Files of a board: their content, writing them to a folder, and comparing them with those in a folder."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingertip.board import (
+    BOM,
+    BRING_UP,
+    BRING_UP_READINGS,
+    DECK,
+    LAYOUT,
+    NETLIST,
+    PROJECT,
+    README,
+    SCHEMATIC,
+    VALUES,
+    WIRING,
+)
+from fingertip.board.analysis.board_values import BoardValues, board_values
+from fingertip.board.bringup.plan import BringUp, plan_bring_up
+from fingertip.board.bringup.prediction import Board
+from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
+from fingertip.board.bringup.wiring import wiring_diagram
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.circuits.spice import spice_deck
+from fingertip.board.fabrication.bom import bill_of_materials
+from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
+from fingertip.board.kicad.layout import kicad_pcb_file
+from fingertip.board.kicad.models import MODEL_FOLDER, model_files
+from fingertip.board.kicad.netlist import kicad_netlist_file
+from fingertip.board.kicad.placement import load_template
+from fingertip.board.kicad.project import kicad_project_file
+from fingertip.board.kicad.schematic import kicad_schematic_file
+from fingertip.board.kicad.variants import BoardConfiguration, find_configuration
+from fingertip.board.parts.circuit import Circuit
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.documents.board.bringup import render_sheet
+from fingertip.documents.board.readme import folder_readme
+from fingertip.foundation.errors import InputFileError, Issue, OutputError, escape_control, shorten
+from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
+from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_parameters
+from fingertip.tasks.edited_board import (
+    EditableNames,
+    EditedFiles,
+    find_edited,
+    refuse_other_circuit,
+    revise_edited,
+)
+
+BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
+"""Names of the files of a board."""
+BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
+"""Names of the files for bringing a board up, which are written where they are asked for."""
+FAB_FOLDER = "fab"
+PROVENANCE = "made_from.sha256"
+_EDITABLE = EditableNames(LAYOUT, SCHEMATIC, PROJECT, NETLIST)
+_MAX_DIFF_LENGTH = 300
+"""Maximum length of a line of a difference [characters]."""
+_TAB = "\t"
+_MAX_DIFF_LINES = 12
+
+
+def board_files(design: Design) -> dict[str, bytes]:
+    """Content of a board's files by name: KiCad project, netlist, SPICE deck, bill of materials, values and README.
+
+    The same design gives the same bytes. Raises BoardError if the values cannot be computed.
+    """
+    values = board_values(design)
+    record = {"parameters": design.board.model_dump(), **values.as_data()}
+    text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    circuit, configuration = board_circuit(values), find_configuration(values)
+    # A longer title would run out of the title block.
+    title = f"Slip filter: {values.variant}, {configuration.supply.description.partition(' with ')[0]}"
+    return {
+        NETLIST: kicad_netlist_file(circuit),
+        SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
+        LAYOUT: _make_layout(circuit, configuration),
+        PROJECT: kicad_project_file(circuit),
+        DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
+        BOM: bill_of_materials(circuit),
+        VALUES: text.encode(),
+        README: folder_readme(circuit, configuration, values, design),
+    }
+
+
+def _make_layout(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
+    template = load_template(configuration.name, circuit, configuration.placement)
+    return kicad_pcb_file(circuit, configuration.placement, template, configuration.heading)
+
+
+def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
+    """List the sets of 3D models beside a board, one for each folder, with writer and content.
+
+    They hold the packages of all boards and follow from no parameter, so they are the same for every design.
+    """
+    parameters, sets = hash_parameters({}), dict[str, dict[str, bytes]]()
+    for path, data in model_files().items():
+        library, name = path.split("/")
+        sets.setdefault(library, {})[name] = data
+    return [
+        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", parameters, force=force, top=folder), files)
+        for library, files in sets.items()
+    ]
+
+
+def board_folder(design: Design) -> Path:
+    """Folder that a design's board is written to unless another is named."""
+    return Path("out") / design.name / "board"
+
+
+def refuse_other_board(design: Design) -> None:
+    """Refuse to replace a board of another circuit in the default folder of a design's board.
+
+    Raises
+    ------
+    OutputError
+        If the board there has other parts, footprints or nets.
+    """
+    folder, name = board_folder(design), find_configuration(board_values(design)).name
+    finish_interrupted(folder)
+    netlist = kicad_netlist_file(board_circuit(board_values(design)))
+    refuse_other_circuit(folder, netlist, _EDITABLE, folder.with_name(f"board_{name}"))
+
+
+@dataclass(frozen=True)
+class BoardPlan:
+    """Files that are ready to be written to a folder, which can take them."""
+
+    writer: SetWriter
+    files: Mapping[str, bytes]
+    edited: EditedFiles
+    """Files among them that somebody edited in KiCad."""
+    models: Sequence[tuple[SetWriter, Mapping[str, bytes]]]
+
+    def write(self) -> tuple[Path, ...]:
+        """Write the files, all or none, then the models, and return the paths of the files.
+
+        Raises
+        ------
+        OutputError
+            If the folder cannot be written, or has changed since.
+        """
+        self.writer.write(self.files, revisions=self.edited.revisions)
+        for writer, contents in self.models:
+            writer.write(contents)
+        return tuple(self.writer.folder / name for name in self.files)
+
+
+def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: bool = False) -> BoardPlan:
+    """Plan the board's files in a folder, and refuse what it cannot take, before anything is written.
+
+    The parameters and exceptions are those of `write_board`.
+    """
+    files = board_files(design)
+
+    def make_layout(component_values: Mapping[str, str]) -> bytes:
+        values = board_values(design)
+        circuit = board_circuit(values)
+        for reference, value in component_values.items():
+            circuit = circuit.replace(reference, value)
+        return _make_layout(circuit, find_configuration(values))
+
+    finish_interrupted(folder)
+    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE, make_layout)
+    if bring_up:
+        files |= bring_up_files(design)
+    writer, models = board_writer(design, folder, force), model_sets(folder, force)
+    writer.check(files, edited.revisions)
+    for model_writer, contents in models:
+        model_writer.check(contents)
+    return BoardPlan(writer, files, edited, models)
+
+
+def write_board(
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    force: bool = False,
+    bring_up: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
+) -> tuple[Path, ...]:
+    """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return their paths.
+
+    A schematic or layout that somebody edited in KiCad keeps these edits: only values and part numbers that differ are
+    entered into it, and `progress` is called with a sentence. The default folder keeps a board of another circuit, such
+    as another variant's. With `force`, both are overwritten, and files of the same names that are somebody's own. With
+    `bring_up`, the sheet for bringing the board up is written too; otherwise that of another design is removed.
+
+    Raises
+    ------
+    BoardError
+        If the values cannot be computed.
+    OutputError
+        If the folder cannot be written, or holds a file of these names that is somebody's own and cannot be kept: a
+        schematic or layout if parts, footprints or nets change, any other file in any case. Also if the default folder
+        holds a board with other parts, footprints or nets. Its files are then unchanged.
+    """
+    if out is None and not force:
+        refuse_other_board(design)
+    plan = plan_board(design, board_folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
+    paths = plan.write()
+    for note in plan.edited.notes:
+        progress(note)
+    return paths
+
+
+def board_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
+    """Writer of the files of a design's board, in a folder; `top` as for `SetWriter`."""
+    return _writer(design, folder, "board", force, top)
+
+
+def _writer(design: Design, folder: Path, kind: str, force: bool, top: Path | None) -> SetWriter:
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder, kind, design.name, parameters, force=force, top=top)
+
+
+def write_fabrication(
+    design: Design,
+    out: str | Path | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+    *,
+    force: bool = False,
+) -> tuple[Path, ...]:
+    """Write the fabrication files to the folder `fab` of a board's folder, all or none. Requires KiCad.
+
+    `made_from.sha256` beside them records which board files they were made from, in the format of `sha256sum --check`.
+
+    Raises
+    ------
+    MissingLibraryError
+        If KiCad is not installed.
+    BoardError
+        If KiCad's checks find an error.
+    OutputError
+        If the folder cannot be written, or holds a file of these names that is somebody's own, or if the board was
+        edited in KiCad.
+    """
+    from fingertip.board.fabrication.fabrication_files import fabrication_files
+
+    folder = board_folder(design) if out is None else Path(out)
+    writer = check_fabrication(design, folder, force=force)
+    values = board_values(design)
+    placement, sources = find_configuration(values).placement, board_files(design)
+    models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
+    files = fabrication_files(sources | models, board_circuit(values), placement, progress)
+    files[PROVENANCE] = provenance_record(sources, files)
+    writer.write(files)
+    return tuple(writer.folder / name for name in files)
+
+
+def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> SetWriter:
+    """Refuse to make fabrication files beside a board, before work starts; return the writer that they need.
+
+    They follow from the design: beside a schematic or layout that was edited in KiCad, they would be those of another
+    board.
+
+    Raises
+    ------
+    MissingLibraryError
+        If KiCad is not installed.
+    OutputError
+        If a schematic or layout was edited, or the folder of the files cannot be written.
+    """
+    from fingertip.board.fabrication.fabrication_files import find_kicad
+
+    if not force:
+        _refuse_edited(folder)
+    writer = _writer(design, folder / FAB_FOLDER, "fabrication", force, folder)
+    writer.check((PROVENANCE,))
+    find_kicad()
+    return writer
+
+
+def _refuse_edited(folder: Path) -> None:
+    finish_interrupted(folder)
+    issues = [
+        Issue(
+            str(folder / name),
+            "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
+            "Outputs) and leave --fab out, or add --force to overwrite your edits.",
+        )
+        for name in find_edited(folder, _EDITABLE)
+        if name != PROJECT
+    ]
+    if issues:
+        raise OutputError(issues)
+
+
+def board_differences(design: Design, folder: str | Path) -> list[str]:
+    """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
+    found: list[str] = []
+    expected = board_files(design)
+    if (Path(folder) / BRING_UP).exists():
+        expected |= bring_up_files(design)
+    expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
+    for name, data in expected.items():
+        path = Path(folder) / name
+        try:
+            existing = read_input(path, OUTPUT_LIMIT, below=Path(folder))
+        except InputFileError as error:
+            found += map(str, error.issues)
+            continue
+        if existing != data:
+            found.append(f"{path}: differs from what this design gives.")
+            found += _first_difference(existing, data)
+    return found
+
+
+def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
+    """Describe how the fabrication files in a board's folder differ from those of a design; empty if they do not.
+
+    If there are none, that counts as a difference only if they are `expected`.
+    """
+    fab = Path(folder) / FAB_FOLDER
+    if not expected and not (fab / PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
+        return []
+    return find_outdated_files(fab, PROVENANCE, board_files(design))
+
+
+def _first_difference(existing: bytes, data: bytes) -> list[str]:
+    existing = existing[: 2 * len(data)]  # whatever somebody put there, the difference is not beyond
+    old, new = (text.decode(errors="replace").splitlines() for text in (existing, data))
+    # The files have thousands of lines. A few from the first difference on are enough.
+    first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
+    window = slice(first, first + _MAX_DIFF_LINES)
+    lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
+    return [
+        f"    line {first + 1}:",
+        *(
+            f"    {escape_control(shorten(line, _MAX_DIFF_LENGTH), kept=_TAB)}"
+            for line in list(lines)[3 : 3 + _MAX_DIFF_LINES]
+        ),
+    ]
+
+
+# Files of a bring-up, and the assessment of readings, for a design.
+
+
+def bring_up_files(design: Design) -> dict[str, bytes]:
+    """Content of the bring-up sheet, of its wiring diagram and of the file of readings, by name."""
+    values = board_values(design)
+    plan = _plan(design, values)
+    return {
+        BRING_UP: render_sheet(plan, values, design, WIRING).encode(),
+        WIRING: wiring_diagram(plan.board.circuit, design.board.supply_v, design.name),
+        BRING_UP_READINGS: readings_template(plan, design.name).encode(),
+    }
+
+
+def assess_board(design: Design, path: Path) -> dict[str, Any]:
+    """Assess the readings in a file, as plain data.
+
+    Raises
+    ------
+    TomlFileError, BoardError
+        If the file cannot be read, or holds what are no readings of this design's board.
+    """
+    values = board_values(design)
+    readings = read_readings(path, _plan(design, values))
+    is_in_software = values.comparator_levels is None and values.output_offset is not None
+    threshold_v = design.detector.threshold_v if is_in_software else None
+    return assess_readings(_plan(design, values, readings.tone_v), readings, threshold_v)
+
+
+def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
+    return plan_bring_up(Board.of_design(design, board_circuit(values)), values, *tone_v)

@@ -1,0 +1,290 @@
+"""Build of a design: writes its parts, casting sheet and report to a folder.
+
+The module is not called `build`, because importing a submodule `fingertip.build` would replace the function
+`fingertip.build` of the package.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.print_files import PLATE_KINDS, PRINT_FOLDER
+from fingertip.cad.report import (
+    ASSEMBLY,
+    DESIGN,
+    DESIGN_HEADING,
+    FORMATS,
+    REPORT,
+    SHEET,
+    STEPS_FOLDER,
+    Build,
+    BuiltPart,
+)
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
+from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
+from fingertip.cad.verification.bone import check_strength
+from fingertip.cad.verification.check import list_warnings
+from fingertip.cad.verification.printing import check_brep_solid
+from fingertip.cad.verification.verify import validate_tolerance, verify
+from fingertip.casting.quantities import measure_volumes
+from fingertip.design import Design
+from fingertip.design.export import to_toml
+from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.silicone import replace_silicone, select_silicone
+from fingertip.documents.casting.markdown import render_sheet
+from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.foundation import extras
+from fingertip.foundation.errors import DesignError, InputFileError, Issue
+from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
+from fingertip.foundation.output_set import SetWriter, hash_parameters, read_manifest
+from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.progress import Work
+
+
+def build(
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    parts: Iterable[str] | None = None,
+    formats: Iterable[str] | None = None,
+    tolerance_mm: float = 0.01,
+    material: str | None = None,
+    pictures: bool = False,
+    force: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
+    meanwhile: Callable[[], None] = lambda: None,
+) -> Build:
+    """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
+
+    Only the requested parts and formats are made. cadquery is loaded for "step" only, in a separate process.
+
+    The folder `print/` in it holds each printed part as it lies on the bed (with "stl"), and plates of all printed
+    parts (with "3mf", if all are built).
+
+    A folder holds the files of one design. Files that a build of other parameters wrote there, and that nobody changed
+    since, are removed. The folder holds either the old files or the new ones at any moment.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Output folder; `out/<design name>` if None.
+    parts
+        Names from `PARTS`; all parts of the design if None.
+    formats
+        Any of "stl", "3mf", "step"; `default_formats` if None.
+    tolerance_mm
+        Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
+    material
+        Silicone of the casting sheet, a name from `fingertip.catalogues.silicones` or "own"; the design's
+        silicone.product if None. The sheet is written if all parts are built.
+    pictures
+        Whether a picture of each casting step is drawn, for the casting sheet.
+    force
+        Whether files may be overwritten that no build wrote, or that were changed since.
+    progress
+        Called with a message at each step.
+    meanwhile
+        Called once before anything is written, while the B-rep kernel works. An error that it raises ends the build.
+
+    Raises
+    ------
+    DesignError
+        If a part, format, tolerance, silicone or folder name is not valid.
+    MissingLibraryError
+        If STEP files are requested and cadquery cannot be loaded.
+    GeometryError
+        If a kernel rejects a solid. No file has been written then.
+    OutputError
+        If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
+        written then.
+    """
+    if out is not None and not str(out).strip():
+        message = "is empty; give a folder, such as . for the current one, or omit the option."
+        raise DesignError(Issue("--out", message))
+    folder = Path("out") / design.name if out is None else Path(out)
+    known = tuple(parts_by_name(design))
+    names = select_names("--parts", known if parts is None else parts, known)
+    file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
+    if "step" in file_formats:
+        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+    validate_tolerance(tolerance_mm)
+    design, evaluator = replace_silicone(design, material), MeshEvaluator(tolerance_mm)
+    writer = parts_writer(design, folder, force)
+    writer.check(_file_names(names, file_formats, len(names) == len(known)))
+    print_writer = prints_writer(design, folder, force)
+    print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
+    picture_writer = steps_writer(design, folder, force)
+    picture_writer.check(())
+
+    with contextlib.ExitStack() as stack:
+        # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
+        process = None
+        if "step" in file_formats:
+            progress("starting the B-rep kernel in a second process")
+            solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
+            bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
+            job = StepJob(design.name, solids, brep_balance_solids(design, names), bought)
+            process = stack.enter_context(StepProcess(job))
+        verified = verify(design, names, file_formats, evaluator, progress)
+        meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
+        all_built = names == [*known]
+        casting = None
+        if all_built:
+            casting = casting_sheet_data(
+                design,
+                measure_volumes(design, evaluator),
+                select_silicone(design),
+                warnings=list_warnings(check_strength(design, strength)) if strength else (),
+            )
+        steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
+        meanwhile()
+        step = StepFiles({}, {}, {})
+        if process:
+            work = Work("", {"waiting for the B-rep kernel": 1.0}, progress)
+            work.begin("waiting for the B-rep kernel")
+            step = process.result(advance=work.advance)
+            for name, measured in step.measurements.items():
+                scale = print_scale(design, PARTS[name])
+                checks += check_brep_solid(design, PARTS[name], meshes[name], measured, scale, tolerance_mm)
+            checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
+        contents = dict(verified.contents) | step.contents
+
+    built = tuple(
+        BuiltPart(
+            PARTS[name],
+            meshes[name],
+            {file_format: f"{name}.{file_format}" for file_format in file_formats},
+            step.measurements.get(name),
+        )
+        for name in names
+    )
+    if casting:
+        contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
+    prints = verified.prints
+    result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
+    contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
+    contents[DESIGN] = to_toml(design, DESIGN_HEADING).encode()
+    print_writer.check(prints.contents)
+    picture_writer.check(steps_drawn)
+    removed = writer.write(contents)
+    progress(f"{len(contents)} files in {folder}")
+    removed += _replace_subset(print_writer, prints.contents, ".3mf" if prints.plates else None, progress)
+    removed += _replace_subset(picture_writer, steps_drawn, ".png", progress)
+    if removed:
+        progress(f"removed files of another design from {folder}: {', '.join(removed)}")
+    return replace(result, removed=removed)
+
+
+def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the files that describe a design's parts, in a folder."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    adopted = () if read_manifest(folder) else _files_of_version_one(folder)
+    return SetWriter(folder, "parts", design.name, parameters, adopted, force)
+
+
+def steps_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the pictures of the casting steps, in the folder of the casting sheet."""
+    return _subset_writer(design, folder, STEPS_FOLDER, force)
+
+
+def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+    """Writer of the files for the printer, in the folder of a design's parts."""
+    return _subset_writer(design, folder, PRINT_FOLDER, force)
+
+
+def _subset_writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
+    """Writer of a set in a folder of its own below the parts, with the same parameters."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder / kind, kind, design.name, parameters, force=force, top=folder)
+
+
+def _replace_subset(
+    writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None, progress: Callable[[str], None]
+) -> tuple[str, ...]:
+    """Write a set below the parts, or remove that of other parameters; return what was removed.
+
+    Files of the same parameters that end with `obsolete` and are not written again are removed too.
+    """
+    old = read_manifest(writer.folder, writer.top)
+    if not contents and (old is None or old.parameters == writer.parameters):
+        return ()
+    unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
+    removed = writer.write(contents, unwanted)
+    progress(f"{len(contents)} files in {writer.folder}")
+    return tuple(f"{writer.folder.name}/{name}" for name in removed)
+
+
+def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+    """Draw the pictures of the casting steps."""
+    from fingertip.documents.casting.markdown import steps
+    from fingertip.pictures.steps.pictures import draw_steps
+
+    return draw_steps(design, casting, steps(casting), progress)
+
+
+def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
+    """Names of the files that a build writes."""
+    names = [f"{part}.{file_format}" for part in parts for file_format in formats]
+    names += [ASSEMBLY] if "step" in formats else []
+    return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]
+
+
+def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
+    """Names of the files for the printer that a build writes if each process needs one plate."""
+    names = [f"{part}.stl" for part in parts if PARTS[part].is_printed] if "stl" in formats else []
+    plates = [name for kind in PLATE_KINDS for name in kind.file_names(1)]
+    return [*names, *(plates if "3mf" in formats and is_whole else [])]
+
+
+def _files_of_version_one(folder: Path) -> list[str]:
+    """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
+    try:
+        report = json.loads(read_input(folder / REPORT, PARSED_LIMIT, below=folder))
+        hashes = {
+            entry["files"][file_format]: digest
+            for entry in report["parts"].values()
+            for file_format, digest in entry["sha256"].items()
+        }
+    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return []
+    own = [name for name, digest in hashes.items() if is_safe_name(name) and has_hash(folder / name, digest)]
+    beside = (folder / name for name in (ASSEMBLY, SHEET, REPORT, DESIGN))
+    return [*own, *(path.name for path in beside if path.is_file() and not path.is_symlink())]
+
+
+def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
+    """Return the formats of a build that names none: all of them, but STEP only where cadquery is installed."""
+    if extras.is_installed("cadquery"):
+        return FORMATS
+    progress(
+        f"building STL and 3MF; {extras.install_command('cadquery')} adds STEP files and checks against exact solids"
+    )
+    return tuple(name for name in FORMATS if name != "step")
+
+
+def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:
+    """Return the requested names in the order of `known` and without duplicates."""
+    if isinstance(requested, str):
+        names = requested.split(",")
+        raise DesignError(Issue(option, f"{requested!r} is a single text; give a list, such as {names!r}."))
+    selected = set(requested)
+    if unknown := sorted(selected - set(known)):
+        raise DesignError([Issue(option, _describe_unknown_name(name, known)) for name in unknown])
+    if not selected:
+        raise DesignError(Issue(option, f"is empty; choose from {', '.join(known)}."))
+    return [name for name in known if name in selected]
+
+
+def _describe_unknown_name(name: str, known: tuple[str, ...]) -> str:
+    if name in PARTS:  # only the core is missing from some designs
+        return f"this design has no {name!r}, which only a sleeve is cast around; --set mold.method=sleeve."
+    return f"{name!r} is not one of the choices; {suggest_name(name, known)}"

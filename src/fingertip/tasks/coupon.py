@@ -1,0 +1,160 @@
+"""Files of the fit coupon: both pieces, a template for the readings, a page that says how to use them, and a plan."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.kernel.solids import scaled
+from fingertip.cad.report import FORMATS
+from fingertip.cad.shapes.coupon import COUPON_PARTS
+from fingertip.cad.shapes.parts import print_scale
+from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file
+from fingertip.cad.verification.verify import MESH_FORMATS, validate_tolerance
+from fingertip.calibration.readings import PLAN, identify_coupon, list_lengths, write_template
+from fingertip.design import Design
+from fingertip.documents.coupon import render_instructions
+from fingertip.foundation import extras
+from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.files import round_for_output
+from fingertip.foundation.output_set import SetWriter, hash_parameters
+from fingertip.pictures.coupon_plan import draw_plan
+from fingertip.tasks.build import select_names
+
+DEFAULT_FORMATS = ("stl", "3mf")
+READINGS, PAGE = "coupon_readings.toml", "coupon.md"
+
+
+@dataclass(frozen=True)
+class Coupon:
+    """Coupon of a design: its files, and the checks made on them."""
+
+    design: Design
+    folder: Path
+    meshes: Mapping[str, Mesh]
+    contents: Mapping[str, bytes]
+    """File name -> bytes."""
+    checks: tuple[Check, ...]
+
+    @property
+    def passed(self) -> bool:
+        """True if every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def data(self) -> dict[str, Any]:
+        """Return the coupon as plain data."""
+        return {
+            "design": self.design.name,
+            "coupon": identify_coupon(self.design),
+            "passed": self.passed,
+            "folder": str(self.folder),
+            "files": list(self.contents),
+            "volumes_mm3": {name: round_for_output(mesh.volume()) for name, mesh in self.meshes.items()},
+            "lengths_mm": {length.name: length.nominal_mm for length in list_lengths(self.design)},
+            "checks": [check.to_dict() for check in self.checks],
+        }
+
+
+def write_coupon(
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    formats: Iterable[str] = DEFAULT_FORMATS,
+    tolerance_mm: float = 0.01,
+    force: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
+) -> Coupon:
+    """Write the coupon of a design with a template for the readings and a page on its use.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Output folder; `out/<design name>/coupon` if None.
+    formats
+        Any of "stl", "3mf", "step".
+    tolerance_mm
+        Largest distance of a facet from the exact surface [mm].
+    force
+        True if files may be overwritten that no command wrote, or that were changed since.
+    progress
+        Called with a message at each step.
+
+    Raises
+    ------
+    DesignError
+        If a format, the tolerance or the folder name is not valid.
+    GeometryError
+        If a kernel rejects a solid. No file has been written then.
+    MissingLibraryError
+        If STEP files are requested and cadquery cannot be loaded.
+    OutputError
+        If the folder cannot be written, or holds a file of these names that is somebody's own.
+    """
+    if out is not None and not str(out).strip():
+        message = "is empty; give a folder, such as . for the current one, or omit the option."
+        raise DesignError(Issue("--out", message))
+    folder = Path("out") / design.name / "coupon" if out is None else Path(out)
+    file_formats = select_names("--formats", formats, FORMATS)
+    if "step" in file_formats:
+        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+    validate_tolerance(tolerance_mm)
+    writer = SetWriter(folder, "coupon", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+    names = [f"{part}.{file_format}" for part in COUPON_PARTS for file_format in file_formats]
+    writer.check([*names, READINGS, PAGE, PLAN])
+    coupon = make_coupon(design, folder, file_formats, tolerance_mm, progress)
+    writer.write(coupon.contents)
+    return coupon
+
+
+def make_coupon(
+    design: Design,
+    folder: Path,
+    formats: Iterable[str],
+    tolerance_mm: float,
+    progress: Callable[[str], None] = lambda message: None,
+) -> Coupon:
+    """Make all files of the coupon in memory, read the meshes back and check them."""
+    formats = list(formats)
+    solids = {name: part.solid(design) for name, part in COUPON_PARTS.items()}
+    evaluator, contents, checks = MeshEvaluator(tolerance_mm), {}, []
+    with contextlib.ExitStack() as stack:
+        process = None
+        if "step" in formats:
+            parts = tuple((name, solid, COUPON_PARTS[name].colour) for name, solid in solids.items())
+            process = stack.enter_context(StepProcess(StepJob(f"{design.name}_coupon", parts)))
+        meshes = {}
+        for name, solid in solids.items():
+            meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, COUPON_PARTS[name])))
+            progress(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
+            checks.append(Check(f"{name}.build_volume_excess", _bed_excess(design, meshes[name]), 0.0, "mm"))
+            for file_format in (each for each in formats if each in MESH_FORMATS):
+                data = MESH_FORMATS[file_format].to_bytes(meshes[name], name)
+                contents[f"{name}.{file_format}"] = data
+                read = MESH_FORMATS[file_format].from_bytes(data)
+                checks += check_mesh_file(design, COUPON_PARTS[name], read, file_format)
+        step = process.result() if process else StepFiles({}, {}, {})
+    for name, measured in step.measurements.items():
+        part = COUPON_PARTS[name]
+        checks += check_brep_solid(design, part, meshes[name], measured, print_scale(design, part), tolerance_mm)
+        contents[f"{name}.step"] = step.contents[f"{name}.step"]
+    contents[READINGS] = write_template(design).encode()
+    contents[PAGE] = render_instructions(design, READINGS).encode()
+    progress("drawing the plan view")
+    contents[PLAN] = draw_plan(design, meshes)
+    return Coupon(design, folder, meshes, contents, tuple(checks))
+
+
+def _bed_excess(design: Design, mesh: Mesh) -> float:
+    """Measure how far a piece, as it lies, exceeds the printer's build volume [mm]; negative if it fits."""
+    x, y, z = (float(size) for size in mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0))
+    printer = design.printer
+    bed, footprint = sorted((printer.bed_x_mm, printer.bed_y_mm)), sorted((x, y))
+    return max(footprint[0] - bed[0], footprint[1] - bed[1], z - printer.bed_z_mm)

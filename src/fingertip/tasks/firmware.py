@@ -1,0 +1,95 @@
+"""Files of the library: their content, writing them to a folder, and comparing them with those in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from fingertip.design import Design
+from fingertip.documents.firmware import render_readme
+from fingertip.firmware.packaging import MANIFEST, PROPERTIES, library_manifest, library_properties
+from fingertip.firmware.sources import library_sources, read_template
+from fingertip.foundation.errors import InputFileError
+from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
+from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+KIND = "firmware"
+README, TIMER, BUFFER = "README.md", "slip_timer.h", "slip_buffer.h"
+SOURCES, EXAMPLES = "src", "examples"
+"""Folders of the library, as Arduino names them."""
+_EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
+"""Example -> its files. Arduino names a sketch like its folder."""
+
+
+def firmware_folder(design: Design) -> Path:
+    """Folder that a design's library is written to unless another is named."""
+    return Path("out") / design.name / KIND
+
+
+def firmware_files(design: Design) -> dict[str, dict[str, bytes]]:
+    """Content of the files, by folder within the library and by name; the same design gives the same bytes."""
+    folders = {
+        ".": {
+            README: render_readme(design).encode(),
+            PROPERTIES: library_properties(design),
+            MANIFEST: library_manifest(design),
+        },
+        SOURCES: {**library_sources(design), **{name: read_template(name).encode() for name in (BUFFER, TIMER)}},
+    }
+    for example, names in _EXAMPLE_FILES.items():
+        files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
+        folders[f"{EXAMPLES}/{example}"] = files
+    return folders
+
+
+def write_firmware(design: Design, out: str | Path | None = None, *, force: bool = False) -> tuple[Path, ...]:
+    """Write the library of a design to a folder, `out/NAME/firmware` by default, and return the paths of its files.
+
+    Parameters
+    ----------
+    design
+        The design.
+    out
+        The folder.
+    force
+        Whether files may be overwritten that this function did not write, or that were changed since.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
+        written then.
+    """
+    folder = firmware_folder(design) if out is None else Path(out)
+    sets = [(_writer(design, folder, place, force), contents) for place, contents in firmware_files(design).items()]
+    for writer, contents in sets:
+        writer.check(contents)
+    for writer, contents in sets:
+        writer.write(contents)
+    return tuple(writer.folder / name for writer, contents in sets for name in contents)
+
+
+def firmware_differences(design: Design, folder: str | Path) -> list[str]:
+    """Describe how a folder's files differ from those of a design; empty if they do not."""
+    return [
+        difference
+        for place, contents in firmware_files(design).items()
+        for difference in _compare(Path(folder), place, contents)
+    ]
+
+
+def _writer(design: Design, folder: Path, place: str, force: bool) -> SetWriter:
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder / place, KIND, design.name, parameters, force=force, top=folder)
+
+
+def _compare(folder: Path, place: str, contents: Mapping[str, bytes]) -> list[str]:
+    found = []
+    for name, data in contents.items():
+        path = folder / place / name
+        try:
+            if read_input(path, OUTPUT_LIMIT, below=folder) != data:
+                found.append(f"{path}: differs from what this design gives.")
+        except InputFileError as error:
+            found += map(str, error.issues)
+    return found

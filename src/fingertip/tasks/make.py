@@ -1,0 +1,170 @@
+"""Everything of a design in one go: parts, drawings, board, one simulated trial and the slip detected in it.
+
+The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
+the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
+its own. While the B-rep kernel works on the STEP files in a second process, this process makes the others. The page
+that shows them all is made last, from what was written.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fingertip.cad.report import Build
+from fingertip.design import Design
+from fingertip.documents.acceptance import acceptance_data, render_acceptance
+from fingertip.foundation import extras
+from fingertip.foundation.files import TemporaryFolder
+from fingertip.page import PAGE
+from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
+from fingertip.sim.trace_export import encode_trace, signal_writer
+from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
+from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, board_writer, plan_board
+from fingertip.tasks.build import build, default_formats, parts_writer
+
+if TYPE_CHECKING:
+    from fingertip.detection.files import FileDetection
+    from fingertip.foundation.output_set import SetWriter
+
+
+DETECTOR = "fast"
+"""Detector of the trial: the best there is."""
+ACCEPTANCE = "acceptance.md"
+"""Acceptance sheet, beside the casting sheet."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """Result of `make`."""
+
+    parts: Build
+    drawings: tuple[Path, ...]
+    """Dimensioned drawings; none if no STEP files were asked for, whose kernel they need."""
+    board: tuple[Path, ...]
+    """Files of the board."""
+    signal: tuple[Path, ...]
+    """Files of the simulated trial."""
+    detection: FileDetection
+    """Slip that was detected in the trial."""
+    page: Path | None
+    """Page that shows all of it; None if the parts have no STL files."""
+
+
+def make(
+    design: Design,
+    out: str | Path | None = None,
+    *,
+    formats: Iterable[str] | None = None,
+    force: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
+) -> Made:
+    """Make parts, drawings, board, a simulated trial and its detection, in one folder.
+
+    Parameters
+    ----------
+    design
+        The fingertip.
+    out
+        Output folder; `out/<design name>` if None.
+    formats
+        File formats of the parts, as for `build`.
+    force
+        Whether files may be overwritten that this function did not write, or that were changed since.
+    progress
+        Called with a message at each step.
+
+    Raises
+    ------
+    FingertipError
+        As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
+    """
+    folder = Path("out") / design.name if out is None else Path(out)
+    board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force, folder)
+    sheets = parts_writer(design, folder, force)
+    formats = None if formats is None else tuple(formats)
+    draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
+    sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
+    board_writer(design, board_folder, force, folder).check(BRING_UP_FILES)
+    plan_board(design, board_folder, force=force)
+    signal.check((TRACE, PLOT, DETECTION))
+    boards: list[BoardPlan] = []
+    others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
+    drawings: dict[str, bytes] = {}
+    found: list[FileDetection] = []
+
+    def make_the_others() -> None:
+        progress("making the board")
+        boards.append(plan_board(design, board_folder, force=force, bring_up=True))
+        signal_set, detection = simulate_and_detect(design, progress)
+        page = render_acceptance(acceptance_data(design, detection.detection))
+        drawings.update(draw_files(design, progress) if draws else {})
+        others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode(), **drawings})))
+        found.append(detection)
+
+    parts = build(
+        design, folder, formats=formats, pictures=True, force=force, progress=progress, meanwhile=make_the_others
+    )
+    (board,) = boards
+    board_paths = board.write()
+    for message in (f"{len(board_paths)} files in {board_folder}", *board.edited.notes):
+        progress(message)
+    for writer, contents in others:
+        writer.write(contents)
+        progress(f"{len(contents)} files in {writer.folder}")
+    signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
+    drawn = tuple(parts.folder / name for name in drawings)
+    return Made(parts, drawn, board_paths, signal_paths, found[0], _make_page(design, parts, force, progress))
+
+
+def _can_draw(progress: Callable[[str], None]) -> bool:
+    """Return whether the packages of the drawings are there, and say so if not."""
+    if extras.is_installed("reportlab"):
+        return True
+    progress(f"{PDF} is left out: it needs {extras.describe_missing('reportlab')}")
+    return False
+
+
+def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:
+    """Make the page from the files that were written."""
+    if not all("stl" in part.files for part in parts.parts):
+        progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
+        return None
+    from fingertip.tasks.page import write_page
+
+    progress("making the page")
+    path, _, _ = write_page(design, parts.folder, force=force)
+    return path
+
+
+def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
+    """Simulate a trial, and detect slip in its trace as it is read back from a file."""
+    from fingertip.detection.files import detect_file
+    from fingertip.sim import SceneFile, load_simulation, run_scene
+    from fingertip.slip.detectors.registry import find_second_column
+    from fingertip.slip.report import as_data
+
+    progress("simulating a trial")
+    scene = load_simulation().scene
+    assert isinstance(scene, SceneFile)
+    if second := find_second_column(design, DETECTOR):
+        scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
+    result = run_scene(design, scene)
+    contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
+    progress("detecting slip in it")
+    with TemporaryFolder() as temporary:
+        path = temporary / TRACE
+        path.write_bytes(contents[TRACE])
+        found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
+    data = as_data(found.detection, found.noise)
+    contents[DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    if extras.is_installed("matplotlib"):
+        from fingertip.slip.report import draw
+
+        contents[PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
+    else:
+        progress(f"{PLOT} is left out: it needs {extras.describe_missing('matplotlib')}")
+    return contents, found

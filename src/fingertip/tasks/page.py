@@ -1,0 +1,63 @@
+"""Writing of the page of a design into its folder, and of the atlas of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError, Issue, OutputError
+from fingertip.foundation.files import open_atomic
+from fingertip.page import PAGE
+from fingertip.page.atlas import draw_atlas, render_atlas
+from fingertip.page.render import render_page
+from fingertip.page.sources import read_sources
+from fingertip.tasks.build import parts_writer
+
+
+def write_page(
+    design: Design, out: str | Path | None = None, *, force: bool = False
+) -> tuple[Path, int, tuple[str, ...]]:
+    """Write the page of a design beside its files, `out/NAME/index.html` by default.
+
+    Returns
+    -------
+    path
+        The page.
+    size
+        Its size [byte].
+    remarks
+        Sentences on what it does not show, each with the command that makes it.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no parts of this design, or cannot be written.
+    """
+    folder = Path("out") / design.name if out is None else Path(out)
+    writer = parts_writer(design, folder, force)
+    writer.check((PAGE,))
+    try:
+        sources = read_sources(design, folder)
+        data = render_page(sources)
+    except (FingertipError, OSError, MemoryError):
+        raise
+    except Exception as error:  # what the manifest lists may be any file all the same
+        message = f"holds files that cannot be shown ({type(error).__name__}: {error}); `fingertip make` makes others."
+        raise OutputError(Issue(str(folder), message)) from error
+    writer.add({PAGE: data})
+    return folder / PAGE, len(data), tuple(sources.remarks.values())
+
+
+def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None] = lambda message: None) -> int:
+    """Write the atlas of the parameters: each with a picture of what it changes. Returns the number of pictures.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    with open_atomic(Path(path), "--html") as file:  # a path that cannot be written is refused before the work
+        pictures = {picture.path: picture for picture in draw_atlas(design, progress)}
+        file.write(render_atlas(design, pictures))
+    return len(pictures)

@@ -14,9 +14,9 @@ import time
 
 from fingertip.catalogues.bundled import find_file
 from fingertip.design.fit import fit_design
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.load import load_tables
 from fingertip.design.new_design import PRESETS
-from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import PART_RULES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import DesignError

@@ -7,8 +7,6 @@ above and partly below a subfolder.
 
 from __future__ import annotations
 
-from collections import defaultdict
-
 from grimp import ImportGraph
 from importlinter.application import output
 from importlinter.domain.contract import Contract, ContractCheck
@@ -44,10 +42,10 @@ def _find_both_ways(graph: ImportGraph, folder: str) -> dict[str, list[Import]]:
     found = {}
     for subfolder in subfolders:
         below = {subfolder, *graph.find_descendants(subfolder)}
-        imports: dict[bool, list[Import]] = defaultdict(list)
+        down, up = list[Import](), list[Import]()
         for module in loose:
-            imports[True] += [(module, other) for other in graph.find_modules_directly_imported_by(module) & below]
-            imports[False] += [(other, module) for other in graph.find_modules_that_directly_import(module) & below]
-        if imports[True] and imports[False]:
-            found[f"the modules of {folder} and {subfolder}"] = sorted(min(imports.values(), key=len))
+            down += [(module, other) for other in graph.find_modules_directly_imported_by(module) & below]
+            up += [(other, module) for other in graph.find_modules_that_directly_import(module) & below]
+        if down and up:
+            found[f"the modules of {folder} and {subfolder}"] = sorted(down if len(down) < len(up) else up)
     return found

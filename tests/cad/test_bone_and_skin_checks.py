@@ -66,7 +66,7 @@ def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float) -> None
 @pytest.mark.parametrize("changes", [[], ["bone.palmar_fullness=0.9721"], ["mold.fit_clearance_mm=0.1"]], ids=str)
 def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str]) -> None:
     """The bone is moved on the meshes as the linear program says; the rule measures its sections."""
-    losses = find_losses(Design.load(changes=changes))
+    losses = Design.load(changes=changes).losses
     expected = min(loss.left_mm for loss in losses)
     checks = run_checks(*changes)
     assert checks["skin.min_thickness_misaligned"].value == pytest.approx(expected, abs=0.05)
@@ -77,13 +77,13 @@ def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str
 def test_loose_bone_leaves_too_thin_a_skin(monkeypatch: pytest.MonkeyPatch) -> None:
     """A play of 0.4 mm on every side moves the bone further than the rules allow."""
     design, evaluator = Design(), MeshEvaluator(TOLERANCE)
-    monkeypatch.setitem(vars(design.dimensions), "losses", find_losses(design, 0.4))
+    monkeypatch.setitem(vars(design), "losses", find_losses(design, design.dimensions, 0.4))
     checks = check_skin(design, evaluator, evaluator.mesh(skin(design)))
     assert "skin.retained_elsewhere" in {check.name for check in checks if not check.passed}
 
 
 def test_larger_clearance_loses_thickness_and_is_refused() -> None:
-    tight, loose = (find_losses(Design(), clearance) for clearance in (0.05, 0.3))
+    tight, loose = (find_losses(Design(), Design().dimensions, clearance) for clearance in (0.05, 0.3))
     assert worst(loose, True).retained < worst(tight, True).retained
     assert worst(loose, False).retained < 0.8 < worst(tight, False).retained
     with pytest.raises(DesignError, match=r"0\.3 mm lets bone or core lie off until .* are needed; at most 0\.\d+ mm"):

@@ -21,9 +21,9 @@ from fingertip.cad.verification import joint as joint_checks
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.new_design import PRESETS
-from fingertip.design.parameters import DesignTables
 from fingertip.design.rules import joint as joint_rules
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import DesignError

@@ -27,7 +27,7 @@ from fingertip.cad.verification.printing import _is_inside, check_overhang
 from fingertip.catalogues.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, THREADS, Thread
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from tests.conftest import DESIGNS, design_file, some_of
 
 TOLERANCE, FINE = 0.02, 0.0005

@@ -17,8 +17,8 @@ from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.new_design import PRESETS
-from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import Rule
 from fingertip.design.rules.search import Search
 from fingertip.foundation.errors import DesignError

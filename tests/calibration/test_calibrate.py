@@ -147,4 +147,6 @@ def test_silicone_leaks_through_the_printed_gap() -> None:
     drawn = Design.load(design_file("fsr400"), changes=["mold.fit_clearance_mm=0.15"])
     assert leak_mm(grown) == pytest.approx(leak_mm(plain), rel=1e-3)
     assert leak_mm(drawn) > 1.3 * leak_mm(plain)
-    assert [c.gap_mm for c in list_contacts(grown)] == pytest.approx([c.gap_mm for c in list_contacts(plain)])
+    assert [c.gap_mm for c in list_contacts(grown, grown.dimensions)] == pytest.approx(
+        [c.gap_mm for c in list_contacts(plain, plain.dimensions)]
+    )

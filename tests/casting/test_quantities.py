@@ -171,7 +171,7 @@ def test_largest_thread_that_passes_a_hole_is_selected(hole: float, thread: floa
 def test_clamp_bolts_have_the_shortest_standard_length_that_passes_the_nut(
     change: str, thread: float, length: float
 ) -> None:
-    bolts = size_clamp_bolts(fsr400(*change.split()))
+    bolts = size_clamp_bolts(fsr400(*change.split()).mold, fsr400(*change.split()).mold_layout)
     assert (bolts.count, bolts.thread.diameter_mm, bolts.length_mm) == (4, thread, length)
 
 

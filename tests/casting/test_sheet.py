@@ -277,7 +277,7 @@ def test_collar_passage_is_filled_only_where_the_tail_leaves_the_mold() -> None:
 def test_procedure_tries_and_holds_the_insert_before_the_silicone_is_weighed(method: str) -> None:
     design = fsr400(f"mold.method={method}")
     text = procedure_text(f"mold.method={method}")
-    least_mm = min(loss.left_mm for loss in find_losses(design))
+    least_mm = min(loss.left_mm for loss in find_losses(design, design.dimensions))
     assert f"the skin is still {round(least_mm, 2):g} mm at its thinnest" in text
     assert "M2 x 10 mm screw" in text
     order = ["Test the cure", "Close the empty mold", "Drill the hole", "Luer cone", "film of mold release",

@@ -14,7 +14,6 @@ from fingertip.design.geometry.seat import (
     Contact,
     Loss,
     SkinPoint,
-    find_losses,
     list_contacts,
     list_skin_points,
     worst,
@@ -37,10 +36,10 @@ def test_losses_are_those_of_a_library(name: str, method: str) -> None:
     from scipy.optimize import linprog
 
     design = Design.load(design_file(name), changes=[f"mold.method={method}"])
-    contacts = list_contacts(design)
+    contacts = list_contacts(design, design.dimensions)
     rows = moments([(c.point_mm, c.normal) for c in contacts])
     gaps = np.array([c.gap_mm for c in contacts])
-    for loss in find_losses(design):
+    for loss in design.losses:
         (objective,) = moments([(loss.point.point_mm, loss.point.normal)])
         expected = linprog(-objective, A_ub=rows, b_ub=gaps, bounds=[(-100, 100)] * 6)
         assert loss.loss_mm == pytest.approx(-expected.fun, abs=1e-9)
@@ -78,8 +77,8 @@ def test_tip_of_a_cantilever_moves_by_the_lever_of_its_recess(monkeypatch: pytes
     turned = [((1.0, 0.0, 0.0), (0.0, sign, 0.0)) for sign in (-1.0, 1.0)]
     contacts = tuple(Contact(point, normal, 0.1) for point, normal in (*pairs, *others, *turned))
     design = Design.load(design_file("fsr400"))
-    monkeypatch.setattr(bone_play, "list_contacts", lambda design, clearance=None: contacts)
-    losses = [loss for loss in find_losses(design) if loss.point.normal == (0.0, -1.0, 0.0) and loss.point.over_sensor]
+    monkeypatch.setattr(bone_play, "list_contacts", lambda design, dims, clearance=None: contacts)
+    losses = [loss for loss in design.losses if loss.point.normal == (0.0, -1.0, 0.0) and loss.point.over_sensor]
     middle = next(loss for loss in losses if loss.point.point_mm[0] == 0.0)
     assert middle.loss_mm == pytest.approx(0.1 * (1 + 2 * middle.point.point_mm[2] / 8))
 
@@ -90,21 +89,21 @@ def unit_pair(axis: int) -> list[tuple[float, float, float]]:
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_bundled_designs_keep_their_skin(name: str) -> None:
-    losses = find_losses(Design.load(design_file(name)))
+    losses = Design.load(design_file(name)).losses
     assert worst(losses, over_sensor=True).retained >= 0.95
     assert worst(losses, over_sensor=False).retained >= 0.80
 
 
 def test_skin_over_the_sensor_has_its_design_thickness() -> None:
     design = Design.load(design_file("fsr400"))
-    centre = next(p for p in list_skin_points(design) if p.over_sensor and p.point_mm[0] == 0.0)
+    centre = next(p for p in list_skin_points(design, design.dimensions) if p.over_sensor and p.point_mm[0] == 0.0)
     assert centre.thickness_mm == pytest.approx(design.skin.thickness_palmar_mm)
 
 
 def test_chaplet_holds_what_a_base_alone_does_not() -> None:
     design = Design.load(design_file("fsr400"))
-    held = worst(find_losses(design), over_sensor=True)
-    base = [c for c in list_contacts(design) if c.point_mm[2] <= 0.0]
+    held = worst(design.losses, over_sensor=True)
+    base = [c for c in list_contacts(design, design.dimensions) if c.point_mm[2] <= 0.0]
     along = [Contact((0.0, 0.0, 0.0), (0.0, 0.0, sign), 0.15) for sign in (-1.0, 1.0)]
     rows = moments([(c.point_mm, c.normal) for c in (*base, *along)]).tolist()
     gaps = [c.gap_mm for c in (*base, *along)]
@@ -129,8 +128,10 @@ def test_gaps_are_clearance_less_growth_of_the_print_and_two_errors() -> None:
     )
     chaplet = design.dimensions.chaplet
     assert chaplet is not None
-    gaps = sorted({round(contact.gap_mm, 9) for contact in list_contacts(design)})
+    gaps = sorted({round(contact.gap_mm, 9) for contact in list_contacts(design, design.dimensions)})
     assert gaps == pytest.approx(sorted({2 * 0.03, 0.12 - 0.02 + 2 * 0.03, chaplet.play + 2 * 0.03}))
-    tight = {round(contact.gap_mm, 9) for contact in list_contacts(design, fit_clearance_mm=0.01)}
+    tight = {round(contact.gap_mm, 9) for contact in list_contacts(design, design.dimensions, fit_clearance_mm=0.01)}
     assert min(tight) == pytest.approx(2 * 0.03), "a print that grows by more than the clearance still has its errors"
-    assert max(contact.gap_mm for contact in list_contacts(design, fit_clearance_mm=0.3)) == pytest.approx(0.3 + 0.04)
+    assert max(
+        contact.gap_mm for contact in list_contacts(design, design.dimensions, fit_clearance_mm=0.3)
+    ) == pytest.approx(0.3 + 0.04)

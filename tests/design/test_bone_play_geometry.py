@@ -11,6 +11,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.seat import (
     Contact,
     Loss,
@@ -22,7 +23,6 @@ from fingertip.design.geometry.seat import (
     sleeve_inset_mm,
     worst,
 )
-from fingertip.design.parameters import DesignTables
 from tests.conftest import design_file
 
 DESIGN = Design.load(design_file("fsr400"))
@@ -47,7 +47,7 @@ def around(contacts: Iterable[Contact], z: float) -> list[Contact]:
 
 @pytest.mark.parametrize("design", [DESIGN, FREE, SLEEVE], ids=["fsr400", "free", "sleeve"])
 def test_contacts_are_unit_vectors_in_mirrored_pairs(design: DesignTables) -> None:
-    contacts = list_contacts(design)
+    contacts = list_contacts(design, design.dimensions)
     assert [math.hypot(*c.normal) for c in contacts] == pytest.approx([1.0] * len(contacts), rel=1e-12)
     found = {(c.point_mm, c.normal, c.gap_mm) for c in contacts}
     assert {(mirror(point), mirror(normal), gap) for point, normal, gap in found} == found
@@ -70,7 +70,7 @@ def check_around(contacts: list[Contact], section: CrossSection, flat: float) ->
 
 
 def test_collar_touches_its_recess_all_around_at_both_ends() -> None:
-    dims, contacts = DESIGN.dimensions, list_contacts(DESIGN)
+    dims, contacts = DESIGN.dimensions, list_contacts(DESIGN, DESIGN.dimensions)
     foot = -DESIGN.bone.collar_length_mm
     low = -min(DESIGN.mold.recess_length_mm, DESIGN.bone.base_length_mm)
     assert dims.chaplet is not None
@@ -89,7 +89,7 @@ def test_collar_touches_its_recess_all_around_at_both_ends() -> None:
 
 
 def test_base_touches_its_recess_down_to_the_edges_of_its_flat() -> None:
-    dims, contacts = DESIGN.dimensions, list_contacts(DESIGN)
+    dims, contacts = DESIGN.dimensions, list_contacts(DESIGN, DESIGN.dimensions)
     low = -min(DESIGN.mold.recess_length_mm, DESIGN.bone.base_length_mm)
     base, flat = around(contacts, low), dims.base_flat_depth
     section = dims.bone_outline.section
@@ -105,7 +105,7 @@ def test_base_touches_its_recess_down_to_the_edges_of_its_flat() -> None:
 def test_a_base_that_is_shorter_than_the_recess_touches_at_its_own_end() -> None:
     for length, low in ((3.0, -3.0), (100.0, -DESIGN.bone.base_length_mm)):
         tables = DESIGN.with_values({"mold.recess_length_mm": length})
-        assert min(c.point_mm[2] for c in list_contacts(tables)) == low
+        assert min(c.point_mm[2] for c in list_contacts(tables, tables.dimensions)) == low
 
 
 def test_chaplet_holds_at_its_facet() -> None:
@@ -124,14 +124,14 @@ def test_chaplet_holds_at_its_facet() -> None:
         ((0.0, y, z - radius), error),
     ]
     expected = [*middle, *((point, (0.0, sign, 0.0), gap) for point, gap in rim for sign in (1.0, -1.0))]
-    found = [(c.point_mm, c.normal, c.gap_mm) for c in list_contacts(DESIGN) if c.point_mm[2] > 0.0]
+    found = [(c.point_mm, c.normal, c.gap_mm) for c in list_contacts(DESIGN, DESIGN.dimensions) if c.point_mm[2] > 0.0]
     assert sorted(found) == sorted(expected)
 
 
 def test_without_a_chaplet_the_shelf_holds_the_collar_along_the_finger() -> None:
     error = 2 * FREE.printer.surface_error_mm
     gap = max(0.0, FREE.mold.fit_clearance_mm - FREE.printer.offset_mm) + error
-    contacts = list_contacts(FREE)
+    contacts = list_contacts(FREE, FREE.dimensions)
     along = [(c.point_mm, c.normal, c.gap_mm) for c in contacts if c.normal[2]]
     assert sorted(along) == [((0.0, 0.0, 0.0), (0.0, 0.0, sign), gap) for sign in (-1.0, 1.0)]
     assert {c.gap_mm for c in contacts} == {gap}
@@ -149,7 +149,7 @@ def test_skin_is_measured_across_the_nearest_surface(design: Design) -> None:
     bone, outer = dims.bone_outline, dims.outer
     assert bone.tip is not None
     join, apex = bone.stations[-1][0], bone.tip.z
-    points = [p for p in list_skin_points(design) if not p.over_sensor and p.point_mm[2] < apex]
+    points = [p for p in list_skin_points(design, design.dimensions) if not p.over_sensor and p.point_mm[2] < apex]
     heights = sorted({p.point_mm[2] for p in points})
     assert heights == pytest.approx([0.0, join, join + (apex - join) / 3, join + 2 * (apex - join) / 3])
     for z in heights:
@@ -177,7 +177,7 @@ def test_skin_at_the_apex_is_that_of_the_design() -> None:
     for design, inset in ((DESIGN, 0.0), (SLEEVE, 0.2)):
         tip = design.dimensions.bone_outline.tip
         assert tip is not None
-        (point,) = (p for p in list_skin_points(design) if p.point_mm[2] == tip.z)
+        (point,) = (p for p in list_skin_points(design, design.dimensions) if p.point_mm[2] == tip.z)
         assert point == SkinPoint((0.0, 0.0, tip.z), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset)
 
 
@@ -185,7 +185,7 @@ def test_skin_over_the_sensor_is_measured_at_its_middle_and_rim() -> None:
     for design, inset in ((DESIGN, 0.0), (SLEEVE, 0.2)):
         dims, radius = design.dimensions, design.dimensions.sensor.active_diameter_mm / 2
         flat, z = dims.flat_depth, dims.sensor_z
-        points = [p for p in list_skin_points(design) if p.over_sensor]
+        points = [p for p in list_skin_points(design, design.dimensions) if p.over_sensor]
         places = [(0.0, z), (radius, z), (0.0, z + radius), (0.0, z - radius)]
         assert [p.point_mm for p in points] == [(x, -flat, height) for x, height in places]
         assert {p.normal for p in points} == {(0.0, -1.0, 0.0)}
@@ -201,18 +201,18 @@ def test_interference_counts_only_where_there_is_a_sleeve() -> None:
 
 
 def test_losses_are_those_of_the_points_that_are_asked_for() -> None:
-    points = list_skin_points(DESIGN)
-    all_of_them = find_losses(DESIGN)
+    points = list_skin_points(DESIGN, DESIGN.dimensions)
+    all_of_them = find_losses(DESIGN, DESIGN.dimensions)
     assert tuple(loss.point for loss in all_of_them) == points
     for loss in all_of_them:
         # The motion of the point: shift, and rotation crossed with the place.
         motion = np.array(loss.motion[:3]) + np.cross(loss.motion[3:], loss.point.point_mm)
         assert motion @ loss.point.normal == pytest.approx(loss.loss_mm)
-    (one,) = find_losses(DESIGN, points=points[3:4])
+    (one,) = find_losses(DESIGN, DESIGN.dimensions, points=points[3:4])
     assert one.point == points[3]
     assert one.loss_mm == pytest.approx(all_of_them[3].loss_mm, rel=1e-12)
-    assert find_losses(DESIGN, points=()) == ()
-    looser = find_losses(DESIGN, fit_clearance_mm=0.4)
+    assert find_losses(DESIGN, DESIGN.dimensions, points=()) == ()
+    looser = find_losses(DESIGN, DESIGN.dimensions, fit_clearance_mm=0.4)
     assert worst(looser, over_sensor=True).loss_mm > worst(all_of_them, over_sensor=True).loss_mm
 
 

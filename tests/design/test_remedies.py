@@ -9,8 +9,9 @@ from collections.abc import Sequence
 import pytest
 
 from fingertip.design import Design
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.design.rules import RULES
 from fingertip.design.rules.force_curve import calibration_spans_forces
 from fingertip.design.rules.search import Search

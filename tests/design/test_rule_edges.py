@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from fingertip.design import Design
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.load import load_tables
-from fingertip.design.parameters import DesignTables
 from fingertip.design.parameters.declaration import find_bounds, find_unit
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.design.rules import ELECTRONIC_RULES, RULES
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.foundation.errors import DesignError, Issue

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError, Issue
 from tools.fuzz import in_process, pieces, run, targets
 from tools.fuzz.cases import Case, design_cases

@@ -12,7 +12,7 @@ import pytest
 
 from fingertip import Design
 from fingertip.design.export import list_parameters
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.page.atlas import (
     _FARTHER,
     _NEARER,

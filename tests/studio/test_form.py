@@ -9,7 +9,7 @@ import pytest
 from fingertip import Design
 from fingertip.design.export import json_schema
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.studio.form import Field, make_form, make_pointer
 from fingertip.studio.page import render_studio
 from tests.page.conftest import Page

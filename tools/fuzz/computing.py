@@ -24,7 +24,7 @@ from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation

@@ -111,10 +111,10 @@ _PIN_PLAY_MM = 0.2
 
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     """Items to buy besides the silicone: name, count and sizes [mm]."""
-    bolts = size_clamp_bolts(design)
+    bolts = size_clamp_bolts(design.mold, design.mold_layout)
     thread = bolts.thread
     sensor = design.sensor
-    out_mm = round(bolts.stand_out_mm(design), 1)
+    out_mm = round(bolts.stand_out_mm(design.mold_layout), 1)
     stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
     return [
         {

@@ -81,7 +81,7 @@ def option_values() -> dict[str, tuple[str, ...]]:
     from fingertip.catalogues.bundled import PARAMS, list_bundled_files
     from fingertip.catalogues.silicones import SILICONES
     from fingertip.design.parameters.declaration import list_choices
-    from fingertip.design.parameters.design_tables import PARAMETERS
+    from fingertip.design.parameters.tables import PARAMETERS
     from fingertip.foundation.toml_files import DESIGN
 
     parameters: list[str] = []

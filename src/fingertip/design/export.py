@@ -9,10 +9,9 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from fingertip.design.model import Design
-from fingertip.design.parameters import DesignTables, ParameterTable
+from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS, Tables
 
 _MAX_COLUMN_WIDTH = 60
 """Maximum width of a column of the parameter table. A longer entry shifts the rest of its own row only."""
@@ -57,10 +56,10 @@ def format_value(value: Any) -> str:
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of a design file, which editors of TOML use too."""
-    return DesignTables.model_json_schema()
+    return Tables.model_json_schema()
 
 
-def to_toml(design: Design, heading: str = "") -> str:
+def to_toml(design: Tables, heading: str = "") -> str:
     """Write a whole design as TOML, each parameter with its description and bounds in a comment.
 
     Reading the text gives an equal design.
@@ -78,7 +77,7 @@ def to_toml(design: Design, heading: str = "") -> str:
     document = tomlkit.document()
     for line in heading.splitlines():
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
-    for name in Design.model_fields:
+    for name in Tables.model_fields:
         value = getattr(design, name)
         if not isinstance(value, ParameterTable):
             document.add(name, value)

@@ -13,7 +13,7 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.rules import PART_RULES
 from fingertip.design.rules.remedies import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, find_violations

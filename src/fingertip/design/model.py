@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.parameters.issues import issues_from_pydantic
 from fingertip.design.rules import RULES
 from fingertip.design.rules.remedies import describe_violations, explain_invalid, explain_violations
@@ -95,7 +95,7 @@ class Design(DesignTables):
 
     def changes(self) -> dict[str, Any]:
         """Return the parameters that differ from the default design, by dotted name."""
-        from fingertip.design.parameters.design_tables import PARAMETERS
+        from fingertip.design.parameters.tables import PARAMETERS
 
         values = {path: self.value(path) for path in PARAMETERS if path != "name"}
         return {path: value for path, value in values.items() if value != PARAMETERS[path].default}

@@ -57,7 +57,7 @@ def build_skin_grid(
         Tells from points of the layer [mm], shape (..., 3), where insert and mold touch, so that no silicone flows.
     """
     outer, shrinkage = design.dimensions.outer, design.dimensions.shrinkage
-    body, flat, scale = insert_body(design)
+    body, flat, scale = insert_body(design.mold, design.bone, design.dimensions)
     straight, tip = _rows(outer, body, rows)
     side, height, is_dorsal = _outline(outer.section, body.section, columns)
     outer_z, outer_scale = _heights(outer, straight, tip)

@@ -23,7 +23,7 @@ from fingertip.design import Design
 from fingertip.design.export import Parameter, format_value
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
-from fingertip.design.parameters.design_tables import PARAMETERS
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, code, element, read_asset, render_document

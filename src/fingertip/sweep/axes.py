@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.parameters import DesignTables, ParameterTable
+from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.issues import find_similar_name, issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import Issue, quote_value
 

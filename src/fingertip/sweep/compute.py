@@ -253,7 +253,7 @@ def compute_play(context: PointContext) -> OutputValues:
     """Compute the skin that is left where bone or core lies off as far as its supports allow."""
     from fingertip.design.geometry.seat import worst
 
-    losses = context.design.dimensions.losses
+    losses = context.design.losses
     return {
         "retained_over_sensor_percent": 100 * worst(losses, over_sensor=True).retained,
         "retained_elsewhere_percent": 100 * worst(losses, over_sensor=False).retained,

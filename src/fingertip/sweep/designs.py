@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold
 from fingertip.cad.kernel.solids import Solid
 from fingertip.design.model import Design
-from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES
+from fingertip.design.parameters.tables import ELECTRONIC_TABLES
 from fingertip.design.rules import ELECTRONIC_RULES
 from fingertip.design.rules.remedies import describe_violations
 from fingertip.foundation.errors import DesignError

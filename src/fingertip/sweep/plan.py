@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.rules import RULES
 from fingertip.design.rules.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations

@@ -132,7 +132,7 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
     All surfaces but the collar's lie `inset_mm` inside the bone's.
     """
-    body = add_groove(design, inset_body(design.dimensions.bone_outline, inset_mm))
+    body = add_groove(design.bone, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_facets(design, body, inset_mm), collar(design))
 
 
@@ -198,7 +198,7 @@ def sleeve_core(design: Design) -> Solid:
     and collar equal the bone's, because both fit the same recess of the mold.
     """
     inset = design.mold.sleeve_interference_mm
-    above, _, _ = insert_body(design)
+    above, _, _ = insert_body(design.mold, design.bone, design.dimensions)
     base, scale = design.dimensions.bone_outline.stations[0]
     below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
     within_skin = scaled(_cut_facets(design, above, inset), design.dimensions.shrinkage)

@@ -129,7 +129,7 @@ def screw(thread: Thread, x: float, z: float, under_head_y: float, length: float
 
 def _mold_bolts(design: Design) -> list[HardwareItem]:
     """Build the bolts, which enter from the dorsal face, and their nuts at the bottom of the traps."""
-    m, bolts = design.mold_layout, size_clamp_bolts(design)
+    m, bolts = design.mold_layout, size_clamp_bolts(design.mold, design.mold_layout)
     thread, top = bolts.thread, -m.palmar_height + design.mold.nut_depth_mm
     items = []
     for i, (x, z) in enumerate(m.bolts, 1):

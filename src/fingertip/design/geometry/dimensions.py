@@ -14,12 +14,11 @@ from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
-from fingertip.design.geometry.seat import Loss, find_losses
 from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, TailFold, fold_tail
 from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters import DesignTables
+    from fingertip.design.parameters.tables import Tables
 
 MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
@@ -44,7 +43,7 @@ class Dimensions:
     rules refuse, such as a negative radius.
     """
 
-    def __init__(self, design: DesignTables) -> None:
+    def __init__(self, design: Tables) -> None:
         self._design = design
 
     @cached_property
@@ -324,11 +323,6 @@ class Dimensions:
     def shrinkage(self) -> float:
         """Linear size of the cavity divided by that of the cured skin."""
         return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
-
-    @cached_property
-    def losses(self) -> tuple[Loss, ...]:
-        """Worst losses of silicone where bone or core lies off as far as its supports allow."""
-        return find_losses(self._design)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
         """Compute the margin between the flat's edge and the circle that the sensor's head and its rim need.

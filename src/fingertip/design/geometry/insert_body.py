@@ -14,7 +14,9 @@ from fingertip.design.geometry.conic import (
 )
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters import DesignTables
+    from fingertip.design.geometry.dimensions import Dimensions
+    from fingertip.design.parameters.bone import Bone
+    from fingertip.design.parameters.mold import Mold
 
 
 _BODY_OVERLAP_MM = 0.2
@@ -32,18 +34,18 @@ def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
     )
 
 
-def insert_body(design: DesignTables) -> tuple[ConicBody, float, float]:
+def insert_body(mold: Mold, bone: Bone, dims: Dimensions) -> tuple[ConicBody, float, float]:
     """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
 
     The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
     """
-    outline, dims = design.dimensions.bone_outline, design.dimensions
-    if design.mold.method != "sleeve":
-        return add_groove(design, outline), dims.flat_depth, 1.0
-    inset = design.mold.sleeve_interference_mm
+    outline = dims.bone_outline
+    if mold.method != "sleeve":
+        return add_groove(bone, outline), dims.flat_depth, 1.0
+    inset = mold.sleeve_interference_mm
     body = inset_body(outline, inset)
     (_, scale), *stations = body.stations
-    body = add_groove(design, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
+    body = add_groove(bone, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
     return body, dims.flat_depth - inset, dims.shrinkage
 
 
@@ -53,13 +55,12 @@ def inset_body(body: ConicBody, inset: float) -> ConicBody:
     return replace(body, section=offset_section(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
 
 
-def add_groove(design: DesignTables, body: ConicBody) -> ConicBody:
+def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
     """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
 
     The flanks rise at 45 degrees at the sides. Flanks and floor are four more stations of the superconic body, so that
     no boolean is needed and both kernels represent the groove directly.
     """
-    bone = design.bone
     if bone.groove_depth_mm == 0.0:
         return body
     base, (z_a, s_a), (z_b, s_b) = body.stations

@@ -18,7 +18,9 @@ from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES
 from fingertip.catalogues.threads import Thread, select_thread
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters import DesignTables
+    from fingertip.design.geometry.dimensions import Dimensions
+    from fingertip.design.parameters.mold import Mold
+    from fingertip.design.parameters.tables import Tables
 
 
 _GATE_TO_VENT_MM = 1.2
@@ -62,8 +64,8 @@ class MoldLayout:
     Each value is computed when it is first read, from the parameters it depends on alone, as in `Dimensions`.
     """
 
-    def __init__(self, design: DesignTables) -> None:
-        self._design = design
+    def __init__(self, design: Tables, dims: Dimensions) -> None:
+        self._design, self._dims = design, dims
 
     @cached_property
     def nut_circumradius(self) -> float:
@@ -84,7 +86,7 @@ class MoldLayout:
     @cached_property
     def _column_x(self) -> float:
         """Distance of the bolts and keys from the middle plane."""
-        cavity = self._design.skin.width_mm / 2 * self._design.dimensions.shrinkage
+        cavity = self._design.skin.width_mm / 2 * self._dims.shrinkage
         return cavity + self._design.mold.land_mm + self._half_column
 
     @cached_property
@@ -95,13 +97,13 @@ class MoldLayout:
     @cached_property
     def palmar_height(self) -> float:
         """Height of the palmar half."""
-        return self._design.skin.semi_axis_palmar_mm * self._design.dimensions.shrinkage + self._design.mold.wall_mm
+        return self._design.skin.semi_axis_palmar_mm * self._dims.shrinkage + self._design.mold.wall_mm
 
     @cached_property
     def dorsal_height(self) -> float:
         """Height of the dorsal half. It holds the Luer cone of the syringe above the runner."""
         mold = self._design.mold
-        height = self._design.skin.semi_axis_dorsal_mm * self._design.dimensions.shrinkage + mold.wall_mm
+        height = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + mold.wall_mm
         if mold.filling == "gravity":
             return height
         return max(height, LUER_DEPTH_MM + _ABOVE_RUNNER_MM + mold.runner_depth_mm)
@@ -115,7 +117,7 @@ class MoldLayout:
     def distal_z(self) -> float:
         """Distal face of the mold. Inlet, key and bolts beside the cavity can make it longer than the skin."""
         mold = self._design.mold
-        around_skin = self._design.skin.length_mm * self._design.dimensions.shrinkage + mold.wall_mm
+        around_skin = self._design.skin.length_mm * self._dims.shrinkage + mold.wall_mm
         if self.inlet is None:
             return around_skin + mold.funnel_depth_mm
         beside_key = self._key_beside_inlet_z + self._small_key_reach + mold.land_mm + self.nut_circumradius
@@ -150,7 +152,7 @@ class MoldLayout:
         gate_z = max(_ABOVE_COLLAR_MM, bolt_z + mold.bolt_diameter_mm / 2 + mold.land_mm) + half
         z = max(bolt_z + self._barrel_to_bolt, gate_z + half + LUER_MOUTH_MM / 2)
         # The runner ends where the cavity is as wide at its top, so that it enters the cavity over its whole depth.
-        end = self._design.dimensions.outer.half_width_at(mold.runner_depth_mm, gate_z + half)
+        end = self._dims.outer.half_width_at(mold.runner_depth_mm, gate_z + half)
         return Inlet(
             SYRINGES[mold.syringe], self._column_x, z, _GATE_END * end, gate_z, mold.runner_width_mm,
             mold.runner_depth_mm,
@@ -165,7 +167,7 @@ class MoldLayout:
     @cached_property
     def inlet_z(self) -> float:
         """Height at which gate and vents begin, inside the cavity, if gravity fills it."""
-        return self._design.dimensions.taper_end_z
+        return self._dims.taper_end_z
 
     @cached_property
     def _bolts_z(self) -> tuple[float, float]:
@@ -179,7 +181,7 @@ class MoldLayout:
 
     def _key_reach(self, root: float) -> float:
         """Reach of a key's socket from its axis, where its draft has widened it most."""
-        mold, slope = self._design.mold, self._design.dimensions.draft_slope
+        mold, slope = self._design.mold, self._dims.draft_slope
         return root / 2 + slope * self.dorsal_height / 2 + mold.key_clearance_mm * math.hypot(1.0, slope)
 
     @property
@@ -259,17 +261,16 @@ class ClampBolts:
     length_mm: float
     """Length below the head."""
 
-    def stand_out_mm(self, design: DesignTables) -> float:
+    def stand_out_mm(self, layout: MoldLayout) -> float:
         """Length by which they stand out of the palmar face; negative if they end below it."""
-        return self.length_mm - design.mold_layout.dorsal_height - design.mold_layout.palmar_height
+        return self.length_mm - layout.dorsal_height - layout.palmar_height
 
 
-def size_clamp_bolts(design: DesignTables) -> ClampBolts:
+def size_clamp_bolts(mold: Mold, layout: MoldLayout) -> ClampBolts:
     """Size the bolts that hold the mold halves together.
 
     They enter from the dorsal face and reach through the nut, which lies at the bottom of its trap in the palmar face.
     """
-    layout, mold = design.mold_layout, design.mold
     thread = select_thread(mold.bolt_diameter_mm)
     grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
     return ClampBolts(len(layout.bolts), thread, standard_length_mm(grip_mm))

@@ -16,7 +16,8 @@ from fingertip.design.geometry.skin_thickness import quarter_outline, skin_thick
 from fingertip.foundation.numerics import maximise_linear
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters import DesignTables
+    from fingertip.design.geometry.dimensions import Dimensions
+    from fingertip.design.parameters.tables import Tables
 
 
 _RIM_MM = 0.5
@@ -25,7 +26,7 @@ _LEAST_GAP_MM = 0.01
 """Gap that is left above the tape, because printed surfaces are not smooth [mm]. An assumption."""
 
 
-def tape_span_mm(design: DesignTables) -> tuple[float, float] | None:
+def tape_span_mm(design: Tables) -> tuple[float, float] | None:
     """Return where the tape around the seat begins and ends [mm below the skin]; None without one.
 
     It lies on the collar or on the base below it, where there is more room: it does not pass the foot of the collar.
@@ -134,17 +135,17 @@ class Loss:
         return max(0.0, self.point.thickness_mm - self.loss_mm)
 
 
-def list_contacts(design: DesignTables, fit_clearance_mm: float | None = None) -> tuple[Contact, ...]:
+def list_contacts(design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None) -> tuple[Contact, ...]:
     """List what limits the motion of bone or core.
 
     Parameters
     ----------
-    design
-        The design.
+    design, dims
+        The design and its dimensions.
     fit_clearance_mm
         Clearance of the recess [mm]; that of the design if None.
     """
-    dims, error = design.dimensions, 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
+    error = 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
     drawn = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
     gap = max(0.0, drawn - design.printer.offset_mm) + error
     foot = -design.bone.collar_length_mm
@@ -169,12 +170,11 @@ def list_contacts(design: DesignTables, fit_clearance_mm: float | None = None) -
     return tuple(contacts)
 
 
-def list_skin_points(design: DesignTables) -> tuple[SkinPoint, ...]:
+def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     """List points of the skin: where it begins and where its tip begins, along the tip, at the apex, over the sensor.
 
     The finger is symmetric, so that points on one side are enough.
     """
-    dims = design.dimensions
     assert dims.bone_outline.tip is not None
     join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
     inset = sleeve_inset_mm(design)
@@ -196,23 +196,26 @@ def list_skin_points(design: DesignTables) -> tuple[SkinPoint, ...]:
 
 
 def find_losses(
-    design: DesignTables, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
+    design: Tables,
+    dims: Dimensions,
+    fit_clearance_mm: float | None = None,
+    points: Sequence[SkinPoint] | None = None,
 ) -> tuple[Loss, ...]:
     """Find the worst loss of silicone at each point, over all positions that the contacts allow.
 
     Parameters
     ----------
-    design
-        The design.
+    design, dims
+        The design and its dimensions.
     fit_clearance_mm
         Clearance of the recess [mm]; that of the design if None.
     points
         Points of the skin; those of `list_skin_points` if None.
     """
-    contacts = list_contacts(design, fit_clearance_mm)
+    contacts = list_contacts(design, dims, fit_clearance_mm)
     rows = [_moment(contact.point_mm, contact.normal) for contact in contacts]
     gaps = [contact.gap_mm for contact in contacts]
-    points = list_skin_points(design) if points is None else points
+    points = list_skin_points(design, dims) if points is None else points
     solutions = maximise_linear([_moment(point.point_mm, point.normal) for point in points], rows, gaps, _LIMIT)
     return tuple(
         Loss(point, value, (m[0], m[1], m[2], m[3], m[4], m[5]))
@@ -225,7 +228,7 @@ def worst(losses: Sequence[Loss], over_sensor: bool) -> Loss:
     return min((loss for loss in losses if loss.point.over_sensor == over_sensor), key=lambda loss: loss.retained)
 
 
-def sleeve_inset_mm(design: DesignTables) -> float:
+def sleeve_inset_mm(design: Tables) -> float:
     """Return the inset of the silicone's inside from the bone [mm]: the interference of a sleeve, else 0."""
     return design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0
 

@@ -2,7 +2,6 @@
 
 from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
-from fingertip.design.parameters.design_tables import DesignTables
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
@@ -12,7 +11,6 @@ __all__ = [
     "Bone",
     "ChosenSilicone",
     "CustomSensor",
-    "DesignTables",
     "Detector",
     "ForceCurve",
     "Hand",

@@ -27,7 +27,8 @@ from fingertip.design.formulas.supply import (
     max_window_s,
     upper_headroom_v,
 )
-from fingertip.design.parameters import Board, DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.parameters import Board
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_most

@@ -10,7 +10,7 @@ from fingertip.design.formulas.amplifiers import (
     BAND_CUTOFFS,
 )
 from fingertip.design.formulas.filter import MAX_1206_F, MAX_OHM, MIN_CUTOFF_RATIO, MIN_OHM, to_farads
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()

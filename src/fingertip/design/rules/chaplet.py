@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.seat import Loss, find_losses, worst
-from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
 from fingertip.design.rules.ruleset import SLACK, Interval, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
@@ -51,7 +51,7 @@ def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
 @RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin, chaplet_stands_on_bone, takes_long=True)
 def bone_is_held(design: DesignTables) -> Violation | None:
     """A bone or core that lies off as far as its supports allow leaves most of the skin, everywhere."""
-    losses = design.dimensions.losses
+    losses = design.losses
     sensor, elsewhere = worst(losses, over_sensor=True), worst(losses, over_sensor=False)
     least = min(loss.left_mm for loss in losses)
     nominal = min(loss.point.thickness_mm for loss in losses)
@@ -65,7 +65,7 @@ def bone_is_held(design: DesignTables) -> Violation | None:
     failing = [loss.point for loss in losses if not _leaves_enough(design, loss)]
 
     def holds(value: float) -> bool:
-        return all(_leaves_enough(design, loss) for loss in find_losses(design, value, failing))
+        return all(_leaves_enough(design, loss) for loss in find_losses(design, design.dimensions, value, failing))
 
     limit = bisect(holds, 0.0, clearance, halvings=_HALVINGS)[0] if holds(0.0) else 0.0
     return Violation(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()

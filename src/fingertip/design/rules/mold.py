@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.catalogues.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_most
 
 RULES = Ruleset()

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.parameters.declaration import find_unit, format_unit
-from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.design.rules.ruleset import BrokenRule
 from fingertip.design.rules.search import Search, format_value, is_number, join_assignments
 from fingertip.foundation.errors import Issue

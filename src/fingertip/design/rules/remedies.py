@@ -23,10 +23,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
-from fingertip.design.parameters.design_tables import PARAMETERS, DesignTables
 from fingertip.design.parameters.issues import issues_from_pydantic
+from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.design.rules import RULES
 from fingertip.design.rules.refusal import PassingRange, Refusal, Values, describe_refusal
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations

@@ -10,9 +10,10 @@ from typing import Any, cast
 
 from pydantic import BaseModel
 
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.mold_layout import MoldLayout
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.seat import Loss, find_losses
 
 SLACK = 1e-6
 """Slack of the rules for lengths. A bound that is computed from other lengths carries rounding errors, and a design at
@@ -196,7 +197,12 @@ class RecordingTables:
     @cached_property
     def mold_layout(self) -> MoldLayout:
         """Layout that reads its parameters through this object."""
-        return MoldLayout(self.as_tables())
+        return MoldLayout(self.as_tables(), self.dimensions)
+
+    @cached_property
+    def losses(self) -> tuple[Loss, ...]:
+        """Losses that read their parameters through this object."""
+        return find_losses(self.as_tables(), self.dimensions)
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._design, name)

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.parameters.declaration import Bounds, find_bounds
-from fingertip.design.parameters.design_tables import ELECTRONIC_TABLES, PARAMETERS, DesignTables
+from fingertip.design.parameters.tables import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
 from fingertip.foundation.numerics import bisect
 

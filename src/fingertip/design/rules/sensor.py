@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
-from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.formulas.supply import upper_headroom_v
-from fingertip.design.parameters import DesignTables
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.rules.ruleset import Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.seat import sleeve_inset_mm
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
-from fingertip.design.parameters import DesignTables
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()

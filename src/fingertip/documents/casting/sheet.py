@@ -126,7 +126,7 @@ def casting_sheet_data(
     warnings
         Warnings of the checks, from `cad.verification.check.list_warnings`.
     """
-    bolts = size_clamp_bolts(design)
+    bolts = size_clamp_bolts(design.mold, design.mold_layout)
     data: dict[str, Any] = {
         "design": design.name,
         "method": design.mold.method,
@@ -142,7 +142,7 @@ def casting_sheet_data(
             "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
             "made_for_this_silicone": mold_matches_silicone(design, silicone),
             "bolts": bolts.count,
-            "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design)), 1),
+            "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design.mold_layout)), 1),
             "bolt_hole_mm": round(design.mold.bolt_diameter_mm - design.printer.offset_mm, 2),
             "vent_mm": design.mold.vent_diameter_mm,
             "vents": len(place_vents(design)),
@@ -250,7 +250,7 @@ def _fit_data(design: Design) -> dict[str, Any]:
     """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
     play = round(2 * (design.printed_fit_mm + 2 * design.printer.surface_error_mm), 2)
     room = design.dimensions.relief_half_length - _TAB_ROOM_MM
-    losses = design.dimensions.losses
+    losses = design.losses
     return {
         "cover_tape": cover_tape_data(design),
         "seat_tape": seat_tape_data(design),

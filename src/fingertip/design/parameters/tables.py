@@ -9,8 +9,6 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.mold_layout import MoldLayout
 from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable
 from fingertip.design.parameters.electronics import Board, Detector
@@ -21,7 +19,7 @@ ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
 """Tables of the electronics, on which no part's shape depends."""
 
 
-class DesignTables(BaseModel):
+class Tables(BaseModel):
     """Contents of a design file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip design")
@@ -39,24 +37,6 @@ class DesignTables(BaseModel):
     force_curve: ForceCurve = ForceCurve()
     board: Board = Board()
     detector: Detector = Detector()
-
-    @cached_property
-    def dimensions(self) -> Dimensions:
-        """Lengths and outlines derived from the parameters."""
-        return Dimensions(self)
-
-    @cached_property
-    def mold_layout(self) -> MoldLayout:
-        """Positions of gate, vents, bolts and keys, derived from the parameters."""
-        return MoldLayout(self)
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the tables with changes. Derived dimensions are kept only if no table they depend on changes."""
-        copy = super().model_copy(update=update, deep=deep)
-        if not ELECTRONIC_TABLES.issuperset(update or ()):
-            for name in ("dimensions", "mold_layout", "printed_fit_mm"):
-                copy.__dict__.pop(name, None)
-        return copy
 
     @cached_property
     def printed_fit_mm(self) -> float:
@@ -82,7 +62,7 @@ class DesignTables(BaseModel):
 
 def _list_fields() -> Mapping[str, FieldInfo]:
     fields: dict[str, FieldInfo] = {}
-    for name, info in DesignTables.model_fields.items():
+    for name, info in Tables.model_fields.items():
         if isinstance(info.default, ParameterTable):
             fields |= {f"{name}.{key}": field for key, field in type(info.default).model_fields.items()}
         else:

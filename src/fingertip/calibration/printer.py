@@ -216,18 +216,7 @@ class Calibration:
 
 
 def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collection[str] = ()) -> Calibration:
-    """Derive the parameters of a printer from the readings of the coupon of a design.
-
-    Parameters
-    ----------
-    design
-        The design whose coupon was measured. The gaps between its printed parts shall be as wide as it says: its
-        clearances less its printer.offset_mm. A calibrated design can so be calibrated again.
-    measured
-        Readings, from `calibration.readings`.
-    keep
-        Parameters that are not changed, such as "sensor.clearance_mm".
-    """
+    """Derive the parameters of a printer from the readings of the coupon of a design."""
     fit = fit_printer(measured)
     values = [_scale(design, fit), _offset(design, fit), *_clearances(design, fit), _surface_error(design, fit)]
     kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
@@ -242,10 +231,7 @@ def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collec
 def apply_calibration(design: Design, calibration: Calibration, name: str | None = None) -> Design:
     """Make the calibrated design, under a name of its own if one is given: its files then stand in another folder.
 
-    Raises
-    ------
-    DesignError
-        If a rule refuses it; the message names the rule and a remedy.
+    Raises DesignError.
     """
     tables = design.with_values(calibration.changes).model_dump()
     tables["name"] = name or design.name

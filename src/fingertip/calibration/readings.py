@@ -174,12 +174,7 @@ def write_template(design: Design) -> str:
 def read_readings(path: Path, design: Design) -> tuple[Measured, ...]:
     """Read a file of readings of the coupon of a design. Lengths without readings are left out, but for thin walls.
 
-    Raises
-    ------
-    TomlFileError
-        If the file cannot be read or is not valid TOML.
-    DesignError
-        If it is of another coupon, holds unknown names or values that are no lengths, or too few readings.
+    Raises TomlFileError or DesignError.
     """
     return check_readings(read_toml(path), design, str(path))
 

@@ -149,22 +149,7 @@ class SensorCalibration:
 
 
 def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None = None) -> SensorCalibration:
-    """Fit the force curve of a sensor to its weighings.
-
-    Parameters
-    ----------
-    design
-        Design of the board that took the readings, and source of the turn-on force.
-    weighings
-        The weighings, from `weighings.read_weighings`.
-    scale
-        Volts per count.
-
-    Raises
-    ------
-    TraceError
-        With all weighings that the board cannot have given, or if the scatter hides the curve.
-    """
+    """Fit the force curve of a sensor to its weighings. Raises TraceError."""
     if (weighings.kind == "counts") != (scale is not None):
         step = design.detector.adc_step_v
         message = (

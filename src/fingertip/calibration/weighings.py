@@ -56,13 +56,7 @@ class Weighings:
 
 
 def read_weighings(path: Path) -> Weighings:
-    """Read a file of weighings.
-
-    Raises
-    ------
-    TraceError
-        If the file cannot be read, or with all of its faults.
-    """
+    """Read a file of weighings. Raises TraceError."""
     try:
         content = read_input(path, RECORDING_LIMIT, "a file of weighings", MAX_BYTES + 1)
     except InputFileError as error:

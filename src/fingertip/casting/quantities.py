@@ -68,13 +68,7 @@ class Batch:
 
 
 def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes:
-    """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance.
-
-    Raises
-    ------
-    GeometryError
-        If the mesh kernel refuses a solid.
-    """
+    """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance. Raises GeometryError."""
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
     insert = evaluator.manifold(mold_insert(design))
     openings = evaluator.manifold(union(*runners(design)))

@@ -54,13 +54,7 @@ def find_slicer() -> Path | None:
 
 
 def slice_plate(program: Path, name: str, plate: bytes, design: Design) -> PrintEstimate:
-    """Slice a plate, given as 3MF, in layers of `LAYER_MM` on the design's bed.
-
-    Raises
-    ------
-    GeometryError
-        If the slicer fails, takes longer than `TIME_LIMIT_S`, or writes no estimates into its G-code.
-    """
+    """Slice a plate, given as 3MF, in layers of `LAYER_MM` on the design's bed. Raises GeometryError."""
     return parse_gcode(name, slice_to_gcode(program, name, plate, design, LAYER_MM))
 
 
@@ -69,10 +63,7 @@ def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer
 
     What the objects of a plate set for themselves, such as the height of the layers, comes before the arguments.
 
-    Raises
-    ------
-    GeometryError
-        If the slicer fails, or takes longer than `TIME_LIMIT_S`.
+    Raises GeometryError.
     """
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
     with TemporaryFolder() as folder:
@@ -99,13 +90,7 @@ def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer
 
 
 def parse_gcode(name: str, gcode: str) -> PrintEstimate:
-    """Read the estimates from the comments at the end of PrusaSlicer's G-code.
-
-    Raises
-    ------
-    GeometryError
-        If the comments are missing.
-    """
+    """Read the estimates from the comments at the end of PrusaSlicer's G-code. Raises GeometryError."""
     time, filament = _TIME.search(gcode), _FILAMENT.search(gcode)
     if time is None or filament is None:
         raise GeometryError(

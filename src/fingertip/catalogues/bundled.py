@@ -31,28 +31,7 @@ def list_bundled_files(*kinds: FileKind) -> dict[str, Path]:
 
 
 def find_file(given: str | Path, *kinds: FileKind, folder: Path | None = None) -> Path:
-    """Find a file that is given by path or by bare name.
-
-    Parameters
-    ----------
-    given
-        Path of a file, or name of a bundled one.
-    kinds
-        Kinds of file that are expected.
-    folder
-        Folder that the path is relative to; by default the working folder.
-
-    Returns
-    -------
-    Path
-        The path as it was given, below `folder`, or that of the bundled file. A path that is not a bare name need not
-        exist.
-
-    Raises
-    ------
-    TomlFileError
-        If a bare name is neither an existing path nor the name of a bundled file of these kinds.
-    """
+    """Find a file that is given by path or by bare name. Raises TomlFileError."""
     name, path = str(given), (folder or Path()) / given
     if not _BARE_NAME.fullmatch(name):
         return path

@@ -221,15 +221,7 @@ SetOption = Annotated[
 
 
 class Console:
-    """Output of a command.
-
-    Parameters
-    ----------
-    as_json
-        Whether the result is printed as one JSON object.
-    quiet
-        Whether progress and messages are suppressed. Errors are always printed.
-    """
+    """Output of a command."""
 
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self.as_json = as_json
@@ -259,15 +251,7 @@ class Console:
             self.write(fit_width(text, shutil.get_terminal_size().columns) if sys.stdout.isatty() else text)
 
     def write(self, text: str) -> None:
-        """Write a line of the result, or all of it, to stdout and flush it.
-
-        Raises
-        ------
-        OutputError
-            If stdout cannot be written, for example on a full disk.
-        BrokenPipeError
-            If the reader has closed the pipe, which is not an error of the output.
-        """
+        """Write a line of the result, or all of it, to stdout and flush it. Raises OutputError or BrokenPipeError."""
         try:
             print(escape_control(text, kept="\n\t"), flush=True)
         except BrokenPipeError:

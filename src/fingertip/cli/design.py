@@ -178,24 +178,12 @@ def schema(
 
 
 def format_schema(kind: str) -> str:
-    """Format the JSON schema of a kind of TOML file.
-
-    Raises
-    ------
-    DesignError
-        If there is no such kind.
-    """
+    """Format the JSON schema of a kind of TOML file. Raises DesignError."""
     return json.dumps(make_schema(kind), indent=2)
 
 
 def make_schema(kind: str) -> dict[str, Any]:
-    """Make the JSON schema of a kind of TOML file.
-
-    Raises
-    ------
-    DesignError
-        If there is no such kind.
-    """
+    """Make the JSON schema of a kind of TOML file. Raises DesignError."""
     from fingertip.design.parameters.issues import suggest_name
     from fingertip.foundation.errors import DesignError, Issue
 

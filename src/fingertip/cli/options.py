@@ -48,27 +48,7 @@ Progress: TypeAlias = Callable[[str], None]
 def load_design(
     file: Path | None, changes: Sequence[str] | None, progress: Progress | None = None
 ) -> tuple[Design, dict[str, Any]]:
-    """Load the design of a file, or the default design, with changes.
-
-    Parameters
-    ----------
-    file
-        Design file, or name of a bundled design; None for the default design.
-    changes
-        Changes, such as "mold.draft_deg=2".
-    progress
-        Callback that prints a note about a file without any parameter.
-
-    Returns
-    -------
-    tuple
-        The design, and the tables that file and changes set, without the defaults.
-
-    Raises
-    ------
-    DesignError
-        If the file cannot be read, is not valid TOML or is of another kind, or if the design is refused.
-    """
+    """Load the design of a file, or the default design, with changes. Raises DesignError."""
     from fingertip.design import Design
     from fingertip.design.load import load_tables
 
@@ -91,21 +71,7 @@ def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue
 def find_file_issues(
     option: str, path: Path | None, *suffixes: str, inputs: Iterable[Path | None] = (), kept: str = ""
 ) -> Iterator[Issue]:
-    """Find why a file is not written: it is a folder, ends in another suffix, is needed, or its place takes no file.
-
-    Parameters
-    ----------
-    option
-        Option that names the file.
-    path
-        The file; None if the option was left out.
-    suffixes
-        Suffixes of the formats that are written.
-    inputs
-        Files that the command reads.
-    kept
-        Remedy for an existing file, such as "overwrite it with --force"; empty if it may be overwritten.
-    """
+    """Find why a file is not written: it is a folder, ends in another suffix, is needed, or its place takes no file."""
     from fingertip.foundation.output_set.writer import find_place_issues
 
     if path is None:

@@ -63,13 +63,6 @@ def to_toml(design: Tables, heading: str = "") -> str:
     """Write a whole design as TOML, each parameter with its description and bounds in a comment.
 
     Reading the text gives an equal design.
-
-    Parameters
-    ----------
-    design
-        The design.
-    heading
-        Text of the comment at the top.
     """
     import tomlkit
 

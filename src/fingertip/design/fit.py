@@ -80,22 +80,7 @@ class Fit:
 def fit_design(
     tables: DesignTables, given: Collection[str] = (), progress: Callable[[float], None] = lambda share: None
 ) -> Fit:
-    """Adjust the free lengths of a design until its parts can be made.
-
-    Parameters
-    ----------
-    tables
-        The design, with values within their own bounds.
-    given
-        Names of free parameters that are given, so that they must stay.
-    progress
-        Called with the share of the search that is done.
-
-    Raises
-    ------
-    DesignError
-        If no combination was found. It describes the rules that the nearest one breaks.
-    """
+    """Adjust the free lengths of a design until its parts can be made. Raises DesignError."""
     # Rules that take long, such as the play of the bone, are asked where all others pass.
     ordered = cheapest_first(PART_RULES)
     quick, slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))

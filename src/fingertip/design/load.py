@@ -29,20 +29,7 @@ class LoadedTables:
 def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN) -> LoadedTables:
     """Merge TOML files, and then changes of the form `table.key=value`, into nested tables; later values win.
 
-    Parameters
-    ----------
-    files
-        Paths of the files, or bare names of bundled ones.
-    changes
-        Changes, such as "mold.draft_deg=2".
-    kind
-        Kind of file that is expected.
-
-    Raises
-    ------
-    DesignError
-        With one issue for each file that cannot be read or is of another kind, and for each change that is not of the
-        form `table.key=value`.
+    Raises DesignError.
     """
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))

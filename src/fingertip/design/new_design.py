@@ -37,13 +37,7 @@ def list_hands() -> dict[str, Path]:
 
 
 def find_hand(given: str | Path) -> Path:
-    """Find the file of a hand by path or by the name of a bundled one.
-
-    Raises
-    ------
-    TomlFileError
-        If there is no such file, if it holds more than `[hand]`, or if a size is missing there.
-    """
+    """Find the file of a hand by path or by the name of a bundled one. Raises TomlFileError."""
     hands, path = list_hands(), Path(given)
     if path.name == str(given) and not path.suffix and not path.exists():
         if path.name not in hands:
@@ -147,32 +141,7 @@ def write_new_design(
 
     A preset has a joint. With a preset or a hand, lengths that nobody measures are fitted until all rules pass.
 
-    Parameters
-    ----------
-    name
-        Name of the design.
-    sensor
-        Model of the sensor, as in sensor.model; by default that of the preset, or fsr400.
-    preset
-        One of `PRESETS`; with a hand, adult_finger by default.
-    hand
-        File with a [hand] section, or name of a bundled hand.
-    changes
-        Sizes that were measured, such as "skin.width_mm=16"; a fit leaves them alone.
-    progress
-        Called with a message while lengths are fitted.
-
-    Returns
-    -------
-    NewDesign
-        TOML text with a description, the unit and the bounds of each parameter in a comment.
-
-    Raises
-    ------
-    DesignError
-        If the name cannot name a design, if sensor or preset is not known, or if no lengths fit.
-    TomlFileError
-        If the hand file cannot be read.
+    Raises DesignError or TomlFileError.
     """
     issues: list[Issue] = []
     try:

@@ -24,22 +24,7 @@ def select_silicone(design: DesignTables) -> Silicone:
 
 
 def replace_silicone(design: _Tables, name: str | None, field: str = "--material") -> _Tables:
-    """Return the design with another silicone; the design itself if no name is given.
-
-    Parameters
-    ----------
-    design
-        The design.
-    name
-        Name from `fingertip.catalogues.silicones`, "own", or None.
-    field
-        Field that an issue names.
-
-    Raises
-    ------
-    DesignError
-        If there is no silicone of this name.
-    """
+    """Return the design with another silicone; the design itself if no name is given. Raises DesignError."""
     if name is None or name == design.silicone.product:
         return design
     if name not in SILICONES and name != OWN:

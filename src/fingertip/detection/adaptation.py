@@ -35,22 +35,7 @@ NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace i
 
 
 def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -> slice:
-    """Select the samples of a trace's quiet part.
-
-    Parameters
-    ----------
-    trace
-        The trace.
-    between_s
-        Start and end of the quiet part, after the first sample [s].
-    name
-        Name of the trace for error messages.
-
-    Raises
-    ------
-    TraceError
-        If the part contains no sample or all of them, or if the trace's true slip lies within it.
-    """
+    """Select the samples of a trace's quiet part. Raises TraceError."""
     begin_s, end_s = between_s
     text, duration_s = f"{begin_s:g}:{end_s:g} s", trace.time_s[-1] - trace.time_s[0]
     # Rounding of times must not move a sample across a limit.
@@ -76,21 +61,7 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     The detector's own output for the signal decides. The white noise of the signal's second differences is the lower
     bound; drift and a constant load do not contribute to it.
 
-    Parameters
-    ----------
-    detector
-        Name of a detector that reads the voltage.
-    design
-        Source of sampling rate, filters and window.
-    quiet_v
-        Signal while nothing happens, in any unit.
-    name
-        Name of the trace for error messages.
-
-    Raises
-    ------
-    TraceError
-        If the signal is shorter than `MIN_S`, or constant.
+    Raises TraceError.
     """
     minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
     if len(quiet_v) < minimum:
@@ -168,21 +139,7 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
     The window keeps its duration. The threshold keeps its ratio to the noise-derived threshold: white noise of the same
     RMS value leaves less behind the filters at a higher sampling rate.
 
-    Parameters
-    ----------
-    design
-        The design.
-    rate_hz
-        New sampling rate [Hz].
-    keep_threshold
-        Keep the threshold: the user chose it, or it applies to a board's output, where it does not depend on the rate.
-    keep_window
-        Keep the window's number of samples: the user chose it for this rate.
-
-    Raises
-    ------
-    DesignError
-        If the rate is out of bounds, or too low for the filters.
+    Raises DesignError.
     """
     old = design.detector
     if rate_hz == old.sample_rate_hz:
@@ -217,28 +174,7 @@ def adapt_detector(
     window_is_set: bool = False,
     noise_is_measured: bool = False,
 ) -> RateAdaptation:
-    """Adapt a design to another sampling rate for one detector, and describe the result.
-
-    Parameters
-    ----------
-    design
-        The design.
-    rate_hz
-        New sampling rate [Hz].
-    detector
-        Name of the detector. The threshold of `analog` applies to a board's output, so it does not change.
-    threshold_is_set
-        Whether the user chose the threshold, so that it does not change.
-    window_is_set
-        Whether the user chose the window for this rate, so that it does not change.
-    noise_is_measured
-        Whether the threshold follows from measured noise instead of the design.
-
-    Raises
-    ------
-    DesignError
-        If the rate is out of bounds, or too low for the filters.
-    """
+    """Adapt a design to another sampling rate for one detector, and describe the result. Raises DesignError."""
     keep_threshold = threshold_is_set or detector == "analog"
     adapted = adapt_rate(design, rate_hz, keep_threshold, window_is_set)
     threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples

@@ -50,20 +50,7 @@ class CsvStream:
 
 
 def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> CsvStream:
-    """Read the lines up to the header, and the line of units below it.
-
-    Parameters
-    ----------
-    lines
-        CSV lines, as in a file.
-    columns, alternatives
-        Columns to look for; the header must match one of these maps.
-
-    Raises
-    ------
-    TraceError
-        If there is no header.
-    """
+    """Read the lines up to the header, and the line of units below it. Raises TraceError."""
     remaining = bounded_lines(lines, NAME)
     header = find_header(NAME, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
@@ -81,31 +68,7 @@ def follow(
     watch: StepWatch | None = None,
     second_column: str | None = None,
 ) -> Iterator[Transition]:
-    """Process one sample per line and yield each transition as soon as it occurs.
-
-    Parameters
-    ----------
-    stream
-        The lines.
-    detector
-        Detector that processes the samples.
-    parameters
-        Sampling rate and window for which the detector was made, and the ADC range.
-    columns
-        Names of the columns; the detector reads the column of `voltage_v`.
-    report
-        Called with the warning of `watch`.
-    watch
-        Watch for coarse steps of the converter.
-    second_column
-        Column of a trace that the detector reads too, where the lines have it.
-
-    Raises
-    ------
-    TraceError
-        At the first wrong line: detection cannot continue across a gap, at another rate, or with a voltage outside the
-        ADC range. Also at the end, if there were fewer samples than one window.
-    """
+    """Process one sample per line and yield each transition as soon as it occurs. Raises TraceError."""
     names, delimiter = stream.header.names, stream.header.delimiter
     voltage_index = names.index(columns.name_in_file("voltage_v"))
     time_name = columns.name_in_file("time_s")

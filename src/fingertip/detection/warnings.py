@@ -48,14 +48,7 @@ def find_step_v(volts: Array) -> float | None:
 def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
     """Warn of steps in a recording that hide the noise for which the design's thresholds are made.
 
-    Parameters
-    ----------
-    volts
-        Recorded voltages [V].
-    design
-        Source of the noise, and of the step that its thresholds assume.
-    detector
-        Name of the detector; only `digital` has a threshold that the step of the design does not change.
+    Units: `volts` [V].
     """
     settings, step = design.detector, find_step_v(volts)
     assumed = settings.adc_step_v
@@ -72,13 +65,7 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
 
 
 class StepWatch:
-    """Voltages of a stream, examined for coarse steps ever more rarely until one warning is given.
-
-    Parameters
-    ----------
-    design, detector
-        As for `step_warnings`.
-    """
+    """Voltages of a stream, examined for coarse steps ever more rarely until one warning is given."""
 
     def __init__(self, design: Design, detector: str) -> None:
         self._design, self._detector = design, detector
@@ -124,15 +111,7 @@ MAX_REST_V = 0.3
 
 
 def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
-    """Warn of a filtered signal that stands still, or that does not rest at the board's signal ground.
-
-    Parameters
-    ----------
-    trace
-        Trace with the filtered signal, above ground or above signal ground.
-    design
-        Design of the board.
-    """
+    """Warn of a filtered signal that stands still, or that does not rest at the board's signal ground."""
     if trace.filtered_v is None or not len(trace.filtered_v):
         return
     rest_v, ground_v = float(np.median(trace.filtered_v)), _find_ground_v(design)
@@ -149,15 +128,7 @@ def filtered_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 
 def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
-    """Warn of an envelope that was recorded above ground, on a board whose envelope is that above the signal ground.
-
-    Parameters
-    ----------
-    trace
-        Trace with the envelope.
-    design
-        Design of the board.
-    """
+    """Warn of an envelope that was recorded above ground, on a board whose envelope is that above the signal ground."""
     ground_v = _find_ground_v(design)
     if trace.envelope_v is None or not len(trace.envelope_v) or not ground_v:
         return

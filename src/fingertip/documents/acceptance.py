@@ -131,15 +131,7 @@ _STILL_S = 60
 
 
 def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
-    """Collect the figures of the acceptance sheet.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    detection
-        Slip that the design's detector finds in its simulated trial.
-    """
+    """Collect the figures of the acceptance sheet."""
     wires, idle, ratio = size_wires(design), expect_open_v(design), expect_drop_ratio(design)
     return {
         "design": design.name,

@@ -20,15 +20,7 @@ COUPON_MINUTES = 20
 
 
 def render_instructions(design: Design, readings_file: str) -> str:
-    """Render the page as Markdown.
-
-    Parameters
-    ----------
-    design
-        The design of the coupon.
-    readings_file
-        Name of the template for the readings.
-    """
+    """Render the page as Markdown."""
     outer, inner, walls = (
         sum(length.kind == kind for length in list_lengths(design)) for kind in ("outer", "inner", "wall")
     )

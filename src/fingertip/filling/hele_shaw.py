@@ -68,17 +68,7 @@ class Filling:
 
 
 def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
-    """Compute how a network fills through its gate.
-
-    Parameters
-    ----------
-    network
-        Cavity. All its open nodes must be linked to the gate.
-    gate
-        Share of the inflow that enters each node, a vector with the sum 1.
-    levels
-        Number of injected volumes.
-    """
+    """Compute how a network fills through its gate."""
     solver = RowElimination(network, np.stack((gate, network.volume_mm3), axis=1))
     fronts = [_full_front(network, solver)]
     for injected in _volumes(network.total_mm3, levels)[::-1]:

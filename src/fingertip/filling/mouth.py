@@ -248,10 +248,7 @@ class RectangularDuct:
 def fill_in_series(ducts: Iterable[Duct]) -> tuple[float, float, float]:
     """Fill ducts one after the other.
 
-    Returns
-    -------
-    tuple
-        Their resistance [1/mm3], their volume [mm3], and the integral of the growing resistance over volume [1].
+    Returns their resistance [1/mm3], their volume [mm3], and the integral of the growing resistance over volume [1].
     """
     resistance = volume = integral = 0.0
     for duct in ducts:

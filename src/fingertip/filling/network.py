@@ -129,15 +129,7 @@ class _EliminatedRow:
 
 
 class RowElimination:
-    """Solves sum_j K_ij (u_i - u_j) = load_i on the wet nodes of a network, with u = 0 on all others.
-
-    Parameters
-    ----------
-    network
-        The network.
-    loads
-        Right-hand sides, shape (nodes, count).
-    """
+    """Solves sum_j K_ij (u_i - u_j) = load_i on the wet nodes of a network, with u = 0 on all others."""
 
     def __init__(self, network: FlowNetwork, loads: Array) -> None:
         self._network, self._loads = network, loads

@@ -137,15 +137,7 @@ class FillingPrediction:
     """Air pockets, the largest first."""
 
     def force_for_time_n(self, fill_s: float, bore_mm: float) -> float:
-        """Compute the force on a syringe's plunger that fills ducts and cavity within a time.
-
-        Parameters
-        ----------
-        fill_s
-            Time [s].
-        bore_mm
-            Inner diameter of the syringe [mm].
-        """
+        """Compute the force on a syringe's plunger that fills ducts and cavity within a time."""
         return self.viscosity_pa_s * self.total_integral / fill_s * _area_m2(bore_mm)
 
 
@@ -174,17 +166,7 @@ class Course:
 
 
 def follow_front(grid: SkinGrid, gate: Opening, levels: int = LEVELS) -> Course:
-    """Compute the way of the front, which takes most of the time of a prediction.
-
-    Parameters
-    ----------
-    grid
-        Cavity.
-    gate
-        Mouth through which silicone enters the cavity.
-    levels
-        Number of injected volumes at which the front is computed.
-    """
+    """Compute the way of the front, which takes most of the time of a prediction."""
     layer, network = grid.layer, grid.layer.network
     mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
     source = mouth.shares(len(network.volume_mm3))
@@ -211,21 +193,7 @@ def place_of(course: Course, node: int) -> Point3:
 def predict_filling(
     course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
 ) -> FillingPrediction:
-    """Predict how a cavity fills.
-
-    Parameters
-    ----------
-    course
-        Way of the front, from `follow_front`.
-    vents
-        Mouths through which air leaves it.
-    ducts
-        Ducts in series from the pressure to the gate, empty at first: nozzle, sprue, runner.
-    viscosity_pa_s
-        Dynamic viscosity of the mixed silicone.
-    pressure_pa
-        Pressure at the inlet of the first duct, constant.
-    """
+    """Predict how a cavity fills."""
     grid, filling = course.grid, course.filling
     clock = _Clock.of(filling, course.mouth_resistance, ducts, viscosity_pa_s / pressure_pa)
     volume, arrival = filling.network.total_mm3, filling.arrival_mm3

@@ -43,19 +43,7 @@ class SkinGrid:
 def build_skin_grid(
     design: Design, rows: int = ROWS, columns: int = COLUMNS, is_closed: Callable[[Array], Mask] | None = None
 ) -> SkinGrid:
-    """Build the grid of a design's cavity.
-
-    Parameters
-    ----------
-    design
-        Overmolded skin or sleeve.
-    rows
-        Approximate number of rows from collar to apex.
-    columns
-        Number of columns around the finger, a multiple of 4.
-    is_closed
-        Tells from points of the layer [mm], shape (..., 3), where insert and mold touch, so that no silicone flows.
-    """
+    """Build the grid of a design's cavity."""
     outer, shrinkage = design.dimensions.outer, design.dimensions.shrinkage
     body, flat, scale = insert_body(design.mold, design.bone, design.dimensions)
     straight, tip = _rows(outer, body, rows)
@@ -126,14 +114,7 @@ def _arc(t: Array, w: float) -> tuple[Array, Array]:
 
 
 def _outline(outer: CrossSection, inner: CrossSection, columns: int) -> tuple[Array, Array, Mask]:
-    """Choose the points of the outline, at twice the grid's resolution, at equal distances along the mean outline.
-
-    Returns
-    -------
-    tuple
-        x and y of the outer and of the inner unit outline, shape (2, 2 columns) each, and which points are dorsal.
-        Points run from +x over the dorsal side to -x and back over the palmar side.
-    """
+    """Choose the points of the outline, at twice the grid's resolution, at equal distances along the mean outline."""
     count = columns // 2
     t = np.linspace(0.0, 1.0, _SAMPLES)
     quarters = []

@@ -38,21 +38,7 @@ class Layer:
 def link_layer(
     inner: Array, outer: Array, *, has_pole: bool, is_periodic: bool, is_closed: Callable[[Array], Mask] | None = None
 ) -> Layer:
-    """Link the layer between two surfaces.
-
-    Parameters
-    ----------
-    inner, outer
-        Points of both surfaces [mm], at twice the grid's resolution. Shape (2 r + 1, 2 c, 3) where columns are
-        periodic, (2 r + 1, 2 c + 1, 3) where they are not. Rows, columns and the normal out of the layer form a
-        left-handed system.
-    has_pole
-        Whether the last row is one point.
-    is_periodic
-        Whether the last column is followed by the first.
-    is_closed
-        Tells from the centres of quads, shape (..., 3), which of them hold no silicone.
-    """
+    """Link the layer between two surfaces."""
     middle = 0.5 * (inner + outer)
     if is_periodic:
         inner, outer, middle_wrapped = (np.concatenate((a, a[:, :1]), axis=1) for a in (inner, outer, middle))
@@ -104,17 +90,7 @@ class NodeSums:
 
 
 def _link(nodes: Array, mobility: Array, volume: Array, has_pole: bool, is_periodic: bool) -> FlowNetwork:
-    """Assemble conductances from the triangles of all quads.
-
-    Parameters
-    ----------
-    nodes
-        Nodes with the first column repeated at the end where columns are periodic, shape (r + 1, c + 1, 3).
-    mobility
-        h^3 / 12 of each quad [mm3], shape (r, c).
-    volume
-        Volume of each node, a vector.
-    """
+    """Assemble conductances from the triangles of all quads. Units: `mobility` [mm3]."""
     a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
     # Quad a (i, j), b (i + 1, j), c (i + 1, j + 1), d (i, j + 1). Diagonal a-c faces the angles at b and d.
     at_b, at_d = _cotangent(b, a, c), _cotangent(d, c, a)

@@ -73,11 +73,5 @@ def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[obje
 
 
 def to_dataframe(columns: Mapping[str, Any], method: str) -> pandas.DataFrame:
-    """Make a data frame of columns.
-
-    Raises
-    ------
-    MissingLibraryError
-        If pandas is not installed. The message names the method.
-    """
+    """Make a data frame of columns. Raises MissingLibraryError."""
     return load("pandas", method).DataFrame(dict(columns))

@@ -59,21 +59,7 @@ def describe_missing(*modules: str) -> str:
 def require(field: str, *modules: str, subject: str = "", alternative: str = "") -> None:
     """Raise unless optional packages are installed. Call this before the work whose result needs them.
 
-    Parameters
-    ----------
-    field
-        Option, file or function that needs them.
-    modules
-        Their modules, from `EXTRAS`.
-    subject
-        What of the field needs them, such as one of its choices; by default the field itself.
-    alternative
-        What the user can do instead, such as "leave --plot out".
-
-    Raises
-    ------
-    MissingLibraryError
-        With the missing packages and the command that installs them.
+    Raises MissingLibraryError.
     """
     missing = [module for module in modules if not is_installed(module)]
     if missing:
@@ -81,20 +67,7 @@ def require(field: str, *modules: str, subject: str = "", alternative: str = "")
 
 
 def load(module: str, field: str, *, subject: str = "", alternative: str = "") -> Any:
-    """Import a module of an optional package and return it.
-
-    Parameters
-    ----------
-    module
-        The module, such as `matplotlib.figure`.
-    field, subject, alternative
-        As for `require`.
-
-    Raises
-    ------
-    MissingLibraryError
-        If the package is not installed, or cannot be imported.
-    """
+    """Import a module of an optional package and return it. Raises MissingLibraryError."""
     package = module.partition(".")[0]
     require(field, package, subject=subject, alternative=alternative)
     try:

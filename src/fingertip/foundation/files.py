@@ -26,22 +26,7 @@ _numbers = itertools.count()
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
-    """Write one file atomically.
-
-    Parameters
-    ----------
-    path
-        Output file.
-    data
-        Content of the file.
-    option
-        Command-line option that names the file. The error message refers to it.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written. An existing file is then unchanged.
-    """
+    """Write one file atomically. Raises OutputError."""
     with open_atomic(path, option) as file:
         file.write(data)
 
@@ -52,17 +37,7 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
 
     The file appears when the `with` block ends. After an error within the block an existing file is unchanged.
 
-    Parameters
-    ----------
-    path
-        Output file.
-    option
-        Command-line option that names the file. The error message refers to it.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written.
+    Raises OutputError.
     """
     if path.is_dir():
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
@@ -130,10 +105,7 @@ _FOLDER_PREFIX = "fingertip-tmp-"
 class TemporaryFolder:
     """Folder for files that only this process and its children need; a context manager that gives its path.
 
-    Raises
-    ------
-    OutputError
-        If no folder for temporary files can be written.
+    Raises OutputError.
     """
 
     def __init__(self) -> None:
@@ -156,13 +128,7 @@ class TemporaryFolder:
 
 
 def find_temporary_place() -> Path:
-    """Return the system's folder for temporary files.
-
-    Raises
-    ------
-    OutputError
-        If none can be written.
-    """
+    """Return the system's folder for temporary files. Raises OutputError."""
     try:
         return Path(tempfile.gettempdir())
     except OSError as error:

@@ -40,13 +40,7 @@ class Limit:
 
     @property
     def value(self) -> int:
-        """The limit that applies.
-
-        Raises
-        ------
-        InputFileError
-            If the variable holds no whole number above 0.
-        """
+        """The limit that applies. Raises InputFileError."""
         text = os.environ.get(self.variable, "")
         if not text:
             return self.default * self.unit
@@ -127,24 +121,7 @@ def find_link(folder: Path, path: Path) -> Path | None:
 
 
 def check_regular(path: Path, limit: Limit | None = None, wanted: str = "a file", below: Path | None = None) -> int:
-    """Check that a path names a regular file within a limit, and return its size [bytes].
-
-    Parameters
-    ----------
-    path
-        The file.
-    limit
-        Largest size; None if there is none.
-    wanted
-        What the remedy asks for, such as "a design file", where the user has named the file itself.
-    below
-        Folder that the user has named, and that the file stands below: no link in it is followed. None if links are.
-
-    Raises
-    ------
-    InputFileError
-        If it is none, is too large, or is not below the folder.
-    """
+    """Check that a path names a regular file within a limit, and return its size [bytes]. Raises InputFileError."""
     try:
         return _check_status(path, _read_status(path, below), limit, _remedy(wanted, below))
     except (OSError, ValueError) as error:
@@ -172,10 +149,7 @@ def read_input(
 ) -> bytes:
     """Read a regular file, whole or at most its first `length` bytes; the others are as for `check_regular`.
 
-    Raises
-    ------
-    InputFileError
-        If it cannot be read, is no regular file, is too large, or is not below the folder.
+    Raises InputFileError.
     """
     with open_input(path, limit, wanted, below) as file:
         data = file.read(limit.value + 1 if length is None else length)
@@ -185,14 +159,7 @@ def read_input(
 
 
 def check_archive(file: BinaryIO) -> None:
-    """Check the list of files of a ZIP archive before `zipfile` reads it into memory.
-
-    Raises
-    ------
-    zipfile.BadZipFile
-        If the list holds more files than an archive of a recording has, or is larger than their names can be. The text
-        of the error completes "is not an archive that can be read".
-    """
+    """Check the list of files of a ZIP archive before `zipfile` reads it into memory. Raises BadZipFile."""
     size = file.seek(0, os.SEEK_END)
     file.seek(max(0, size - 2**16 - 22 - 20))
     tail = file.read()
@@ -215,13 +182,7 @@ def check_archive(file: BinaryIO) -> None:
 
 
 def check_member(member: zipfile.ZipInfo) -> None:
-    """Check the ratio by which a member of an archive is compressed.
-
-    Raises
-    ------
-    zipfile.BadZipFile
-        If it is large and unpacks to many times its size.
-    """
+    """Check the ratio by which a member of an archive is compressed. Raises BadZipFile."""
     ratio = member.file_size / max(1, member.compress_size)
     if member.file_size > _LARGE_BYTES and ratio > MAX_RATIO:
         raise zipfile.BadZipFile(

@@ -53,13 +53,7 @@ def available() -> bool:
 
 @contextlib.contextmanager
 def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
-    """Run every loop compiled within this block, where numba is installed.
-
-    Parameters
-    ----------
-    progress
-        Called with one line before the first loop of a process is loaded.
-    """
+    """Run every loop compiled within this block, where numba is installed."""
     global _always_compile, _progress
     before = _always_compile, _progress
     _always_compile, _progress = available(), progress
@@ -83,19 +77,6 @@ class CompiledLoop:
     The loop is a function of numbers, tuples of numbers, and sequences of floats. It returns nothing and writes its
     results into its last arguments. Plain Python is fastest on lists and compiled code on arrays, so a call converts
     sequences either way and copies the results back.
-
-    Parameters
-    ----------
-    function
-        The loop.
-    helpers
-        Functions of the same module that it calls.
-    outputs
-        Number of last arguments that it writes into.
-    samples
-        Name of the parameter whose length is the number of samples.
-    plain_us
-        Time per sample in plain Python [us], measured once. An estimate within a factor of two is enough.
     """
 
     def __init__(self, function: Function, *helpers: Function, outputs: int, samples: str, plain_us: float) -> None:

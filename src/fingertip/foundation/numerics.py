@@ -34,17 +34,6 @@ def bisect(
     """Narrow the bracket of a boundary by bisection, and return both its ends.
 
     The function returns the bracket, not its midpoint, because callers need the end on one particular side.
-
-    Parameters
-    ----------
-    is_below
-        Whether a point lies below the boundary. True at `low` and False at `high`, which are not evaluated.
-    low, high
-        Ends of the bracket, `low` < `high`.
-    halvings
-        Largest number of halvings; None: as many as the tolerance needs.
-    tolerance
-        Width at which the search ends. With 0 it ends when no number lies between the two ends.
     """
     count = 0
     while (halvings is None or count < halvings) and high - low > tolerance:
@@ -63,20 +52,6 @@ def maximise_linear(
 
     The simplex method on the vertices of the polytope: as many constraints as unknowns are active at a time, and the
     next objective starts from the vertex at which the last one ended. Written out for few unknowns, without numpy.
-
-    Parameters
-    ----------
-    objectives
-        Vectors c.
-    rows, bounds
-        Constraints; the bounds are positive, so that x = 0 is allowed.
-    limit
-        Bound of every unknown.
-
-    Returns
-    -------
-    list of tuple
-        The largest value of each objective, and the point at which it is reached.
     """
     count = len(rows[0])
     units = [[1.0 if i == j else 0.0 for j in range(count)] for i in range(count)]
@@ -136,19 +111,7 @@ def find_root(
     tolerance: float,
     values: tuple[float, float] | None = None,
 ) -> float:
-    """Find a root of a continuous function in a bracket, by false position in the Illinois variant.
-
-    Parameters
-    ----------
-    function
-        Function whose values at both ends differ in sign.
-    ends
-        Ends of the bracket, in either order.
-    tolerance
-        Distance of two successive points at which the search ends.
-    values
-        Values of the function at the ends, where they are known already.
-    """
+    """Find a root of a continuous function in a bracket, by false position in the Illinois variant."""
     (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
     for _ in range(_MAX_STEPS):
         if fa == fb or abs(b - a) < tolerance:

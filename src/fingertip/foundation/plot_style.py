@@ -42,21 +42,7 @@ REFERENCE = "#98a1aa"
 
 
 def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
-    """Create an empty figure.
-
-    Parameters
-    ----------
-    width_in, height_in
-        Size [inch].
-    automatic_layout
-        Whether matplotlib keeps axes and labels from overlapping. With many axes this takes seconds; pass False to
-        place the axes yourself.
-
-    Raises
-    ------
-    MissingLibraryError
-        If matplotlib is not installed.
-    """
+    """Create an empty figure. Raises MissingLibraryError."""
     # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     module = extras.load("matplotlib.figure", "plot")

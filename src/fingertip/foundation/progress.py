@@ -31,17 +31,7 @@ class ShareText(str):
 
 
 class Work:
-    """Long work of several stages whose relative durations are known.
-
-    Parameters
-    ----------
-    name
-        Name of the work, at the beginning of each message; empty for none.
-    stages
-        Stage -> its duration relative to the others, in the order of the work.
-    progress
-        Receives the messages; None: nobody does.
-    """
+    """Long work of several stages whose relative durations are known."""
 
     def __init__(self, name: str, stages: Mapping[str, float], progress: ReportProgress | None) -> None:
         self._name = name

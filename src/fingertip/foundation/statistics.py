@@ -74,13 +74,6 @@ def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float,
     """Compute the exact interval of the mean of a Poisson variable that was drawn once.
 
     Reference: F. Garwood, Biometrika 28, 1936, 437.
-
-    Parameters
-    ----------
-    count
-        The number that was drawn.
-    confidence
-        Probability with which the interval contains the mean; half of the rest lies on either side.
     """
     tail = (1 - confidence) / 2
     top = count + 10 * math.sqrt(count + 1) + 10

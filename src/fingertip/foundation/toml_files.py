@@ -104,12 +104,7 @@ class UnusableTomlError(Exception):
 def parse_toml(text: str) -> dict[str, Any]:
     """Parse TOML whose values and tables are nested little, and whose whole numbers have 64 bits, as TOML 1.0 asks.
 
-    Raises
-    ------
-    tomllib.TOMLDecodeError
-        If it is not valid TOML.
-    UnusableTomlError
-        If it is nested deeper, or holds a larger number.
+    Raises TOMLDecodeError or UnusableTomlError.
     """
     try:
         tables = tomllib.loads(text)
@@ -124,13 +119,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def check_values(tables: Mapping[str, Any]) -> None:
-    """Check that tables are nested little, and that their whole numbers have 64 bits.
-
-    Raises
-    ------
-    UnusableTomlError
-        If they are nested deeper, or hold a larger number.
-    """
+    """Check that tables are nested little, and that their whole numbers have 64 bits. Raises UnusableTomlError."""
     level: list[Any] = [tables]
     for _ in range(MAX_DEPTH):
         for value in level:
@@ -146,20 +135,7 @@ def check_values(tables: Mapping[str, Any]) -> None:
 
 
 def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
-    """Read a TOML file in UTF-8, with or without a byte order mark.
-
-    Parameters
-    ----------
-    path
-        The file.
-    kind
-        Kind of file that is expected; None if any kind is.
-
-    Raises
-    ------
-    TomlFileError
-        If the file cannot be read, is not valid TOML, or is of another kind.
-    """
+    """Read a TOML file in UTF-8, with or without a byte order mark. Raises TomlFileError."""
     try:
         text = read_input(path, TOML_LIMIT, kind.describe() if kind else "a TOML file").decode("utf-8-sig")
         text = text.replace("\r\n", "\n").replace("\r", "\n")  # the line breaks of any system
@@ -180,10 +156,7 @@ def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
 def identify_kind(path: Path) -> FileKind | None:
     """Identify the kind of a file by its names; None if the file cannot be read or none of its names is known.
 
-    Raises
-    ------
-    TomlFileError
-        If the file holds names of two kinds.
+    Raises TomlFileError.
     """
     try:
         tables = read_toml(path)

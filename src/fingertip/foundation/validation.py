@@ -12,17 +12,7 @@ from fingertip.foundation.numerics import Array
 
 
 def find_not_positive(field: str, value: float, unit: str, example: str) -> list[Issue]:
-    """Report a value that is not a finite number above 0.
-
-    Parameters
-    ----------
-    field
-        Name of the value in the error.
-    value, unit
-        The value and its unit.
-    example
-        A value that passes, for the remedy.
-    """
+    """Report a value that is not a finite number above 0."""
     if math.isfinite(value) and value > 0.0:
         return []
     remedy = f"give a finite number above 0, such as {example} {unit}"
@@ -94,13 +84,7 @@ def round_up(value: float) -> float:
 
 
 def raise_issues(issues: Iterable[Issue]) -> None:
-    """Raise all issues as one error, if there are any.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each problem found.
-    """
+    """Raise all issues as one error, if there are any. Raises TraceError."""
     if found := list(issues):
         raise TraceError(found)
 

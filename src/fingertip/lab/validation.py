@@ -80,10 +80,7 @@ class Validation:
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
         """Return file name -> content: the results, the plots, and the page of omissions.
 
-        Raises
-        ------
-        MissingLibraryError
-            If the plots are asked for and matplotlib is not installed.
+        Raises MissingLibraryError.
         """
         return {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
@@ -139,28 +136,7 @@ def validate(
     progress: Callable[[str], None] = lambda _: None,
     first_seed: int = HELD_OUT_FROM,
 ) -> Validation:
-    """Test a design's detectors on simulated slips and on scenes without slip.
-
-    Parameters
-    ----------
-    design
-        Design to validate.
-    plan
-        Number of trials, and duration of the scenes without slip. None: the default plan.
-    detector
-        Detector that the requirements apply to; all detectors are compared.
-    limits
-        Limits of the requirements. None: the default limits.
-    progress
-        Called with progress text.
-    first_seed
-        Seed of the first case of the campaign, of the wider mix, and of the further ranges of seeds.
-
-    Raises
-    ------
-    TraceError
-        If there is no such detector, or a detector may have been tuned on the seed.
-    """
+    """Test a design's detectors on simulated slips and on scenes without slip. Raises TraceError."""
     find_detector_type(detector)
     check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()

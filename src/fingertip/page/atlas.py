@@ -88,15 +88,7 @@ class AtlasPicture:
 
 
 def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message: None) -> Iterator[AtlasPicture]:
-    """Draw a picture for each parameter that shapes a part, in the order of a design file.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    progress
-        Called with a message for each parameter.
-    """
+    """Draw a picture for each parameter that shapes a part, in the order of a design file."""
     bases = [("", design), *_load_others()]
     used = [(label, base, _find_parts(base)) for label, base in bases]
     for path in PARAMETERS:
@@ -108,19 +100,7 @@ def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message:
 
 
 def draw_parameter(design: Design, path: str, parts: tuple[str, ...], drawn_on: str = "") -> AtlasPicture | None:
-    """Draw what a change of one parameter does to the part that it changes most; None if nothing is seen.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    path
-        The parameter, such as "skin.width_mm".
-    parts
-        Names of the parts whose shape reads it.
-    drawn_on
-        Name of the design for the caption.
-    """
+    """Draw what a change of one parameter does to the part that it changes most; None if nothing is seen."""
     for changed in list_changes(design, path):
         try:
             found = _draw_change(design, changed, parts)
@@ -280,15 +260,7 @@ _LEGEND = (
 
 
 def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
-    """Render the atlas.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    pictures
-        Pictures by the names of their parameters.
-    """
+    """Render the atlas."""
     tables, moved = group_parameters(), shapes_of_parameters(design)
     links = (element("li", element("a", name or "design", href=f"#t-{name}")) for name in tables)
     sections = (

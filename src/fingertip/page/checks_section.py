@@ -33,15 +33,7 @@ def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed
 
 
 def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
-    """Render all checks: failed ones first, then the closest to their limits, then all by their subject.
-
-    Parameters
-    ----------
-    report
-        Content of report.json, of which checks and strength are read.
-    basis
-        What was checked, in sentences.
-    """
+    """Render all checks: failed ones first, then the closest to their limits, then all by their subject."""
     checks: Sequence[Check] = report["checks"]
     failed = [check for check in checks if not check["passed"]]
     parts = [

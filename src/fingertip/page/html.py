@@ -20,18 +20,7 @@ class Markup(str):
 
 
 def element(name: str, /, *children: str, **attributes: str | float | bool | None) -> Markup:
-    """Build an element.
-
-    Parameters
-    ----------
-    name
-        Name of the element.
-    children
-        Content: markup as it is, other text escaped.
-    attributes
-        Attributes. An underscore at the end of a name is dropped, others become hyphens. True gives a bare attribute,
-        None and False none.
-    """
+    """Build an element."""
     pairs = "".join(_attribute(key, value) for key, value in attributes.items())
     if name in _VOID:
         return Markup(f"<{name}{pairs}>")
@@ -87,21 +76,7 @@ def _attribute(key: str, value: str | float | bool | None) -> str:
 def render_document(
     title: str, body: Iterable[Markup], style: str, scripts: Sequence[str], connect: str = "", **attributes: str
 ) -> bytes:
-    """Render a document.
-
-    Parameters
-    ----------
-    title
-        Its title.
-    body
-        Elements of its body, before the scripts.
-    style, scripts
-        Style sheet and scripts that stand in it.
-    connect
-        Source that its scripts may ask, such as "'self'"; none by default.
-    attributes
-        Attributes of its root element.
-    """
+    """Render a document."""
     head = element(
         "head",
         element("meta", charset="utf-8"),

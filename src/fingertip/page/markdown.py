@@ -24,15 +24,7 @@ def split_sections(text: str, level: int = 2) -> dict[str, str]:
 
 
 def render(text: str, pictures: Mapping[str, str] | None = None) -> Markup:
-    """Render Markdown. Headings become the third level and below, because a page has its own two.
-
-    Parameters
-    ----------
-    text
-        The text; whatever is HTML in it is shown as text.
-    pictures
-        Path of each picture that may be shown -> address of its data; others are left out.
-    """
+    """Render Markdown. Headings become the third level and below, because a page has its own two."""
     return join(_render_block(block, pictures or {}) for block in _split_blocks(text))
 
 

@@ -26,17 +26,7 @@ _EXPORTED = (
 
 
 def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, saves_files: bool = True) -> Markup:
-    """Render the 3D view with its controls.
-
-    Parameters
-    ----------
-    items
-        What it shows.
-    origin
-        Sentence that says what the meshes are.
-    saves_files
-        Whether the meshes are those of files, and can be saved as such.
-    """
+    """Render the 3D view with its controls."""
     return element(
         "div",
         element("canvas", id="canvas", tabindex="0", role="application", aria_label=_HELP),

@@ -27,13 +27,7 @@ _SECTIONS = (
 
 
 def render_page(sources: Sources) -> bytes:
-    """Render the page of a design. The same files give the same bytes.
-
-    Parameters
-    ----------
-    sources
-        Files of the design, from `sources.read_sources`.
-    """
+    """Render the page of a design. The same files give the same bytes."""
     name, items = sources.design.name, list_items(sources.design, sources.files)
     body = (
         element("a", "Skip to the content", href="#content", class_="skip"),

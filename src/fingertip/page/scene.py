@@ -49,15 +49,7 @@ class Item:
 
 
 def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
-    """List what the 3D view of exported files shows.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    files
-        Files of its folder by name, among them the STL file of each part.
-    """
+    """List what the 3D view of exported files shows."""
     parts = parts_by_name(design)
     meshes = {name: stl.from_bytes(files[f"{name}.stl"]) for name in parts}
     scales = {name: print_scale(design, part) for name, part in parts.items()}
@@ -67,19 +59,7 @@ def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
 def place_items(
     design: Design, meshes: Mapping[str, Mesh], scales: Mapping[str, float], make_mesh: Callable[[Solid], Mesh]
 ) -> tuple[Item, ...]:
-    """Place the parts of a design and what is bought for them.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    meshes
-        Mesh of each of its parts.
-    scales
-        Factor of a mesh's lengths over the part's.
-    make_mesh
-        Function that makes the meshes of bought items.
-    """
+    """Place the parts of a design and what is bought for them."""
     offsets = _find_offsets({name: np.ptp(mesh.vertices, axis=0) for name, mesh in meshes.items()})
     items = [
         Item(name, label_item(name), mesh, scales[name], PARTS[name].colour, False, *offsets.get(name, _STAY))

@@ -56,13 +56,7 @@ class Sources:
 
 
 def read_sources(design: Design, folder: Path) -> Sources:
-    """Read the files of a design from its folder.
-
-    Raises
-    ------
-    OutputError
-        If parts are missing, were changed or were made from other parameters. All faults are reported at once.
-    """
+    """Read the files of a design from its folder. Raises OutputError."""
     wanted = hash_parameters(design.model_dump(mode="json"))
     manifest = read_manifest(folder)
     if manifest is None or manifest.kind != "parts":

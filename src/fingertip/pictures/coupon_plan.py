@@ -61,15 +61,7 @@ class _Plan:
 
 
 def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
-    """Draw both pieces from above, as they lie on the bed, as PNG.
-
-    Parameters
-    ----------
-    design
-        The design of the coupon.
-    meshes
-        Both pieces as in their files, by name.
-    """
+    """Draw both pieces from above, as they lie on the bed, as PNG."""
     from PIL import Image, ImageDraw, ImageFont
 
     low = {name: mesh.vertices.min(axis=0) for name, mesh in meshes.items()}

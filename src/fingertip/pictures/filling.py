@@ -57,13 +57,7 @@ class _Mark:
 
 
 def draw_mold_filling(design: Design) -> bytes:
-    """Draw the filling of a design's mold as a PNG.
-
-    Raises
-    ------
-    MissingLibraryError
-        If matplotlib is not installed.
-    """
+    """Draw the filling of a design's mold as a PNG. Raises MissingLibraryError."""
     silicone, prediction = select_silicone(design), predict_mold_filling(design)
     how = (
         f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
@@ -79,13 +73,7 @@ def draw_mold_filling(design: Design) -> bytes:
 def draw_filling(
     grid: SkinGrid, prediction: FillingPrediction, gate: Opening, vents: Sequence[Opening], title: str
 ) -> bytes:
-    """Draw a filling as a PNG.
-
-    Raises
-    ------
-    MissingLibraryError
-        If matplotlib is not installed.
-    """
+    """Draw a filling as a PNG. Raises MissingLibraryError."""
     figure = new_figure(14.0, 7.4)
     levels = _choose_levels(prediction.fill_s)
     views = (_unroll(grid.layer), _look(grid.layer, 1), _look(grid.layer, -1))

@@ -94,22 +94,7 @@ class PlacedMesh:
 
 
 def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
-    """Draw two exploded views of a design above a section through the closed mold.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    width_px
-        Width of the picture [pixels]; the height follows from it.
-    progress
-        Called with a message for each view.
-
-    Returns
-    -------
-    bytes
-        Picture as PNG.
-    """
+    """Draw two exploded views of a design above a section through the closed mold."""
     from PIL import Image
 
     evaluator = MeshEvaluator(_TOLERANCE_MM)
@@ -278,22 +263,7 @@ def _draw_mark(pen: ImageDraw, font: Any, mark: Mark, tip: tuple[float, float], 
 def find_free_place(
     taken: NDArray[np.bool_], text: tuple[float, float, float, float], part: tuple[float, float, float, float]
 ) -> tuple[float, float]:
-    """Find the place nearest to a part where a text covers nothing.
-
-    Parameters
-    ----------
-    taken
-        Pixels that are not empty, shape (height, width).
-    text
-        Bounding box of the text at the origin: left, top, right, bottom [pixels].
-    part
-        Bounding box of the part.
-
-    Returns
-    -------
-    tuple
-        Origin of the text.
-    """
+    """Find the place nearest to a part where a text covers nothing. Units: `text` [pixels]."""
     height, width = taken.shape
     wide, high = int(text[2] - text[0]) + 2 * _CLEAR_PX, int(text[3] - text[1]) + 2 * _CLEAR_PX
     filled = np.zeros((height + 1, width + 1), dtype=np.int64)

@@ -19,15 +19,7 @@ if TYPE_CHECKING:
 
 
 def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
-    """Return the summary as plain mappings and lists, for JSON. Keys carry their units.
-
-    Parameters
-    ----------
-    result
-        Result of a simulation.
-    grips_s
-        Moments at which a controller tightened the grip [s]; None without a controller.
-    """
+    """Return the summary as plain mappings and lists, for JSON. Keys carry their units."""
     data = {
         "scene": result.scene.name,
         "columns": ["time_s", *result.column_names],
@@ -120,13 +112,7 @@ _LABELS = {
 
 
 def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
-    """Plot the outputs over a common time axis. Shading marks true slip.
-
-    Returns
-    -------
-    bytes
-        PNG, 1500 pixels wide. It contains no date and no version, so the same data give the same bytes.
-    """
+    """Plot the outputs over a common time axis. Shading marks true slip."""
     names = result.scene.outputs
     fingers = result.fingers if isinstance(result, ManipulationResult) else ("",)
     ratios = [0.25 + 0.15 * len(fingers) if name == "slip" else 1.0 for name in names]

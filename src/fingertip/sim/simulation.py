@@ -51,21 +51,7 @@ class Simulation:
     def run(
         self, controller: Controller | None = None, progress: Callable[[str], None] | None = None
     ) -> SceneResult | ManipulationResult:
-        """Run the simulation.
-
-        Parameters
-        ----------
-        controller
-            Controller that closes the loop of a manipulation. None keeps the planned grip. A scene of one finger
-            ignores it. `fingertip.lab.campaign.grip.run_with_grip` provides one that reacts to a slip detector.
-        progress
-            Receives progress messages.
-
-        Raises
-        ------
-        TraceError
-            If the scene cannot be simulated with this design.
-        """
+        """Run the simulation. Raises TraceError."""
         if isinstance(self.scene, ManipulationFile):
             return run_manipulation(self.design, self.scene, controller, self.seed, progress)
         return run_scene(self.design, self.scene, self.seed, progress)
@@ -73,22 +59,7 @@ class Simulation:
     def write(
         self, file: BinaryIO, path: Path, progress: Callable[[str], None] | None = None
     ) -> SceneRecord | ManipulationResult:
-        """Run the simulation and write its trace to an open file, a scene chunk by chunk.
-
-        Parameters
-        ----------
-        file
-            File to write to.
-        path
-            Name that tells the kind of file: .csv or .npz.
-        progress
-            Receives progress messages.
-
-        Raises
-        ------
-        TraceError
-            If the scene cannot be simulated with this design, or the name has another suffix.
-        """
+        """Run the simulation and write its trace to an open file, a scene chunk by chunk. Raises TraceError."""
         if isinstance(self.scene, ManipulationFile):
             result = run_manipulation(self.design, self.scene, None, self.seed, progress)
             writer = open_trace(file, path, result.column_names)
@@ -118,32 +89,7 @@ def load_simulation(
     force_n: float | None = None,
     seed: int = 0,
 ) -> Simulation:
-    """Load design and scene from files, apply changes, and report all issues at once.
-
-    Parameters
-    ----------
-    file
-        Design, scene or manipulation file, or name of a bundled one. A design, or None for the default design, gives
-        one sliding-finger trial of the article.
-    design_file
-        Design file or name of a bundled design, beside a scene or manipulation file. None means the default design.
-    changes
-        Changes such as ``"tap.force_n=5"`` or ``"skin.width_mm=18"``. The first name decides whether a change belongs
-        to the scene or to the design.
-    surface
-        Name of the surface. None keeps the scene's.
-    speed_m_s
-        Sliding speed, or speed of the knock in a manipulation [m/s]. None keeps the scene's.
-    force_n
-        Holding force, or that of the thumb in a manipulation [N]. None keeps the scene's.
-    seed
-        Seed of everything random.
-
-    Raises
-    ------
-    FingertipError
-        With one issue for each problem in the files, the changes and the values.
-    """
+    """Load design and scene from files, apply changes, and report all issues at once. Raises FingertipError."""
     given, (file, design_file) = file, _find_files(file, design_file)
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)

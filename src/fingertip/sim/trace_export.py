@@ -37,17 +37,6 @@ def write_trace(design: Design, path: Path, trace: Path, force: bool = False) ->
     """Move a trace into the folder of a design's signals, and return the names of the files that were removed.
 
     Plot and detection of the trial are removed if the trace is another one than they were made from.
-
-    Parameters
-    ----------
-    design
-        Design that was simulated.
-    path
-        Name of the trace in that folder.
-    trace
-        Finished file.
-    force
-        Whether a file that is somebody's own may be overwritten.
     """
     is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
     return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
@@ -66,15 +55,7 @@ class TraceWriter(Protocol):
 
 
 class CsvTraceWriter:
-    """Writer of a CSV file: one line that names the columns, then one sample per line, with fixed decimals.
-
-    Parameters
-    ----------
-    file
-        Open file.
-    names
-        Names of the columns beside the time.
-    """
+    """Writer of a CSV file: one line that names the columns, then one sample per line, with fixed decimals."""
 
     def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
         self._file = file
@@ -94,15 +75,7 @@ class CsvTraceWriter:
 
 
 class NpzTraceWriter:
-    """Writer of a numpy archive with one member per column. The columns wait in temporary files.
-
-    Parameters
-    ----------
-    file
-        Open file.
-    names
-        Names of the columns beside the time.
-    """
+    """Writer of a numpy archive with one member per column. The columns wait in temporary files."""
 
     def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
         self._file = file
@@ -136,10 +109,7 @@ class NpzTraceWriter:
 def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> TraceWriter:
     """Open a writer for the kind of file that a path names: CSV, or a numpy archive if it ends in .npz.
 
-    Raises
-    ------
-    TraceError
-        If the path has another suffix.
+    Raises TraceError.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise TraceError(Issue(str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."))
@@ -149,10 +119,7 @@ def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> TraceWriter:
 def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
     """Encode columns as CSV or, for a path that ends in .npz, as numpy archive. The same numbers give the same bytes.
 
-    Raises
-    ------
-    TraceError
-        If the path has another suffix.
+    Raises TraceError.
     """
     out = io.BytesIO()
     writer = open_trace(out, path, [*columns])

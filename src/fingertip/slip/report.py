@@ -40,14 +40,7 @@ _TOLD_S = 0.2
 
 
 def format_delay(delay_s: float | None) -> str:
-    """Describe the delay with which a slip was detected.
-
-    Parameters
-    ----------
-    delay_s
-        Time from the slip's onset to detection [s]. None: the slip was missed. Negative: the detector responded to
-        incipient slip or was ON already.
-    """
+    """Describe the delay with which a slip was detected."""
     if delay_s is None:
         return "missed"
     if -INCIPIENT_S <= delay_s < 0.0:
@@ -94,15 +87,7 @@ def _format_interval(interval: Interval) -> str:
 
 
 def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
-    """Convert a detection to plain mappings and lists for JSON. Keys contain their units.
-
-    Parameters
-    ----------
-    detection
-        The detection.
-    noise
-        Noise level that determines the noise-derived threshold.
-    """
+    """Convert a detection to plain mappings and lists for JSON. Keys contain their units."""
     score, moved = detection.score, detection.motion_delays_s
     return {
         "intervals": [
@@ -150,11 +135,6 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     """Draw the voltage, the statistic with its threshold, and ON/OFF over a common time axis.
 
     Below them, the first onset is drawn again, so wide that its delay can be read.
-
-    Returns
-    -------
-    bytes
-        PNG, 1500 pixels wide. It contains no date and no version, so the same data gives the same bytes.
     """
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     onset = _find_onset(detection, slips)

@@ -48,20 +48,7 @@ class AskingEvaluator(MeshEvaluator):
 
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
-    """Make the design of the form's values.
-
-    Parameters
-    ----------
-    tables
-        Contents of a design file.
-    before
-        Design that the studio was started with. The cause of a refusal is sought in what differs from it.
-
-    Raises
-    ------
-    DesignError
-        With all refusals at once.
-    """
+    """Make the design of the form's values. Raises DesignError."""
     old = before.model_dump(mode="json")
     return Design.from_tables(tables, old, _list_changed(tables, old))
 

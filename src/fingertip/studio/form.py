@@ -61,10 +61,7 @@ class Group:
 def make_form(schema: Mapping[str, Any]) -> tuple[Group, ...]:
     """Make the form of a JSON schema whose objects are nested at most once, as those of design files are.
 
-    Raises
-    ------
-    ValueError
-        If the schema holds a type for which there is no field.
+    Raises ValueError.
     """
     loose: list[Field] = []
     groups: list[Group] = []

@@ -22,17 +22,7 @@ _LOGARITHMIC_STEP = 0.002
 
 
 def render_form(groups: Iterable[Group], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
-    """Render the form with the values of a design.
-
-    Parameters
-    ----------
-    groups
-        Groups of its fields.
-    design
-        The fingertip.
-    moved
-        Items that each parameter shapes, by its dotted name.
-    """
+    """Render the form with the values of a design."""
     return element(
         "form",
         element(
@@ -115,15 +105,7 @@ _ORIGIN = (
 
 
 def render_studio(design: Design, token: str) -> bytes:
-    """Render the page.
-
-    Parameters
-    ----------
-    design
-        Design that the form begins with.
-    token
-        Secret that the page sends with each request.
-    """
+    """Render the page."""
     items = make_items(design)
     form = render_form(make_form(json_schema()), design, shapes_of_parameters(design))
     model = element(

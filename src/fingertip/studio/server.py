@@ -63,20 +63,7 @@ _HEADERS = {
 
 
 class StudioServer(ThreadingHTTPServer):
-    """Server of one design.
-
-    Parameters
-    ----------
-    design
-        Design that the form begins with.
-    port
-        Port to listen on; 0 takes any free one.
-
-    Raises
-    ------
-    StudioError
-        If the port cannot be listened on.
-    """
+    """Server of one design. Raises StudioError."""
 
     daemon_threads = True
     request_queue_size = 128  # a connection beyond them waits a second before it tries again

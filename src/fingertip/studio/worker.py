@@ -33,22 +33,7 @@ class NewestWinsWorker:
         self._newest: dict[str, _Job] = {}
 
     def run(self, client: str, function: Callable[[StillWanted], T], has_gone: Callable[[], bool]) -> T:
-        """Run a function after those that wait, and return its result.
-
-        Parameters
-        ----------
-        client
-            Name of who asks; an earlier job of the same client is superseded.
-        function
-            Function to run in the worker's thread. It is given a function to call between its steps.
-        has_gone
-            Returns whether nobody waits for the result any more.
-
-        Raises
-        ------
-        SupersededError
-            If a newer job of the same client came, the client has gone, or the worker was closed.
-        """
+        """Run a function after those that wait, and return its result. Raises SupersededError."""
         job = _Job()
         with self._lock:
             try:

@@ -134,22 +134,7 @@ def list_parameter_names(model: type[BaseModel], prefix: str = "") -> list[str]:
 
 
 def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[Issue]]:
-    """Read an axis of a sweep file.
-
-    Parameters
-    ----------
-    name
-        Dotted name of the parameter; `scene.` before a parameter of the scene.
-    entry
-        What the file holds: a list of values, or a table of `RANGE_KEYS`.
-    sampled
-        Whether a sampler draws from the axis; otherwise it is part of a grid.
-
-    Returns
-    -------
-    tuple
-        The axis, or None, and everything that is wrong with it.
-    """
+    """Read an axis of a sweep file."""
     field = f"axes.{name}"
     model: type[BaseModel] = DesignTables
     path = name

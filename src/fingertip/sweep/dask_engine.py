@@ -28,13 +28,7 @@ _COUNT_INTERVAL_S = 2.0
 class DaskEngine:
     """Engine (see `engines.Engine`) whose workers may run on any machine; Dask replaces lost workers.
 
-    Raises
-    ------
-    MissingLibraryError
-        If `distributed` is not installed.
-    SweepError
-        If nothing answers at the address, there is no worker, or a worker does not answer or has another version of
-        fingertip, Python or numpy.
+    Raises MissingLibraryError or SweepError.
     """
 
     def __init__(self, address: str) -> None:

@@ -76,15 +76,7 @@ class SweepDatabase:
 
     @classmethod
     def create(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
-        """Create the database of a new sweep, and its folder.
-
-        Raises
-        ------
-        OutputError
-            If the folder cannot be written.
-        SweepError
-            If it holds a sweep already.
-        """
+        """Create the database of a new sweep, and its folder. Raises OutputError or SweepError."""
         if folder.exists() and cls.exists(folder):
             raise SweepError(
                 Issue(
@@ -113,10 +105,7 @@ class SweepDatabase:
     def resume(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
         """Open the database of a sweep to continue it. Its objectives may have changed; the new ones are stored.
 
-        Raises
-        ------
-        SweepError
-            If the folder holds a different sweep, with the lines that differ.
+        Raises SweepError.
         """
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rw"), lock)
@@ -130,13 +119,7 @@ class SweepDatabase:
 
     @classmethod
     def open(cls, folder: Path) -> SweepDatabase:
-        """Open the database of a sweep to read it; the sweep may be running.
-
-        Raises
-        ------
-        SweepError
-            If the folder holds no sweep.
-        """
+        """Open the database of a sweep to read it; the sweep may be running. Raises SweepError."""
         if not folder.is_dir() or not cls.exists(folder):
             raise SweepError(
                 Issue(str(folder), "holds no sweep; give the folder of a sweep with --out, or run the sweep first.")
@@ -186,13 +169,7 @@ class SweepDatabase:
             raise self._make_damage_error("the description of its sweep cannot be read") from None
 
     def add(self, rows: Sequence[StoredRow]) -> None:
-        """Write rows in one transaction: all of them or none.
-
-        Raises
-        ------
-        OutputError
-            If the disk is full or fails. Rows that were written before are safe.
-        """
+        """Write rows in one transaction: all of them or none. Raises OutputError."""
         marks = ", ".join("?" * (4 + len(self.plan.axes) + len(self.plan.outputs)))
 
         def write() -> None:
@@ -267,10 +244,7 @@ class SweepDatabase:
     def check_same_sweep(self, plan: SweepPlan) -> None:
         """Refuse a plan whose rows would differ from those of this sweep; its objectives may differ.
 
-        Raises
-        ------
-        SweepError
-            With the lines that differ.
+        Raises SweepError.
         """
         before, now = (sweep_file.select_row_defining_lines(text) for text in (self.text, plan.to_toml()))
         if before == now:

@@ -38,13 +38,7 @@ class DesignBuilder:
         self._base = Design.model_construct(**dict(plan.design))
 
     def build(self, changes: Mapping[str, Value]) -> Design:
-        """Build the design of a point.
-
-        Raises
-        ------
-        DesignError
-            With every rule that the design breaks, without remedies: finding these takes too long for a sweep.
-        """
+        """Build the design of a point. Raises DesignError."""
         if not self._only_electronics_vary:
             own_changes = {name: changes[name] for name in self._names}
             return Design.without_remedies(**apply_changes(self._tables, own_changes))

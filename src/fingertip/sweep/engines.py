@@ -86,13 +86,7 @@ class ProcessEngine:
         self._result_writer: Connection | None = None
 
     def executor(self) -> Executor:
-        """Start a new pool, after closing the previous one.
-
-        Raises
-        ------
-        SweepError
-            If its processes cannot be started.
-        """
+        """Start a new pool, after closing the previous one. Raises SweepError."""
         self.close()
         self._status = WorkerStatus(self._context, self.workers)
         with _block_interrupts():

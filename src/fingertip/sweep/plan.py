@@ -50,12 +50,7 @@ class SweepPlan:
     def load(cls, path: str | Path, changes: Iterable[str] = ()) -> SweepPlan:
         """Load a sweep file; see `sweep_file.read_sweep_file` for the changes.
 
-        Raises
-        ------
-        SweepError
-            With everything that is wrong: unknown names, values out of bounds, files that cannot be read.
-        MissingLibraryError
-            If the sweep needs a sampler and scipy is not installed.
+        Raises SweepError or MissingLibraryError.
         """
         plan = cls.from_tables(sweep_file.read_sweep_file(path, changes))
         if plan.file.sampling != "grid":

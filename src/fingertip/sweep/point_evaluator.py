@@ -218,19 +218,7 @@ def evaluate_points(
     points_per_limit: int,
     evaluate: Callable[[int, dict[str, Any]], PointResult],
 ) -> list[PointResult]:
-    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit.
-
-    Parameters
-    ----------
-    chunk
-        The points.
-    limit_s
-        Time limit of a group of points [s].
-    points_per_limit
-        Number of points that share a time limit. Starting a limit takes longer than computing a quick point.
-    evaluate
-        Function of a point's number and its swept parameters.
-    """
+    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit."""
     names, values = list(chunk.columns), list(zip(*chunk.columns.values(), strict=True))
     results: list[PointResult] = []
     try:

@@ -100,28 +100,7 @@ def run_sweep(
     progress: Callable[[RunState], None] = lambda _: None,
     evaluate: ChunkFunction = evaluate_chunk,
 ) -> RunState:
-    """Compute every point of a plan that has no row yet.
-
-    Parameters
-    ----------
-    plan
-        The sweep.
-    database
-        Where its rows are written.
-    engine
-        Workers that compute; they are stopped at the end.
-    progress
-        Called whenever rows were written, and at intervals while none arrive.
-    evaluate
-        Function that workers run for each chunk.
-
-    Raises
-    ------
-    OutputError
-        If rows can no longer be written; those written before are safe.
-    SweepError
-        If the cluster is lost, or workers keep dying without computing a point.
-    """
+    """Compute every point of a plan that has no row yet. Raises OutputError or SweepError."""
     missing = database.find_missing_points()
     state = RunState(plan.size, int(plan.size - missing.sum()), hang_s=HANG_LIMITS * plan.file.time_limit_s)
     run = _Run(plan, database, engine, progress, evaluate, state)

@@ -73,23 +73,7 @@ class SweepFile(BaseModel):
 
 
 def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, Any]:
-    """Read the tables of a sweep file and of the files that it names, with changes applied.
-
-    Parameters
-    ----------
-    file
-        Path of the sweep file, or name of a bundled sweep.
-    changes
-        Texts of the form `name=value`. A name of the sweep file (`tolerance_mm=0.05`, `axes.skin.width_mm=[15, 16]`)
-        changes that, `scene.` before a name changes the base scene, and any other name the base design
-        (`skin.width_mm=18`). Beside a bundled sweep that is given by name, a path in a change is relative to the
-        working folder.
-
-    Raises
-    ------
-    SweepError
-        With everything that cannot be read.
-    """
+    """Read the tables of a sweep file and of the files that it names, with changes applied. Raises SweepError."""
     sweep_changes, design_changes, scene_changes = _sort_changes(changes)
     try:
         path = find_file(file, SWEEP)

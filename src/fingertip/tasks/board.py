@@ -116,13 +116,7 @@ def board_folder(design: Design) -> Path:
 
 
 def refuse_other_board(design: Design) -> None:
-    """Refuse to replace a board of another circuit in the default folder of a design's board.
-
-    Raises
-    ------
-    OutputError
-        If the board there has other parts, footprints or nets.
-    """
+    """Refuse to replace a board of another circuit in the default folder of a design's board. Raises OutputError."""
     folder, name = board_folder(design), find_configuration(board_values(design)).name
     finish_interrupted(folder)
     netlist = kicad_netlist_file(board_circuit(board_values(design)))
@@ -140,13 +134,7 @@ class BoardPlan:
     models: Sequence[tuple[SetWriter, Mapping[str, bytes]]]
 
     def write(self) -> tuple[Path, ...]:
-        """Write the files, all or none, then the models, and return the paths of the files.
-
-        Raises
-        ------
-        OutputError
-            If the folder cannot be written, or has changed since.
-        """
+        """Write the files, all or none, then the models, and return the paths of the files. Raises OutputError."""
         self.writer.write(self.files, revisions=self.edited.revisions)
         for writer, contents in self.models:
             writer.write(contents)
@@ -232,15 +220,7 @@ def write_fabrication(
 
     `made_from.sha256` beside them records which board files they were made from, in the format of `sha256sum --check`.
 
-    Raises
-    ------
-    MissingLibraryError
-        If KiCad is not installed.
-    BoardError
-        If KiCad's checks find an error.
-    OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own, or if the board was
-        edited in KiCad.
+    Raises MissingLibraryError or BoardError or OutputError.
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files
 
@@ -261,12 +241,7 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
     They follow from the design: beside a schematic or layout that was edited in KiCad, they would be those of another
     board.
 
-    Raises
-    ------
-    MissingLibraryError
-        If KiCad is not installed.
-    OutputError
-        If a schematic or layout was edited, or the folder of the files cannot be written.
+    Raises MissingLibraryError or OutputError.
     """
     from fingertip.board.fabrication.fabrication_files import find_kicad
 
@@ -355,13 +330,7 @@ def bring_up_files(design: Design) -> dict[str, bytes]:
 
 
 def assess_board(design: Design, path: Path) -> dict[str, Any]:
-    """Assess the readings in a file, as plain data.
-
-    Raises
-    ------
-    TomlFileError, BoardError
-        If the file cannot be read, or holds what are no readings of this design's board.
-    """
+    """Assess the readings in a file, as plain data. Raises TomlFileError, BoardError."""
     values = board_values(design)
     readings = read_readings(path, _plan(design, values))
     is_in_software = values.comparator_levels is None and values.output_offset is not None

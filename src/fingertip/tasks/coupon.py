@@ -72,31 +72,7 @@ def write_coupon(
 ) -> Coupon:
     """Write the coupon of a design with a template for the readings and a page on its use.
 
-    Parameters
-    ----------
-    design
-        The fingertip.
-    out
-        Output folder; `out/<design name>/coupon` if None.
-    formats
-        Any of "stl", "3mf", "step".
-    tolerance_mm
-        Largest distance of a facet from the exact surface [mm].
-    force
-        True if files may be overwritten that no command wrote, or that were changed since.
-    progress
-        Called with a message at each step.
-
-    Raises
-    ------
-    DesignError
-        If a format, the tolerance or the folder name is not valid.
-    GeometryError
-        If a kernel rejects a solid. No file has been written then.
-    MissingLibraryError
-        If STEP files are requested and cadquery cannot be loaded.
-    OutputError
-        If the folder cannot be written, or holds a file of these names that is somebody's own.
+    Raises DesignError or GeometryError or MissingLibraryError or OutputError.
     """
     if out is not None and not str(out).strip():
         message = "is empty; give a folder, such as . for the current one, or omit the option."

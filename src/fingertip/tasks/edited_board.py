@@ -78,21 +78,7 @@ def find_edited(folder: Path, names: EditableNames) -> list[str]:
 def refuse_other_circuit(folder: Path, netlist: bytes, names: EditableNames, beside: Path) -> None:
     """Refuse a folder whose board has other parts, footprints or nets. Files that were edited are no concern here.
 
-    Parameters
-    ----------
-    folder
-        Folder of the board.
-    netlist
-        Netlist of the new board.
-    names
-        Names of the files of a board.
-    beside
-        Folder that the new board may be written to instead.
-
-    Raises
-    ------
-    OutputError
-        If the circuits differ in more than values.
+    Raises OutputError.
     """
     manifest, path = read_manifest(folder), folder / names.netlist
     if manifest is None or manifest.kind != "board" or not has_hash(path, manifest.files.get(path.name)):
@@ -113,23 +99,7 @@ def revise_edited(
 
     A project that KiCad or somebody changed is kept: it holds nothing of a design.
 
-    Parameters
-    ----------
-    folder
-        Folder of the board.
-    contents
-        New content of its files by name.
-    names
-        Names of the files that KiCad edits.
-    make_layout
-        Function that makes the layout of the new board with other component values, by reference: with the old values,
-        it tells which printed texts state values.
-
-    Raises
-    ------
-    OutputError
-        If the new board differs from the one that the files were made from in more than values, if a value was changed
-        by both, or if a file cannot be read. All issues are raised at once.
+    Raises OutputError.
     """
     manifest = read_manifest(folder)
     present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder, names)}
@@ -207,26 +177,7 @@ def describe_structure_changes(old: CircuitRecord, new: CircuitRecord) -> Iterat
 
 
 def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord) -> tuple[bytes, list[str], list[str]]:
-    """Enter the fields that differ between two circuits of the same structure into a layout or a schematic.
-
-    Parameters
-    ----------
-    data
-        Content of the file.
-    kind
-        Name of the lists that have the fields: footprint or symbol.
-    old, new
-        Circuit that the file was made from, and the one that it is to have.
-
-    Returns
-    -------
-    data
-        New content. It differs in the texts of these fields only.
-    changed
-        References of the parts that have changed fields.
-    problems
-        Description of each field that the user changed too, and of each part that is missing; empty if there is none.
-    """
+    """Enter the fields that differ between two circuits of the same structure into a layout or a schematic."""
     text = data.decode()
     root = read_expression(text)
     by_identifier = {part.identifier: name for name, part in old.parts.items()}
@@ -263,15 +214,7 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
 
 
 def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[bytes, bool]:
-    """Enter printed texts that differ between two layouts, such as values, into an edited one.
-
-    Returns
-    -------
-    data
-        New content. A text that the user changed or removed stays so.
-    is_complete
-        False if one of both layouts has texts that the other lacks.
-    """
+    """Enter printed texts that differ between two layouts, such as values, into an edited one."""
     text = data.decode()
     old, new = (_printed_texts(read_expression(layout.decode())) for layout in (old_layout, new_layout))
     changes = {

@@ -20,19 +20,7 @@ def write_page(
 ) -> tuple[Path, int, tuple[str, ...]]:
     """Write the page of a design beside its files, `out/NAME/index.html` by default.
 
-    Returns
-    -------
-    path
-        The page.
-    size
-        Its size [byte].
-    remarks
-        Sentences on what it does not show, each with the command that makes it.
-
-    Raises
-    ------
-    OutputError
-        If the folder holds no parts of this design, or cannot be written.
+    Returns its size [byte]. Raises OutputError.
     """
     folder = Path("out") / design.name if out is None else Path(out)
     writer = parts_writer(design, folder, force)
@@ -52,10 +40,7 @@ def write_page(
 def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None] = lambda message: None) -> int:
     """Write the atlas of the parameters: each with a picture of what it changes. Returns the number of pictures.
 
-    Raises
-    ------
-    OutputError
-        If the file cannot be written.
+    Raises OutputError.
     """
     with open_atomic(Path(path), "--html") as file:  # a path that cannot be written is refused before the work
         pictures = {picture.path: picture for picture in draw_atlas(design, progress)}

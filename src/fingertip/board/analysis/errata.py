@@ -112,15 +112,7 @@ ERRATA: tuple[Erratum, ...] = (
 
 
 def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
-    """List the errata, with notes on those that do not apply to a board.
-
-    Parameters
-    ----------
-    amplifier
-        Dual amplifier of the board, by its name in `CATALOGUE`.
-    has_diode
-        Whether a bare diode precedes the envelope (variant article).
-    """
+    """List the errata, with notes on those that do not apply to a board."""
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
         notes[INPUT_RANGE] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"

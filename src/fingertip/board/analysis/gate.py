@@ -112,25 +112,7 @@ def check_gate(
     offset: OutputOffset | None,
     spread: ThresholdSpread | None,
 ) -> tuple[GateCondition, ...]:
-    """Check all conditions of a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    design
-        Its design.
-    limits
-        Its voltage limits.
-    passband_gain
-        Largest gain of its filter.
-    rails
-        Voltages of the rails [V].
-    offset
-        Its envelope offset; None with the bare diode of variant article.
-    spread
-        Mean and worst case of its comparator's threshold; None without a comparator.
-    """
+    """Check all conditions of a board. Units: `rails` [V]."""
     board, amplifier = design.board, choose_amplifier(design.board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
     supply_v = total_supply_v(board)

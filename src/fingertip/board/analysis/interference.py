@@ -65,19 +65,7 @@ class AliasAttenuation:
 
 
 def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, has_diode: bool) -> AliasAttenuation:
-    """Compute the attenuation ahead of a design's ADC.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of its board.
-    design
-        Its cutoff, sampling rate and ADC.
-    swing_v
-        Largest peak of the filtered signal [V].
-    has_diode
-        Whether a bare diode precedes the envelope (variant article): its pole acts on falling voltages only.
-    """
+    """Compute the attenuation ahead of a design's ADC."""
     detector = design.detector
     nyquist_hz = detector.sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * design.board.cutoff_hz, nyquist_hz)
@@ -167,23 +155,7 @@ def compute_supply_ripple(
     threshold_v: float,
     envelope_gain: float | None,
 ) -> SupplyRipple:
-    """Compute the effect of supply ripple on a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the filter's amplifiers [Hz].
-    cutoff_hz
-        Cutoff of the design.
-    signal_ground
-        Net to which the rectifier refers.
-    threshold_v
-        Mean of the envelope at which slip is reported.
-    envelope_gain
-        Constant gain of rectifier and envelope; None for the bare diode of variant article.
-    """
+    """Compute the effect of supply ripple on a board."""
     band_hz = ripple_band_hz(cutoff_hz)
     # What VREF and VMID leave of the ripple counts by the bridge's deflection, of which either end may be the larger.
     forces_n = (0.0, MAX_FORCE_N) if any(net.name == VREF for net in circuit.nets) else (0.0,)

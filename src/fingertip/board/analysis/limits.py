@@ -122,23 +122,7 @@ def compute_voltage_limits(
     has_diode: bool,
     detector: Detector,
 ) -> VoltageLimits:
-    """Compute the voltage limits of a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    supply, supply_v
-        Supply and its positive voltage.
-    swing
-        Output swing of the filter's second stage.
-    gain
-        Maximum gain of the filter.
-    has_diode
-        Whether a diode precedes the envelope (variant article).
-    detector
-        Input range of the ADC.
-    """
+    """Compute the voltage limits of a board."""
     quiescent = build_network(circuit, conducting=[] if has_diode else [RECTIFYING_DIODE])
     tactile_pin_ohm, envelope_pin_ohm = (
         quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, ADC_ENVELOPE)
@@ -247,17 +231,7 @@ class TactileResponse:
 
 
 def compute_tactile_response(circuit: Circuit, rails: Mapping[str, float], signal_ground: str) -> TactileResponse:
-    """Compute the tactile response of a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    rails
-        Voltages of the rails [V].
-    signal_ground
-        Net at the sensor's other end.
-    """
+    """Compute the tactile response of a board. Units: `rails` [V]."""
     network = build_network(circuit).restrict(TACTILE, signal_ground)
     volts = network.operating_point(rails)
     return TactileResponse(

@@ -61,19 +61,7 @@ def signal_band_hz(cutoff_hz: float) -> tuple[float, float]:
 def compute_amplifier_loads(
     circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, vibration_v: float
 ) -> tuple[AmplifierLoad, ...]:
-    """Compute the load of each amplifier between the bridge and the envelope, in the order of their references.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the filter's amplifiers [Hz].
-    cutoff_hz
-        Cutoff of the design.
-    vibration_v
-        Peak of the tactile voltage's vibrations for which currents are computed [V].
-    """
+    """Compute the load of each amplifier between the bridge and the envelope, in the order of their references."""
     loads = []
     for current in compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz):
         if current.reference in _OTHER_BUFFERS:
@@ -138,17 +126,7 @@ def find_filter_load_ohm(loads: Iterable[AmplifierLoad]) -> float:
 
 
 def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
-    """Find a filter whose amplifiers may swing less than computed, because they drive too small a load.
-
-    Parameters
-    ----------
-    board
-        Parameters of the board.
-    filter_load_ohm
-        Smallest impedance that an amplifier of the filter drives, without the rectifier.
-    capacitor_f
-        Fitted capacitance of C1, C2 and C3.
-    """
+    """Find a filter whose amplifiers may swing less than computed, because they drive too small a load."""
     if filter_load_ohm >= MIN_LOAD_OHM:
         return
     # Resistors are inverse to the capacitors. The margin covers their rounding to preferred values, so a larger
@@ -181,15 +159,7 @@ _PEAK_POINTS = 97
 
 
 def compute_phase_margins_deg(circuit: Circuit, network: Network) -> dict[str, float]:
-    """Compute the phase margin of each operational amplifier of the catalogue [degree], by reference and unit.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    network
-        Its equations with amplifiers as built, and with the diodes that conduct.
-    """
+    """Compute the phase margin of each operational amplifier of the catalogue [degree], by reference and unit."""
     f = np.geomspace(*LOOP_HZ, _LOOP_POINTS)
     margins = {}
     for component in circuit.components:

@@ -173,17 +173,7 @@ def _thermal_noise(value: float) -> float:
 
 
 def compute_noise_levels(circuit: Circuit, gain_bandwidth_hz: float, envelope_gain: float | None) -> NoiseLevels:
-    """Compute the noise of a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the filter's amplifiers [Hz].
-    envelope_gain
-        Constant gain of rectifier and envelope; None for the bare diode of variant article.
-    """
+    """Compute the noise of a board."""
     board = add_noise(circuit, gain_bandwidth_hz)
     filtered_v = board.total_v(FILTERED)
     without_limit_v = filtered_v

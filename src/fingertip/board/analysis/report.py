@@ -94,15 +94,7 @@ class Analysis:
 
 
 def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
-    """Analyse a design's board.
-
-    Parameters
-    ----------
-    design
-        Design of the board.
-    boards, seed
-        Number of boards and seed of the Monte Carlo analysis of tolerances.
-    """
+    """Analyse a design's board."""
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
     bandwidth_hz, has_diode = find_gain_bandwidth_hz(board), board.variant == "article"

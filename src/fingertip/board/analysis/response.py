@@ -126,15 +126,7 @@ class FilterModel:
 
 
 def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
-    """Expand the transfer functions of a circuit's filter and envelope.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of a board.
-    has_diode
-        Whether a bare diode charges the envelope's capacitor (variant article).
-    """
+    """Expand the transfer functions of a circuit's filter and envelope."""
     ideal, as_built = (
         find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED) for bandwidth in (None, 1.0)
     )
@@ -142,15 +134,7 @@ def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
 
 
 def model_envelope(circuit: Circuit, has_diode: bool) -> EnvelopeModel:
-    """Expand the transfer function of a circuit's envelope alone.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of a board.
-    has_diode
-        Whether a bare diode charges the envelope's capacitor (variant article).
-    """
+    """Expand the transfer function of a circuit's envelope alone."""
     return EnvelopeModel(_model_peak_detector(circuit) if has_diode else _model_low_pass(circuit))
 
 
@@ -174,14 +158,6 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
     """Find the passband of a transfer function.
 
     `find_passbands` is its counterpart for arrays.
-
-    Parameters
-    ----------
-    transfer
-        Transfer function of a band-pass.
-    band_hz
-        Frequencies between which its maximum is searched, as `search_band_hz` gives them. The first maximum counts: a
-        fast amplifier with input capacitance may have a resonance far above the passband.
     """
     power_gain = transfer.power_gain()
 
@@ -213,15 +189,7 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
 
 
 def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]:
-    """Find maximum gain and lower cutoff frequency [Hz] of many boards at once, as `find_passband` does for one.
-
-    Parameters
-    ----------
-    transfer
-        Transfer functions of the boards.
-    nominal
-        Passband of the nominal board. The maxima of the others are searched up to a multiple of its frequency.
-    """
+    """Find maximum gain and lower cutoff frequency [Hz] of many boards at once, as `find_passband` does for one."""
     import numpy as np
 
     power_gain = transfer.power_gain()
@@ -261,17 +229,7 @@ def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
 
 
 def compute_response(model: FilterModel, values: Mapping[str, Value], gain_bandwidth_hz: float) -> FrequencyResponse:
-    """Compute the response of a board.
-
-    Parameters
-    ----------
-    model
-        Transfer functions of its circuit.
-    values
-        Values of its network, for amplifiers as built.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the filter's amplifiers [Hz].
-    """
+    """Compute the response of a board."""
     section_hz, quality = model.section(values)
     passband = find_passband(model.transfer(values), search_band_hz(model, values))
     decay_s = float(model.envelope.decay_s(values))

@@ -49,17 +49,7 @@ class ComparatorLevels:
 
 
 def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_ground: str) -> ComparatorLevels:
-    """Compute the levels of a comparator.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of a board of variant comparator.
-    rails
-        Voltages of the rails [V].
-    signal_ground
-        Net to which the signals refer.
-    """
+    """Compute the levels of a comparator. Units: `rails` [V]."""
 
     def threshold_v(is_on: bool, trimmer_ratio: float = 0.5) -> float:
         network = build_network(circuit, trimmer_ratio=trimmer_ratio)
@@ -129,19 +119,7 @@ class OutputOffset:
 def compute_output_offset(
     circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, low_offset: Amplifier
 ) -> OutputOffset:
-    """Compute the envelope offset of a board with a precision rectifier.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    gain_bandwidth_hz
-        Gain-bandwidth product of its amplifiers [Hz].
-    signal_ground
-        Net to which the envelope refers.
-    low_offset
-        Amplifier of low offset that works on the board's supply.
-    """
+    """Compute the envelope offset of a board with a precision rectifier."""
     conducting, blocked = (
         _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode) for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
     )
@@ -221,21 +199,7 @@ def compute_threshold_spread(
     rails: Mapping[str, float],
     resistor_percent: float,
 ) -> ThresholdSpread:
-    """Compute mean and worst case of a board's threshold.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of a board of variant comparator.
-    gain_bandwidth_hz
-        Gain-bandwidth product of its amplifiers [Hz].
-    levels
-        Its nominal levels.
-    rails
-        Voltages of the rails [V].
-    resistor_percent
-        Tolerance of the filter's resistors, which R19 to R21 share.
-    """
+    """Compute mean and worst case of a board's threshold. Units: `rails` [V]."""
     network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE])
     mean, threshold = (network.constant_transfers(net) for net in (MEAN, THRESHOLD))
     transfers = {net: mean[net] - threshold[net] for net in network.nets}

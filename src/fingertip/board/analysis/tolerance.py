@@ -93,16 +93,7 @@ def monte_carlo(
 ) -> dict[str, Spread]:
     """Compute the spread of each quantity over boards with independent, uniformly distributed component values.
 
-    Parameters
-    ----------
-    board
-        Filter with its nominal values. The bandwidth of its amplifiers is assumed to be exact.
-    tolerances
-        Tolerance [%] of each component by its name.
-    boards
-        Number of boards.
-    seed
-        Seed of the random numbers; the same seed gives the same boards.
+    Units: `tolerances` [%].
     """
     limits, count = _limits(board, tolerances), len(board.names)
     drawn = board.quantities(draw_deviations(board, tolerances, boards, seed))
@@ -209,15 +200,7 @@ class ResponseBand:
 
 
 def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -> ResponseBand:
-    """Compute the band of a design's board.
-
-    Parameters
-    ----------
-    design
-        Design of the board.
-    boards, seed
-        Number of boards and seed of the Monte Carlo analysis; the same as in `analyse` give the same boards.
-    """
+    """Compute the band of a design's board."""
     settings = design.board
     circuit = board_circuit(board_values(design))
     network = build_network(circuit, find_gain_bandwidth_hz(settings))
@@ -271,15 +254,6 @@ def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
     """Plot a band as PNG or SVG.
 
     The file holds no date and no version, so the same band gives the same bytes.
-
-    Parameters
-    ----------
-    band
-        Band of a board.
-    title
-        Title of the plot.
-    suffix
-        Suffix of the file, one of `FORMATS`.
     """
     figure = new_figure(9, 5.4)
     axes = figure.add_subplot()

@@ -59,19 +59,7 @@ class Bench:
 
 
 def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, swing_v: float) -> Bench:
-    """Select parts and tones for a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    gain_bandwidth_hz
-        Gain-bandwidth product of its amplifiers [Hz].
-    cutoff_hz
-        Cutoff of the design.
-    swing_v
-        Smaller swing of the filter's output from the signal ground [V].
-    """
+    """Select parts and tones for a board."""
     # Values of E24 are in any kit of resistors; the expected readings follow from the values that are used.
     light_ohm, firm_ohm = (
         nearest_value(1.0 / sensor_conductance_s(force_n), "E24") for force_n, _ in ARTICLE_POINTS[1:]
@@ -125,15 +113,7 @@ class Fault:
 
 
 def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> Iterator[Fault]:
-    """Yield the faults of a circuit, one part at a time.
-
-    Parameters
-    ----------
-    circuit
-        The circuit without a fault.
-    ends_v
-        Ends of the swing of each measured output of an amplifier above ground [V], by its net.
-    """
+    """Yield the faults of a circuit, one part at a time."""
     for component in circuit.components:
         if component.symbol.name in ("R", "C"):
             yield from _list_passive_faults(circuit, component)

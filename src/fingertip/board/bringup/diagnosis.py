@@ -155,16 +155,7 @@ class Diagnosis:
 def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Diagnosis:
     """Compare readings with their limits and, if any lies beyond them, find the faults that explain them best.
 
-    Parameters
-    ----------
-    board
-        Board without a fault.
-    limits
-        Limits for that tone, as `compute_limits` returns them.
-    readings
-        Readings [V] by name; any part of those in `limits`.
-    tone_v
-        RMS of the tone with which they were taken [V].
+    Units: `readings` [V].
     """
     failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
     if not failed or len(readings) < MIN_READINGS:

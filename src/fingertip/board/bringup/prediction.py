@@ -120,17 +120,7 @@ class Board:
 
 
 def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:
-    """Predict the readings of boards that each have one fault, by the reading's name.
-
-    Parameters
-    ----------
-    board
-        Board without a fault.
-    faults
-        Faults; one without a reference is the board as it should be.
-    tones_v
-        RMS of the generator's tone [V]: `TONE_V`, one for all, or one for each fault.
-    """
+    """Predict the readings of boards that each have one fault, by the reading's name."""
     readings: list[dict[str, float]] = []
     drives: list[Drive] = []
     tones = tones_v if len(tones_v) > 1 else (tones_v or (TONE_V,)) * len(faults)

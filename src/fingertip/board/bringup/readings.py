@@ -63,15 +63,7 @@ def readings_template(plan: BringUp, name: str) -> str:
 
 
 def read_readings(path: Path, plan: BringUp) -> Readings:
-    """Read a file of readings.
-
-    Raises
-    ------
-    TomlFileError
-        If the file cannot be read or is not valid TOML.
-    BoardError
-        If it is of another board, holds unknown names, or values that are no readings.
-    """
+    """Read a file of readings. Raises TomlFileError or BoardError."""
     tables = read_toml(path)
     if issues := list(_find_issues(tables, plan, path)):
         raise BoardError(issues)

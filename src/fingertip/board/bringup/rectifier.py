@@ -51,17 +51,6 @@ def mean_voltages(
 ) -> dict[str, Array]:
     """Compute the mean voltages above ground [V] in the last period of a tone: the envelope and, by its net, the output
     of a precision rectifier's amplifier.
-
-    Parameters
-    ----------
-    drives
-        Boards of one variant and supply; values and diodes may differ, nets may not.
-    swing_v
-        Lowest and highest voltage of an amplifier's output.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the amplifiers [Hz].
-    tone_hz
-        Frequency of the tone.
     """
     batch = _Batch(drives, swing_v, gain_bandwidth_hz)
     steps, h = PERIODS * STEPS_PER_PERIOD, 1.0 / (tone_hz * STEPS_PER_PERIOD)

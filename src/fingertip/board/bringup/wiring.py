@@ -93,17 +93,7 @@ def _is_for_controller(circuit: Circuit) -> bool:
 
 
 def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
-    """Draw the wiring of a board.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    supply_v
-        Its supply [V].
-    name
-        Name of the design.
-    """
+    """Draw the wiring of a board."""
     sensor, supply, host = (circuit.component(r) for r in (SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR))
     signals, supply_signals = name_signals(circuit, supply_v), _name_supply_signals(circuit, supply_v)
     top = 2 * _MARGIN + _SIZE

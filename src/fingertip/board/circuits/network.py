@@ -183,10 +183,7 @@ class Network:
         The states are the charges of the nets with capacitances, each divided by its own net's capacitance, so that
         their unit is the volt; and the outputs of amplifiers of finite bandwidth.
 
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            If the charges of two nets determine each other, as at both ends of a capacitor that nothing else joins.
+        Raises LinAlgError.
         """
         return self._state_space
 
@@ -218,21 +215,7 @@ def build_network(
     conducting: Iterable[str] = (),
     trimmer_ratio: float = 0.5,
 ) -> Network:
-    """Build the equations of a circuit, with the rails as inputs.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of the board.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the filter's amplifiers [Hz]; None: all amplifiers are ideal.
-    sensor_s
-        Conductance of the sensor [S].
-    conducting
-        References of the diodes that conduct.
-    trimmer_ratio
-        Position of the trimmer's wiper, from 0 (at its third pin) to 1.
-    """
+    """Build the equations of a circuit, with the rails as inputs."""
     nets = circuit.net_by_pin
     driven = {output.net for output in list_amplifiers(circuit)}
     gain_nets = {nets[c.reference, pin] for c in circuit.components for pin in "18" if c.symbol.name == "AD623ARMZ"}

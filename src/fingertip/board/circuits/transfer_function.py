@@ -73,22 +73,7 @@ class Stage:
 
 
 def find_stages(network: Network, source: str, output: str) -> tuple[Stage, ...]:
-    """Find the stages between an input and a net, and expand the transfer function of each.
-
-    Parameters
-    ----------
-    network
-        Network with `source` among its inputs. Its other inputs are at 0.
-    source
-        Driven net.
-    output
-        Net whose voltage over that of `source` is the product of the stages.
-
-    Raises
-    ------
-    ValueError
-        If two nets of earlier stages feed one stage: then the transfer functions do not simply multiply.
-    """
+    """Find the stages between an input and a net, and expand the transfer function of each. Raises ValueError."""
     quiet = [name for name in network.inputs if name != source]
     network = network.ground(*quiet).restrict(output)
     contents = {name: {t.net for t in network.terms if t.equation == name} for name in network.nets}

@@ -171,21 +171,6 @@ def size_bridge(
     The limit determines the sensor's arm: the largest excitation permitted at `MAX_FORCE_N`. Gain and reference are
     then searched for the smallest sum of squared errors at `ARTICLE_POINTS`: the gain resistors next to the ideal gain,
     and the references whose upper resistor lies between half and twice that of the sensor's arm.
-
-    Parameters
-    ----------
-    supply_v
-        Positive supply [V].
-    series
-        "E12", "E24" or "E96".
-    active_diameter_mm
-        Active diameter of the sensor [mm].
-    signal_ground_ratio
-        Ratio of the signal ground, see `Bridge.signal_ground_ratio`.
-    target
-        Voltages to reproduce instead of the article's.
-    excitation_ratio
-        Ratio of the bridge's supply, see `Bridge.excitation_ratio`.
     """
     targets = ARTICLE_POINTS if target is None else target.points(supply_v)
     max_g = sensor_conductance_s(MAX_FORCE_N)

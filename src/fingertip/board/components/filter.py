@@ -91,13 +91,6 @@ def choose_jointly(ideal_ohm: tuple[float, float, float], series: str) -> tuple[
 
     Of equal deviations the smaller resistors are chosen. Every combination is compared at a few frequencies of the
     band. What is worse there than a known combination is in the whole band cannot be the best, and is left out.
-
-    Parameters
-    ----------
-    ideal_ohm
-        Values by the formulas: exactly a Butterworth response.
-    series
-        Series of the resistors.
     """
     import numpy as np
 

@@ -17,10 +17,7 @@ from fingertip.foundation.errors import BoardError, Issue
 def mantissas(series: str) -> tuple[int, ...]:
     """Integer mantissas of one decade: 10 to 68 (E6), 10 to 82 (E12), 10 to 91 (E24), 100 to 976 (E96).
 
-    Raises
-    ------
-    BoardError
-        If the series is not known.
+    Raises BoardError.
     """
     if series not in MANTISSAS:
         raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(MANTISSAS)}."))
@@ -34,19 +31,7 @@ def neighbouring_values(
 
     Only one is returned if `value` is itself preferred or lies beyond the range.
 
-    Parameters
-    ----------
-    value
-        Positive and finite; in ohm for resistors.
-    series
-        "E6", "E12", "E24" or "E96".
-    minimum, maximum
-        Range of the returned values. Both must be preferred values.
-
-    Raises
-    ------
-    BoardError
-        If `value` is not positive and finite, or the series is not known.
+    Raises BoardError.
     """
     decade = mantissas(series)
     if not (value > 0 and math.isfinite(value)):

@@ -78,23 +78,7 @@ def size_comparator(
     signal_ground_ratio: float = 0.0,
     capacitor_series: str = "given",
 ) -> ComparatorStage:
-    """Size the comparator stage for a threshold [V], a window [s] and a supply [V].
-
-    Parameters
-    ----------
-    threshold_v
-        Threshold above the signal ground.
-    window_s
-        Length of the window whose delay the averaging low-pass reproduces.
-    supply_v
-        Positive supply.
-    series
-        Series of the resistors.
-    signal_ground_ratio
-        Voltage of the signal ground as a ratio of the supply.
-    capacitor_series
-        Series of the averaging capacitor.
-    """
+    """Size the comparator stage for a threshold [V], a window [s] and a supply [V]."""
     upper_v, low_ohm = (1.0 - signal_ground_ratio) * supply_v, TRIMMER_OHM / 2.0
     # Supply and output together pull the threshold up by x = 1 / high and y = 1 / (hysteresis + pull-up), where
     # x + y = T / low / (U - T). When the output falls by the whole supply, the threshold falls by about
@@ -224,13 +208,7 @@ class ComponentValues:
 
 
 def select_components(design: Design) -> ComponentValues:
-    """Select the values of a board's components.
-
-    Raises
-    ------
-    BoardError
-        If a resistor has no preferred value, which does not occur for a validated design.
-    """
+    """Select the values of a board's components. Raises BoardError."""
     board, detector = design.board, design.detector
     supply, selection = SUPPLIES[board.supply], select_filter(board)
     comparator_stage = None

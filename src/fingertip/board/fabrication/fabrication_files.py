@@ -47,13 +47,7 @@ RunKicad = Callable[..., None]
 
 
 def find_kicad() -> str:
-    """Find kicad-cli and return its path.
-
-    Raises
-    ------
-    MissingLibraryError
-        If it is not on the PATH. The message says how to install it.
-    """
+    """Find kicad-cli and return its path. Raises MissingLibraryError."""
     if path := shutil.which("kicad-cli"):
         return path
     raise MissingLibraryError(
@@ -81,31 +75,7 @@ def fabrication_files(
     placement: Placement,
     progress: Progress = lambda message: None,
 ) -> dict[str, bytes]:
-    """Export the fabrication files of a board.
-
-    Parameters
-    ----------
-    board_files
-        Content of the board's files by name, and of its 3D models by their paths below its folder.
-    circuit
-        Circuit of the board.
-    placement
-        Placement of its components.
-    progress
-        Called with the share that is done at each step.
-
-    Returns
-    -------
-    dict
-        Content of the fabrication files by name.
-
-    Raises
-    ------
-    MissingLibraryError
-        If KiCad is not installed.
-    BoardError
-        If KiCad's checks find an error, or its export fails.
-    """
+    """Export the fabrication files of a board. Raises MissingLibraryError or BoardError."""
     name = circuit.name
     board, schematic = f"{name}.kicad_pcb", f"{name}.kicad_sch"
     work = Work("KiCad", STEPS, progress)
@@ -219,17 +189,7 @@ def provenance_record(board_files: Mapping[str, bytes], fabrication_files: Mappi
 
 
 def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, bytes]) -> list[str]:
-    """Describe how a folder of fabrication files differs from what a board's files give; empty if it does not.
-
-    Parameters
-    ----------
-    folder
-        Folder with the fabrication files.
-    record
-        Name of the file with the provenance record.
-    board_files
-        Content of the board's files by name, as its design gives them.
-    """
+    """Describe how a folder of fabrication files differs from what a board's files give; empty if it does not."""
     remedy = "write it again with --fab"
     try:
         text = read_input(folder / record, PARSED_LIMIT, below=folder.parent).decode()

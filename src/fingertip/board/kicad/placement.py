@@ -204,13 +204,7 @@ def fingerprint(circuit: Circuit, placement: Placement) -> str:
 
 
 def load_template(name: str, circuit: Circuit, placement: Placement) -> Template:
-    """Load the template of this name, such as "article_split".
-
-    Raises
-    ------
-    BoardError
-        If it was routed for another placement or other nets.
-    """
+    """Load the template of this name, such as "article_split". Raises BoardError."""
     data = json.loads((TEMPLATES / f"{name}.json").read_text("utf-8"))
     if data["fingerprint"] != fingerprint(circuit, placement):
         raise BoardError(

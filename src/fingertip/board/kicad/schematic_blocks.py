@@ -126,19 +126,7 @@ _PLAIN_ENTRY = ((20, 122), (24, 122), (24, 114))
 
 
 def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str], amplifiers: Sequence[str]) -> Sheet:
-    """Supply connector J2, decoupling capacitors and supply pins of the amplifiers.
-
-    Parameters
-    ----------
-    supply
-        Split or single supply.
-    positive
-        References of the capacitors from the positive rail to ground.
-    negative
-        References of the capacitors from ground to the negative rail of a split supply. They stand in the row below.
-    amplifiers
-        References of the dual amplifiers, whose third unit has the supply pins.
-    """
+    """Supply connector J2, decoupling capacitors and supply pins of the amplifiers."""
     # On a board for a controller the protection stands between the connector and the capacitors.
     first, pitch, entry, flag = (40, 7, ((32, 114),), 37) if supply.is_for_controller else (30, 9, _PLAIN_ENTRY, 79)
     columns = [first + pitch * i for i in range(len(positive))]

@@ -104,13 +104,7 @@ class Node:
 
 
 def read_expression(text: str) -> Node:
-    """Read the first list of a text.
-
-    Raises
-    ------
-    ValueError
-        If its brackets or quotes do not match.
-    """
+    """Read the first list of a text. Raises ValueError."""
     root, position = Node(), 0
     stack = [root]
     while match := _TOKEN.match(text, position):

@@ -223,10 +223,7 @@ class BackText:
 def back_print(circuit: Circuit, placement: Placement, heading: Sequence[str] = ()) -> list[BackText]:
     """Texts on the back: the lines of the heading above the list of values, clear of holes and pins.
 
-    Raises
-    ------
-    BoardError
-        If there is no room for all of them.
+    Raises BoardError.
     """
     obstacles = list(_obstacles(circuit, placement))
     top = _EDGE_MM + text_size("")[1] / 2

@@ -197,10 +197,7 @@ def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> C
 
     Nets appear in the order in which they are first named.
 
-    Raises
-    ------
-    BoardError
-        With every issue that `find_issues` reports.
+    Raises BoardError.
     """
     nodes: dict[str, list[Node]] = {}
     for component, pins in wiring.items():

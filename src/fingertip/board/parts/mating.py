@@ -53,15 +53,7 @@ class PlugWire:
         )
 
     def describe_common(self, max_diameter_mm: float, thickest_awg: int) -> str:
-        """Describe which of these wires pass a hole too.
-
-        Parameters
-        ----------
-        max_diameter_mm
-            Largest diameter over the insulation that passes the hole.
-        thickest_awg
-            Gauge of the thickest conductor that passes it.
-        """
+        """Describe which of these wires pass a hole too."""
         thickest, widest = max(self.min_awg, thickest_awg), min(self.max_insulation_mm, max_diameter_mm)
         if thickest > self.max_awg or widest < self.min_insulation_mm:
             return "none of them fits the finger, so solder thinner ones to leads of the plug"

@@ -220,17 +220,7 @@ BULK_CAPACITOR = CapacitorRequirement(("X5R", "X7R"), 25.0, 10.0)
 
 
 def require_capacitor(farad: float, package: str, stated_percent: float = 0.0) -> CapacitorRequirement:
-    """Return the requirement for a capacitor of the signal path.
-
-    Parameters
-    ----------
-    farad
-        Capacitance [F].
-    package
-        Size by its inch code.
-    stated_percent
-        Tolerance that the design states [%]; 0 for the one that is sold. Large capacitors ignore it.
-    """
+    """Return the requirement for a capacitor of the signal path. Units: `farad` [F]."""
     if farad > MAX_1206_F * (1.0 + _ROUNDING):
         return replace(_LARGE, tolerance_percent=find_sold_percent(farad, package, _LARGE))
     kind = _C0G if farad <= MAX_C0G_F[package] * (1.0 + _ROUNDING) else _X7R

@@ -126,22 +126,7 @@ class StepProcess:
     def result(
         self, time_limit_s: float = TIME_LIMIT_S, *, advance: Callable[[float], None] = lambda _: None
     ) -> StepFiles:
-        """Wait for the files.
-
-        Parameters
-        ----------
-        time_limit_s
-            Time after which the process is stopped [s].
-        advance
-            Called every moment with the share of the steps that are done.
-
-        Raises
-        ------
-        GeometryError
-            If the kernel fails, crashes, or takes longer than `time_limit_s` [s].
-        MissingLibraryError
-            If cadquery cannot be loaded. The message names the packages to install.
-        """
+        """Wait for the files. Raises GeometryError or MissingLibraryError."""
         begun, stderr = time.monotonic(), None
         while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
             with contextlib.suppress(subprocess.TimeoutExpired):

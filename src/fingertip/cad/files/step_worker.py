@@ -38,12 +38,7 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
     On Linux half of the parts are made in a forked process: the halves share little, and most machines have two cores.
     The fork precedes every boolean, because the kernel's threads do not survive it.
 
-    Raises
-    ------
-    MissingLibraryError
-        If cadquery or a system library it needs is missing.
-    GeometryError
-        If a part is not a single valid solid.
+    Raises MissingLibraryError or GeometryError.
     """
     write_status(folder, "loading cadquery")
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded

@@ -30,13 +30,7 @@ _REFERENCE = re.compile(r"#(\d+)")
 
 
 def write_part(path: Path, part: ColouredSolid) -> None:
-    """Write one named, coloured solid (AP214, mm).
-
-    Raises
-    ------
-    GeometryError
-        If the kernel cannot write the file.
-    """
+    """Write one named, coloured solid (AP214, mm). Raises GeometryError."""
     name, solid, colour = part
     document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
     label = XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).AddShape(solid.wrapped, False)

@@ -24,13 +24,7 @@ def to_bytes(mesh: Mesh, name: str, note: str = "") -> bytes:
 
 
 def from_bytes(data: bytes) -> Mesh:
-    """Read a binary STL file; equal corners become one vertex.
-
-    Raises
-    ------
-    GeometryError
-        If the length of the data does not match the stated number of triangles.
-    """
+    """Read a binary STL file; equal corners become one vertex. Raises GeometryError."""
     count = int(np.frombuffer(data[80:84], "<u4")[0]) if len(data) >= 84 else -1
     if len(data) != 84 + count * _RECORD.itemsize:
         raise GeometryError(Issue("STL", f"file of {len(data)} bytes does not match its triangle count of {count}."))

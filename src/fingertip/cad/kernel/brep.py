@@ -76,13 +76,7 @@ class BrepEvaluator:
         return self._evaluated[solid]
 
     def solid(self, solid: Solid) -> cq.Solid:
-        """Evaluate a solid as one valid `cadquery.Solid`.
-
-        Raises
-        ------
-        GeometryError
-            If the kernel returns no solid, several, or an invalid one.
-        """
+        """Evaluate a solid as one valid `cadquery.Solid`. Raises GeometryError."""
         shape = self.shape(solid)
         bodies = shape.Solids()
         if len(bodies) != 1 or not shape.isValid():

@@ -66,13 +66,7 @@ class MeshEvaluator:
         self._evaluated: dict[Solid, Manifold] = {}
 
     def manifold(self, solid: Solid) -> Manifold:
-        """Evaluate a solid as a `manifold3d.Manifold`.
-
-        Raises
-        ------
-        GeometryError
-            If manifold3d rejects a primitive or the result of a boolean.
-        """
+        """Evaluate a solid as a `manifold3d.Manifold`. Raises GeometryError."""
         found = self._evaluated.get(solid)
         if found is None:
             found = self._evaluated[solid] = self._evaluate(solid)

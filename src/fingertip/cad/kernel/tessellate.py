@@ -37,10 +37,7 @@ Point2: TypeAlias = tuple[float, float]
 def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Array, Triangles]:
     """Tessellate a primitive as a closed triangle mesh.
 
-    Returns
-    -------
-    vertices, triangles
-        Coordinates (n, 3) [mm] and vertex indices (m, 3), counter-clockwise seen from outside.
+    Returns coordinates (n, 3) [mm] and vertex indices (m, 3), counter-clockwise seen from outside.
     """
     match solid:
         case Box(low, high):
@@ -65,14 +62,7 @@ def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
     The arc runs from (`a`, 0) to (0, `b`). The deviation of a chord falls with the square of the number of chords. The
     count is therefore extrapolated from a measured deviation, and measured again until it is sufficient.
 
-    Parameters
-    ----------
-    a, b
-        Semi-axes of the arc [mm].
-    weight
-        Weight of the control point (`a`, `b`).
-    tolerance
-        Largest permitted deviation [mm].
+    Units: `tolerance` [mm].
     """
     n = 2
     while (deviation := _chord_deviation(a, b, weight, n)) > tolerance:

@@ -43,13 +43,7 @@ class Pose:
 
 
 def bed_pose(mesh: Mesh, rotate_x_deg: float) -> Pose:
-    """Find the pose of a part that is turned about x, with its lowest corner at the origin.
-
-    Raises
-    ------
-    ValueError
-        If the angle is no quarter turn: other angles would round the vertices.
-    """
+    """Find the pose of a part that is turned about x, with its lowest corner at the origin. Raises ValueError."""
     quarters = rotate_x_deg / 90.0
     if quarters != round(quarters):
         raise ValueError(f"{rotate_x_deg:g} degrees are no quarter turns")

@@ -71,14 +71,7 @@ def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, flo
 
     A part that is larger than the bed has a plate of its own, beyond whose edges it reaches.
 
-    Parameters
-    ----------
-    footprints
-        Width and depth of each part [mm].
-    bed
-        Width and depth of the bed [mm].
-    gap
-        Distance between parts [mm].
+    Units: `footprints` [mm], `bed` [mm], `gap` [mm].
     """
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
@@ -217,17 +210,6 @@ def make_print_files(
     """Make the files of the printed parts.
 
     Plates are made if all printed parts are there, so that none leaves out a part.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    meshes
-        Meshes of the parts, with the printer's compensation; cast ones are left out.
-    encoded
-        The same meshes as text of 3MF files; without them no plates are made.
-    with_stl
-        Whether to make STL files.
     """
     orientations = print_orientations(design)
     poses = {name: bed_pose(meshes[name], lies.rotate_x_deg) for name, lies in orientations.items() if name in meshes}

@@ -28,20 +28,7 @@ def bridge_ceiling(
 ) -> Solid:
     """Fill the steps of the ceiling into a pocket along y, which reaches past its ceiling by `CEILING_STEPS_MM`.
 
-    Parameters
-    ----------
-    pocket
-        The pocket, deeper than asked for by the steps.
-    centre
-        Axis of pocket and hole, (z, x) [mm].
-    ceiling
-        Height at which the first bridges begin, along y [mm].
-    upwards
-        Direction away from the bed along y, 1 or -1.
-    hole_radius
-        Radius of the hole that leads on [mm].
-    reach
-        Length that exceeds the pocket's radius [mm].
+    Units: `centre` [mm], `ceiling` [mm], `hole_radius` [mm], `reach` [mm].
     """
     z, x = centre
     half = half_slot(hole_radius)
@@ -76,12 +63,7 @@ def half_slot(hole_radius: float) -> float:
 def ceiling_steps_volume_mm3(slot_area_mm2: float, hole_radius: float) -> float:
     """Compute the volume [mm3] that the steps add to a pocket and its hole, in closed form.
 
-    Parameters
-    ----------
-    slot_area_mm2
-        Area of the pocket within the slot [mm2].
-    hole_radius
-        Radius of the hole that leads on [mm].
+    Units: `hole_radius` [mm].
     """
     half = half_slot(hole_radius)
     square, octagon = 4.0 * half**2, 8.0 * (math.sqrt(2.0) - 1.0) * half**2

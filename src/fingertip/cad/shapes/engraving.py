@@ -62,15 +62,7 @@ class TextLine:
 
 
 def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
-    """Lay out the lines of a mold half that are large enough to be legible.
-
-    Parameters
-    ----------
-    design
-        The fingertip, whose name is the first line.
-    half
-        "palmar" or "dorsal", the second line.
-    """
+    """Lay out the lines of a mold half that are large enough to be legible."""
     low, high = _find_free_length(design, half)
     for text, baseline in ((design.name, _BASELINE), (half, -_BASELINE - HEIGHT)):
         unit = _grid_unit_mm(design, text, high - low)
@@ -105,13 +97,7 @@ def text_width(text: str) -> float:
 
 @lru_cache(maxsize=64)
 def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
-    """Outline the letters of a line of text in grid units, with x to the right and y up.
-
-    Returns
-    -------
-    letters
-        Rings of each letter: its outline, counter-clockwise, then its counters (the holes of an O or B), clockwise.
-    """
+    """Outline the letters of a line of text in grid units, with x to the right and y up."""
     from manifold3d import CrossSection, FillRule
 
     outlines = []

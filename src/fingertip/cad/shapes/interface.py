@@ -100,13 +100,7 @@ _MIN_FLAT_MM = 0.02
 
 
 def interface(design: Design) -> tuple[tuple[Solid, ...], tuple[Solid, ...]]:
-    """Build the interface to the proximal phalanx.
-
-    Returns
-    -------
-    added, removed
-        Solids that the interface adds to the base, and solids that it removes.
-    """
+    """Build the interface to the proximal phalanx."""
     dims, bone = design.dimensions, design.bone
     y = (dims.bone_outline.section.dorsal - dims.base_flat_depth) / 2
     end, across = -bone.base_length_mm, 2 * dims.bone_outline.section.half_width

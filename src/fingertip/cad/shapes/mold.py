@@ -55,13 +55,6 @@ def base_recess(design: Design, gap_mm: float | None = None) -> tuple[Solid, ...
     """Build the recess that holds and locates the base and the collar, with clearance all round and with draft.
 
     Near the parting plane the outlines have less than the draft angle. Straight drafted walls replace them there.
-
-    Parameters
-    ----------
-    design
-        The design.
-    gap_mm
-        Clearance [mm]; that of the design if None. Without any there is no draft either.
     """
     dims, gap = design.dimensions, design.mold.fit_clearance_mm if gap_mm is None else gap_mm
     slope = dims.draft_slope if gap else 0.0

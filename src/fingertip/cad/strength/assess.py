@@ -101,13 +101,7 @@ def list_load_points(design: Design) -> tuple[LoadPoint, ...]:
 
 
 def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
-    """Find the weakest place of the bone, and its safety factors.
-
-    Raises
-    ------
-    GeometryError
-        If the mesh kernel rejects the bone.
-    """
+    """Find the weakest place of the bone, and its safety factors. Raises GeometryError."""
     material = PRINT_MATERIALS[design.strength.print_material]
     sections = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
     places = [
@@ -196,19 +190,7 @@ def _raise_gradients(
 
 
 def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0) -> Array:
-    """Stress at each corner of a section per newton in x, y and z of a load at a point, (corners, 3) [MPa/N].
-
-    Parameters
-    ----------
-    section
-        The section.
-    point_mm
-        Point of the load [mm].
-    z_mm
-        Height of the section [mm].
-    moment_share
-        Fraction of the bending moment that reaches the section.
-    """
+    """Stress at each corner of a section per newton in x, y and z of a load at a point, (corners, 3) [MPa/N]."""
     x, y, z = (float(value) for value in point_mm - np.array([*section.centroid_mm, z_mm]))
     # Columns: the moment r x F of a unit force along each axis, turned into the bending of the section along x and y.
     bending = np.array([[-z, 0.0, x], [0.0, -z, y]])

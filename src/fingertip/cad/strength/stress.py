@@ -21,16 +21,7 @@ MIN_RATIO, MAX_RATIO = 0.25, 20.0
 
 
 def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> float:
-    """Factor at a shoulder between two round shafts. It multiplies the stress of the thinner one.
-
-    Parameters
-    ----------
-    large_mm, small_mm
-        Diameters on both sides of the shoulder [mm]. 1 if the shaft does not become thinner.
-    fillet_mm
-        Radius of the fillet [mm]. Outside the formula's range the end of the range counts, so a sharp corner has the
-        factor of a step 20 times as high as its radius.
-    """
+    """Factor at a shoulder between two round shafts. It multiplies the stress of the thinner one."""
     h = (large_mm - small_mm) / 2
     if h <= 0.0:
         return 1.0
@@ -50,13 +41,6 @@ def hole_in_tension(hole_mm: float, width_mm: float) -> float:
     """Factor at a hole in the middle of a flat bar. It multiplies the stress of the section beside the hole.
 
     In bending, where the stress falls towards the middle, the factor is smaller.
-
-    Parameters
-    ----------
-    hole_mm
-        Diameter of the hole [mm].
-    width_mm
-        Width of the bar across the hole [mm].
     """
     s = min(hole_mm / width_mm, 1.0)
     return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3

@@ -35,17 +35,7 @@ _BREP_VOLUME_ERROR = 2e-6
 
 
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
-    """Check identities between the given parts on meshes.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    evaluator
-        The mesh kernel.
-    parts
-        Solids by name. Identities that involve a missing part are skipped.
-    """
+    """Check identities between the given parts on meshes."""
     if "skin" in parts:
         yield check_zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
@@ -83,17 +73,7 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
 def check_brep_assembly(
     design: Design, parts: Mapping[str, BrepMeasurements], volumes_mm3: Mapping[str, float]
 ) -> Iterator[Check]:
-    """Check the volume balances on B-rep solids.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    parts
-        Measurements of the parts, by name.
-    volumes_mm3
-        Volumes of the solids of `brep_balance_solids` [mm3].
-    """
+    """Check the volume balances on B-rep solids."""
     if "cavity" in volumes_mm3:
         growth = design.dimensions.shrinkage**3
         skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]

@@ -96,10 +96,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
 def list_causes(check: str) -> tuple[str, ...]:
     """List the parameters to change if a check of this name fails; none if it would be a fault of the program.
 
-    Raises
-    ------
-    LookupError
-        If no pattern matches the name.
+    Raises LookupError.
     """
     for pattern, parameters in _CAUSES:
         if fnmatchcase(check, pattern):
@@ -206,16 +203,7 @@ def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: flo
 
 
 def search_distance(measure: Callable[[float], float], first_reach_mm: float) -> float:
-    """Measure a distance [mm] by a search that takes longer the farther it reaches.
-
-    Parameters
-    ----------
-    measure
-        Function that searches up to a reach [mm] and returns the distance, or the reach if the distance is larger.
-    first_reach_mm
-        Reach of the first search [mm], or less than nothing. It grows until the distance is found, or exceeds every
-        design, as happens if a solid is empty.
-    """
+    """Measure a distance [mm] by a search that takes longer the farther it reaches. Units: `measure` [mm]."""
     reach_mm = max(first_reach_mm, _MIN_REACH_MM)
     while (distance := measure(reach_mm)) >= reach_mm and reach_mm < _MAX_REACH_MM:
         reach_mm *= _REACH_GROWTH

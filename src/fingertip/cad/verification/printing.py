@@ -46,21 +46,6 @@ def check_brep_solid(
 
     The volumes may differ by the tolerance times the surface area. The process that makes the solid has verified that
     it is a single valid one.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    part
-        The part.
-    mesh
-        The part's mesh, with the printer's compensation.
-    measured
-        Volume and genus of the B-rep solid.
-    scale
-        Scale of the mesh relative to the B-rep solid.
-    tolerance_mm
-        Tolerance of the mesh [mm].
     """
     yield Check(f"{part.name}.step.genus", measured.genus, part.genus(design), "through holes", "exactly")
     difference = abs(mesh.volume() - measured.volume_mm3 * scale**3)
@@ -155,19 +140,7 @@ def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[
 def check_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
 ) -> Iterator[Check]:
-    """Check the files for the printer, read back from their bytes.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    meshes
-        Meshes of the parts, with the printer's compensation.
-    encoded
-        The same meshes as text of 3MF files, whose topology is checked in the part files.
-    prints
-        The files.
-    """
+    """Check the files for the printer, read back from their bytes."""
     for file, data in prints.contents.items():
         if file in prints.plates:
             continue

@@ -45,16 +45,7 @@ _PLANE_DIGITS = 9
 
 
 class EnclosingSurface:
-    """Planes of the facets of a convex surface.
-
-    Parameters
-    ----------
-    vertices
-        Coordinates, shape (n, 3) [mm].
-    triangles
-        Vertex indices, shape (m, 3), counter-clockwise seen from outside. None of them is degenerate. Sides on which
-        the body may leave the surface are left out.
-    """
+    """Planes of the facets of a convex surface. Units: `vertices` [mm]."""
 
     def __init__(self, vertices: Array, triangles: Triangles) -> None:
         a, b, c = (vertices[triangles[:, i]] for i in range(3))
@@ -132,14 +123,7 @@ class Patch:
 
     It is the tensor product of a section arc (parameter t) and a profile (parameter v).
 
-    Parameters
-    ----------
-    a, b
-        Half width and signed half height of the section; negative on the palmar side [mm].
-    weight
-        Weight of the section arc.
-    profile
-        Control points (z [mm], scale, weight) of the profile: two for a taper, three for the tip.
+    Units: `profile` [mm].
     """
 
     def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:

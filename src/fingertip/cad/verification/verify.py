@@ -53,23 +53,7 @@ def verify(
 ) -> VerifiedParts:
     """Make the mesh files of the parts in memory, read them back, and check the parts and their assembly.
 
-    Parameters
-    ----------
-    design
-        The fingertip.
-    parts
-        Names from `PARTS`.
-    formats
-        Any of "stl", "3mf"; others are ignored.
-    evaluator
-        The mesh kernel, at the tolerance of the files.
-    progress
-        Called with a message for each part.
-
-    Raises
-    ------
-    GeometryError
-        If the mesh kernel rejects a solid.
+    Raises GeometryError.
     """
     mesh_formats = [file_format for file_format in formats if file_format in MESH_FORMATS]
     solids = {name: PARTS[name].solid(design) for name in parts}

@@ -38,20 +38,7 @@ def smaller_headroom_v(board: Board) -> float:
 
 
 def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
-    """Largest deviation of the filtered signal from its rest that board and converter pass [V].
-
-    Parameters
-    ----------
-    board
-        Parameters of the board.
-    adc_range_v
-        Upper end of the converter's input range [V].
-
-    Returns
-    -------
-    float | None
-        None if the board does not give the filtered signal to a controller.
-    """
+    """Largest deviation of the filtered signal from its rest that board and converter pass [V]."""
     if board.supply not in CONTROLLER_SUPPLIES:
         return None
     rest_v = signal_ground_ratio(board.supply) * board.supply_v

@@ -66,11 +66,6 @@ def weight_of_fullness(fullness: float) -> float:
     """Return the weight of the arc that has a given width at half of its height.
 
     With (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y), the equation of the unit arc, and y = 1/2.
-
-    Parameters
-    ----------
-    fullness
-        Width at half the height, relative to the full width: 0.5 for a triangle, 0.866 for an ellipse, 1 for a box.
     """
     return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
 

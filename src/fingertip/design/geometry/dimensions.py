@@ -327,17 +327,7 @@ class Dimensions:
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
         """Compute the margin between the flat's edge and the circle that the sensor's head and its rim need.
 
-        Parameters
-        ----------
-        rim_mm
-            Flat bone required around the sensor's head [mm].
-        clearance_mm
-            Gap around the sensor in its pocket [mm].
-
-        Returns
-        -------
-        float
-            Smallest margin along x over 65 heights of the circle [mm]; negative where the flat is too narrow.
+        Returns smallest margin along x over 65 heights of the circle [mm]; negative where the flat is too narrow.
         """
         r = self.sensor.head_diameter_mm / 2 + clearance_mm + rim_mm
         margins = []

@@ -101,15 +101,7 @@ class DraftedSection:
 def add_draft(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:
     """Replace the steep parts of a section's outline by straight walls with draft.
 
-    Parameters
-    ----------
-    section
-        The outline, half width and half heights [mm].
-    slope
-        Tangent of the draft angle, > 0.
-    flat
-        Depth [mm] at which the palmar side will be cut, y = -`flat`: the wall reaches at most that far. None if it is
-        not cut.
+    Units: `section` [mm], `flat` [mm].
     """
     a = section.half_width
     dorsal = arc_parameter_at_slope(a, section.dorsal, section.dorsal_weight, slope)

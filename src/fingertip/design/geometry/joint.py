@@ -58,10 +58,7 @@ class Joint:
         The dorsal edge is the shoulder of the straight finger, the palmar one that at the end of the travel. What lies
         between them never meets the shoulder on the way, because the outline is convex there.
 
-        Parameters
-        ----------
-        reach
-            Length past the finger on all sides [mm].
+        Units: `reach` [mm].
         """
         angle = math.radians(self.travel_deg)
         foot = (-self.radius * math.sin(angle), -self.radius * math.cos(angle))

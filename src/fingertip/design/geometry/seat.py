@@ -47,17 +47,6 @@ def creep_mm(integral: float, gap_mm: float, tape_mm: float, span_mm: tuple[floa
         integral of p / mu over time = 6 (x1 / h1)^2 + 12 h2 x1 x2 / h1^3 + 6 (x2 / h2)^2,
 
     or 6 (x / h1)^2 where the silicone does not reach the tape.
-
-    Parameters
-    ----------
-    integral
-        Integral of pressure over viscosity over the time until the silicone sets [1].
-    gap_mm
-        Gap without tape [mm].
-    tape_mm
-        Thickness of the tape [mm].
-    span_mm
-        Beginning and end of the tape [mm]; None without tape.
     """
     free = gap_mm * math.sqrt(integral / 6.0)
     if span_mm is None or free <= span_mm[0]:
@@ -136,15 +125,7 @@ class Loss:
 
 
 def list_contacts(design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None) -> tuple[Contact, ...]:
-    """List what limits the motion of bone or core.
-
-    Parameters
-    ----------
-    design, dims
-        The design and its dimensions.
-    fit_clearance_mm
-        Clearance of the recess [mm]; that of the design if None.
-    """
+    """List what limits the motion of bone or core."""
     error = 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
     drawn = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
     gap = max(0.0, drawn - design.printer.offset_mm) + error
@@ -201,17 +182,7 @@ def find_losses(
     fit_clearance_mm: float | None = None,
     points: Sequence[SkinPoint] | None = None,
 ) -> tuple[Loss, ...]:
-    """Find the worst loss of silicone at each point, over all positions that the contacts allow.
-
-    Parameters
-    ----------
-    design, dims
-        The design and its dimensions.
-    fit_clearance_mm
-        Clearance of the recess [mm]; that of the design if None.
-    points
-        Points of the skin; those of `list_skin_points` if None.
-    """
+    """Find the worst loss of silicone at each point, over all positions that the contacts allow."""
     contacts = list_contacts(design, dims, fit_clearance_mm)
     rows = [_moment(contact.point_mm, contact.normal) for contact in contacts]
     gaps = [contact.gap_mm for contact in contacts]

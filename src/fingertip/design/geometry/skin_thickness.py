@@ -41,13 +41,6 @@ def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
 
     Both outlines shrink linearly between the section where the skin begins and the one where its tip begins, so that no
     section in between is thinner. The tip is left to the check of the solids, which covers all three dimensions.
-
-    Parameters
-    ----------
-    dims
-        Derived dimensions of the design.
-    inset_mm
-        Inset of the silicone's inside from the bone [mm]: the interference of a sleeve.
     """
     heights = (z for z, _ in dims.bone_outline.stations if z >= 0.0)
     return min(sample.thickness_mm for z in heights for sample in skin_thicknesses(dims, z, inset_mm))

@@ -73,21 +73,7 @@ class TailFold:
 def fold_tail(
     pocket_floor_y: float, sensor_z: float, seal_length_mm: float, radius_mm: float, tail: SensorTail
 ) -> TailFold:
-    """Lay the tail around its nose.
-
-    Parameters
-    ----------
-    pocket_floor_y
-        Face of the pocket on which the sensor lies, and of the tail's slot [mm].
-    sensor_z
-        Centre of the sensor's head [mm].
-    seal_length_mm
-        Length of the collar that seals the mold, below which the window begins [mm].
-    radius_mm
-        Radius at which the film bends [mm].
-    tail
-        The tail.
-    """
+    """Lay the tail around its nose. Units: `pocket_floor_y` [mm], `sensor_z` [mm]."""
     nose_y = pocket_floor_y + TANGENT_STEP_MM + radius_mm
     nose_z = -(seal_length_mm + _BELOW_SEAL_MM)
     # The neutral line of the film runs half its thickness outside the nose.

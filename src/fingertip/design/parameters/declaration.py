@@ -43,21 +43,7 @@ def quantity(
     maximum: float | None = None,
     verified: bool = True,
 ) -> Any:
-    """Declare a number with a unit.
-
-    Parameters
-    ----------
-    default
-        Value of a design that does not set the parameter.
-    unit
-        Unit of the number ("mm", "Hz"; "" for a ratio). The name of the parameter ends in it.
-    description
-        One sentence for `fingertip params` and for editors.
-    minimum, above, maximum
-        Inclusive lower, exclusive lower and inclusive upper bound, in `unit`.
-    verified
-        False marks a value for which no document was found.
-    """
+    """Declare a number with a unit."""
     if not verified:
         description += " (unverified)"
     return Field(default, ge=minimum, gt=above, le=maximum, description=description, json_schema_extra={"unit": unit})

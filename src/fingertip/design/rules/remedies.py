@@ -46,29 +46,7 @@ def find_remedies(
     invalid: frozenset[str] = frozenset(),
     rules: Iterable[Rule] = RULES,
 ) -> list[Issue]:
-    """Describe what is wrong with a design, each problem with a remedy.
-
-    Parameters
-    ----------
-    tables
-        The design. Parameters in `invalid` hold any valid value.
-    broken
-        Rules it breaks, at least one.
-    before
-        The design before the changes; the defaults if None.
-    changed
-        Parameters that were changed; those that differ from `before` if empty.
-    invalid
-        Parameters whose own values are not valid.
-    rules
-        Rules that the remedies have to pass.
-
-    Returns
-    -------
-    list of Issue
-        One issue for each blamed field. If one changed parameter that no rule blames resolves several issues, an issue
-        of its own comes first.
-    """
+    """Describe what is wrong with a design, each problem with a remedy."""
     before = before or DesignTables()
     names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
     search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)

@@ -121,16 +121,7 @@ class InvalidParameterError(Exception):
 
 
 class RuleChecker:
-    """Checks rules on one design, each at most once.
-
-    Parameters
-    ----------
-    design
-        Parameters within their own bounds.
-    invalid
-        Parameters whose own values are not valid. A rule that reads one of them cannot be checked, so that one mistake
-        gives one message, and all other rules are still checked.
-    """
+    """Checks rules on one design, each at most once."""
 
     def __init__(self, design: DesignTables, invalid: frozenset[str] = frozenset()) -> None:
         self._design = design

@@ -66,13 +66,7 @@ FRONT = "Sides of parts are as seen from the front, with J1 and J2 on the left."
 
 
 def find_end(circuit: Circuit, placement: Placement, reference: str, net: str) -> str:
-    """Name the end of a two-terminal part that is at a net, such as "right end of C10".
-
-    Raises
-    ------
-    BoardError
-        If no end is at the net.
-    """
+    """Name the end of a two-terminal part that is at a net, such as "right end of C10". Raises BoardError."""
     pads = [pad for pad in place_pads(circuit, placement) if pad.reference == reference]
     here = next((pad for pad in pads if pad.net == net), None)
     other = next((pad for pad in pads if pad.net != net), None)

@@ -157,15 +157,7 @@ _PROPERTY_LABELS = {
 
 
 def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
-    """Render the data of `sheet.casting_sheet_data` as a Markdown page.
-
-    Parameters
-    ----------
-    data
-        The data.
-    pictures
-        Paths of the steps' pictures, relative to the page and in the order of the steps; none if empty.
-    """
+    """Render the data of `sheet.casting_sheet_data` as a Markdown page."""
     sections = [
         f"# Casting sheet: {data['design']}",
         _summary(data),

@@ -111,21 +111,7 @@ def casting_sheet_data(
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """The casting sheet of a design as plain data.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    volumes
-        Silicone volumes of its mold, from `casting.quantities.measure_volumes`.
-    silicone
-        The silicone to cast.
-    prints
-        Print estimates by the name of the plate, or None if nothing was sliced.
-    warnings
-        Warnings of the checks, from `cad.verification.check.list_warnings`.
-    """
+    """The casting sheet of a design as plain data."""
     bolts = size_clamp_bolts(design.mold, design.mold_layout)
     data: dict[str, Any] = {
         "design": design.name,

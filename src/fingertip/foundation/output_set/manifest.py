@@ -59,13 +59,7 @@ def hash_parameters(data: object) -> str:
 
 
 def hash_file(path: Path) -> str:
-    """Hash the content of a file in a folder that may be a stranger's.
-
-    Raises
-    ------
-    InputFileError
-        If it is a link or no regular file, or is too large.
-    """
+    """Hash the content of a file in a folder that may be a stranger's. Raises InputFileError."""
     with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

@@ -58,19 +58,7 @@ _STAGING_SUFFIX = ".fingertip"
 def replace_files(
     folder: Path, files: Mapping[str, Content], removed: Collection[str] = (), *, in_place: bool = False
 ) -> None:
-    """Write some files of a folder and remove others. The caller holds the lock of the folder's parent.
-
-    Parameters
-    ----------
-    folder
-        Absolute path; the folder may be missing, its parent not.
-    files
-        Name -> content of each file, the manifest last.
-    removed
-        Names of the files to remove.
-    in_place
-        Whether the folder must not be swapped.
-    """
+    """Write some files of a folder and remove others. The caller holds the lock of the folder's parent."""
     if in_place or not _swap_in(folder, files, removed):
         _rename_in(folder, files, removed)
 
@@ -92,13 +80,7 @@ def find_output_folder(path: Path) -> Path | None:
 
 
 def recover(folder: Path) -> None:
-    """Complete or undo what a command that was killed has left in or beside a folder.
-
-    Raises
-    ------
-    OutputError
-        If a plan of renames is damaged, and neither is possible.
-    """
+    """Complete or undo what a command that was killed has left in or beside a folder. Raises OutputError."""
     staging, commit = staging_folder(folder), folder / _COMMIT
     if is_folder(staging):
         staging.chmod(0o700)  # it may have the mode of a folder that was made read-only
@@ -116,10 +98,7 @@ def recover(folder: Path) -> None:
 def try_to_write(folder: Path, path: Path) -> None:
     """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
 
-    Raises
-    ------
-    OSError
-        If that is not possible.
+    Raises OSError.
     """
     made = folder / _TRIAL
     if is_folder(made):  # a command was killed here
@@ -136,10 +115,7 @@ def try_to_write(folder: Path, path: Path) -> None:
 def read_plan(commit: Path) -> tuple[list[str], list[str]]:
     """Read a complete plan of renames: the names of files to put in place, and of files to remove; none without a plan.
 
-    Raises
-    ------
-    OutputError
-        If it is damaged, or names anything but files of its folder.
+    Raises OutputError.
     """
     if not os.path.lexists(commit / _COMPLETE):
         return [], []

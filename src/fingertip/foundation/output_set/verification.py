@@ -28,21 +28,7 @@ _COMMANDS = {
 
 
 def verify_sets(folder: Path) -> tuple[int, list[str]]:
-    """Compare the sets in a folder and its subfolders with their manifests. No link is followed.
-
-    Returns
-    -------
-    count
-        Number of files that manifests list.
-    differences
-        Description of each file that is missing or was changed, of each folder that cannot be compared, and of what a
-        command has left unfinished; empty if there is none.
-
-    Raises
-    ------
-    OutputError
-        If there is no manifest, or the folder holds too many files.
-    """
+    """Compare the sets in a folder and its subfolders with their manifests. No link is followed. Raises OutputError."""
     outside = Path(os.path.realpath(folder)).parent
     with output_errors(folder):
         for place in _look_through(folder)[1].values():

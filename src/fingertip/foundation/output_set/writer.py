@@ -34,15 +34,6 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
     """Find out whether a file can be written to a folder, and leave nothing behind.
 
     A mode says little: root may write everywhere, but to `/proc` or a disk that is mounted read-only nobody can.
-
-    Parameters
-    ----------
-    folder
-        The folder, which may be missing, and its parents too.
-    remedy
-        End of the sentence, such as "choose another folder with --out".
-    name
-        Name of the file, which may be longer than the disk permits.
     """
     target = Path(os.path.realpath(folder))
     try:
@@ -91,21 +82,7 @@ class SetWriter:
     """Folder that the user has named, if this one is below it: no link in between is followed."""
 
     def check(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
-        """Refuse to write these names if the folder cannot take them, before work starts.
-
-        Parameters
-        ----------
-        names
-            Names of the files; with their contents, files that are equal already do not count.
-        revisions
-            Files that somebody edited and that may be written all the same, unless they have changed since.
-
-        Raises
-        ------
-        OutputError
-            If the folder is a file, may not be written or holds a set of another kind, or if a name is that of a
-            folder or of a file that is somebody's own.
-        """
+        """Refuse to write these names if the folder cannot take them, before work starts. Raises OutputError."""
         names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
         link = self._find_link()
         if link is None:
@@ -183,24 +160,7 @@ class SetWriter:
         Files of the old set stay if they were made from the same parameters. Otherwise those that nobody changed are
         removed.
 
-        Parameters
-        ----------
-        contents
-            Name -> content of each file.
-        obsolete
-            Files of the old set that are to be removed in any case, unless somebody changed them.
-        revisions
-            Files among `contents` that somebody edited, with the contents that they get instead.
-
-        Returns
-        -------
-        tuple
-            Names of the files that were removed.
-
-        Raises
-        ------
-        OutputError
-            As `check` does, or if a file cannot be written. Nothing has changed then.
+        Raises OutputError.
         """
         self.check(())
         folder = Path(os.path.realpath(self.folder))
@@ -221,22 +181,13 @@ class SetWriter:
     def add(self, contents: Mapping[str, Content]) -> None:
         """Write some files of a set to a folder that holds no set, or one of the same parameters.
 
-        Raises
-        ------
-        OutputError
-            As `write` does, and if the folder holds a set of other parameters.
+        Raises OutputError.
         """
         self.check_addition(contents)
         self.write(contents)
 
     def check_addition(self, names: Collection[str]) -> None:
-        """Refuse to add these names to a folder, before work starts.
-
-        Raises
-        ------
-        OutputError
-            As `check` does, and if the folder holds a set of other parameters.
-        """
+        """Refuse to add these names to a folder, before work starts. Raises OutputError."""
         self.check(names)
         manifest = self._read_manifest()
         if manifest and (manifest.kind, manifest.parameters) != (self.kind, self.parameters):
@@ -297,10 +248,7 @@ def check_set(path: Path) -> None:
 def finish_interrupted(folder: Path) -> None:
     """Complete or undo what a command that was killed has left in or beside a folder that a command is to write.
 
-    Raises
-    ------
-    OutputError
-        If that cannot be done.
+    Raises OutputError.
     """
     folder = Path(os.path.realpath(folder))
     with output_errors(folder):
@@ -310,13 +258,7 @@ def finish_interrupted(folder: Path) -> None:
 
 
 def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
-    """Write one file; where its folder holds a set, the file becomes a part of it.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written, or the set's folder holds a file of this name that is somebody's own.
-    """
+    """Write one file; where its folder holds a set, the file becomes a part of it. Raises OutputError."""
     manifest = read_manifest(path.parent)
     if manifest is None or path.is_dir():
         write_file(path, data, option)

@@ -51,24 +51,7 @@ class TrialResult:
 
 
 def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> tuple[Trace, float]:
-    """Simulate the recording of a case, through the ADC.
-
-    Parameters
-    ----------
-    design
-        Its sensor, bridge, board and ADC.
-    case
-        Scene and seed.
-    detectors
-        Detectors that will read the recording. Signals that none of them reads are not simulated.
-
-    Returns
-    -------
-    trace
-        Trace with the true force and slip.
-    force_n
-        Holding force [N].
-    """
+    """Simulate the recording of a case, through the ADC. Returns holding force [N]."""
     outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
     result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
     return result.trace, result.force_n

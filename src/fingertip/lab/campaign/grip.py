@@ -155,23 +155,7 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
 def run_with_grip(
     simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
 ) -> GrippedResult:
-    """Run a manipulation in which the hand tightens its grip when a detector finds slip.
-
-    Parameters
-    ----------
-    simulation
-        Simulation of a manipulation, such as `fingertip.sim.load_simulation` returns. The signals that the detector
-        reads are added to its outputs.
-    detector
-        Name of the detector.
-    progress
-        Receives progress messages.
-
-    Raises
-    ------
-    FingertipError
-        If there is no such detector, or the simulation has no hand.
-    """
+    """Run a manipulation in which the hand tightens its grip when a detector finds slip. Raises FingertipError."""
     scene, design = simulation.scene, simulation.design
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)

@@ -29,13 +29,7 @@ RANGE_SEEDS = 1_000_000
 
 
 def check_first_seed(seed: int) -> None:
-    """Refuse seeds on which a detector may have been trained or tuned.
-
-    Raises
-    ------
-    TraceError
-        If the seed is out of bounds.
-    """
+    """Refuse seeds on which a detector may have been trained or tuned. Raises TraceError."""
     if not HELD_OUT_FROM <= seed <= LAST_SEED:
         reason = "seeds below were used to train and tune detectors" if seed < HELD_OUT_FROM else "it is too large"
         raise TraceError(Issue("--seed", f"{seed} is refused, {reason}; choose {HELD_OUT_FROM} to {LAST_SEED}."))
@@ -97,13 +91,7 @@ class Case:
 
 @dataclass(frozen=True)
 class CampaignPlan:
-    """Size of a campaign.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each number that is out of range.
-    """
+    """Size of a campaign. Raises TraceError."""
 
     trials: int = 120
     """Number of trials with slip."""

@@ -163,23 +163,7 @@ def run_campaign(
     first_seed: int = HELD_OUT_FROM,
     advance: Callable[[float], None] = lambda _: None,
 ) -> CampaignResult:
-    """Simulate every case once and evaluate every detector on it.
-
-    Parameters
-    ----------
-    design
-        Its board, sensor, ADC and detector.
-    plan
-        Number of trials, and duration of the scenes without slip.
-    detectors, scales
-        Detectors and factors of their thresholds; 1 is always among the factors.
-    progress
-        Called with progress text.
-    first_seed
-        Seed of the first case.
-    advance
-        Called with the share of the cases that are done.
-    """
+    """Simulate every case once and evaluate every detector on it."""
     scales = sorted({1.0, *scales})
     factors = {name: sorted({*(LOW_SCALES if needs_board(name) else ()), *scales}) for name in detectors}
     trials: dict[str, list[list[TrialResult]]] = {name: [[] for _ in factors[name]] for name in detectors}

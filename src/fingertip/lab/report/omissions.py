@@ -105,21 +105,7 @@ def as_markdown(
     studies: StudyResults,
     detector: str,
 ) -> str:
-    """Write the page.
-
-    Parameters
-    ----------
-    result
-        Open-loop campaign, with every detector at its nominal threshold.
-    requirements
-        Requirements, met or missed.
-    closed_loop
-        Manipulations of the closed loop.
-    studies
-        Studies beside the campaign.
-    detector
-        Detector that the study of assumptions applies to.
-    """
+    """Write the page."""
     lines = ["# Omissions: failures, assumptions and what was not tested", "", "## Requirements missed", ""]
     lines += [f"- {requirement.message}" for requirement in requirements if not requirement.passed] or ["None."]
     lines += ["", "## Missed slips and false alarms", ""]

@@ -99,15 +99,7 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
 
 
 def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
-    """Plot the median (solid) and 90th percentile (dashed) of the delay over false alarms per minute; returns a PNG.
-
-    Parameters
-    ----------
-    result
-        The campaign.
-    bound_s
-        Lower bound on the median delay [s].
-    """
+    """Plot the median (solid) and 90th percentile (dashed) of the delay over false alarms per minute; returns a PNG."""
     figure = new_figure(10, 6)
     axes = figure.subplots()
     no_alarms = 0.02  # position of thresholds without alarms on the logarithmic axis

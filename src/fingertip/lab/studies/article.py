@@ -134,17 +134,7 @@ class ProtocolStudy:
 
 
 def find_encoder_zero_s(slide: TrapezoidalMove, phase_s: float, moved_m: float) -> float:
-    """Time of the first reading of the encoders at which a slide has moved by more than `moved_m` [s].
-
-    Parameters
-    ----------
-    slide
-        Motion of the robot.
-    phase_s
-        Time from the start of the motion to the next reading [s], less than the encoders' period.
-    moved_m
-        Motion that must be exceeded [m].
-    """
+    """Time of the first reading of the encoders at which a slide has moved by more than `moved_m` [s]."""
     first_s, next_s = encoder_band_s(slide.start_s)
     readings = np.asarray(
         slide.start_s + phase_s + (next_s - first_s) * np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ)), dtype=np.float64
@@ -155,19 +145,7 @@ def find_encoder_zero_s(slide: TrapezoidalMove, phase_s: float, moved_m: float) 
 def study_article_protocol(
     design: Design, trials: int = 120, repeats: int = 3, first_seed: int = HELD_OUT_FROM
 ) -> ProtocolStudy:
-    """Run the article's trials and manipulations with the finger of a design on the article's board and converter.
-
-    Parameters
-    ----------
-    design
-        Design whose finger is taken.
-    trials
-        Number of trials; the article's 120 or fewer, spread over its surfaces and speeds.
-    repeats
-        Manipulations of each object; the article's are 3.
-    first_seed
-        Seed of the first trial.
-    """
+    """Run the article's trials and manipulations with the finger of a design on the article's board and converter."""
     article = with_article_board(design)
     boards = {
         device: _with_threshold(with_variant(article, variant), name) for device, (variant, name) in DEVICES.items()

@@ -96,15 +96,6 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
     A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An alarm is a transition to
     ON outside the slips, their creep, and the detector's memory after them. Alarms closer together than
     `fingertip.lab.campaign.evaluate.SAME_EVENT_S` count once.
-
-    Parameters
-    ----------
-    signal
-        The signal.
-    on
-        Flag of the detector at each sample.
-    memory_s
-        Longest time that the detector's ON outlasts a slip [s].
     """
     time_s = np.arange(len(on)) / signal.rate_hz
     found = intervals(time_s, on)
@@ -195,19 +186,7 @@ def draw_rest_v(design: Design, rng: np.random.Generator) -> float:
 
 
 def abrupt_burst(design: Design, seed: int, low_v: float, high_v: float, duration_s: float = 0.5) -> LabelledSignal:
-    """Draw a held force with one abrupt burst in a random band; its kind says where most of its energy lies.
-
-    Parameters
-    ----------
-    design
-        Source of the sampling rate, the noise and the ADC.
-    seed
-        Seed of everything random.
-    low_v, high_v
-        Range of the burst's RMS value [V], drawn logarithmically.
-    duration_s
-        Duration of the burst [s].
-    """
+    """Draw a held force with one abrupt burst in a random band; its kind says where most of its energy lies."""
     rng = np.random.default_rng(seed)
     low_hz = rng.uniform(_LOWEST_HZ, 120.0)
     return _burst(design, rng, low_hz, rng.uniform(low_hz + _MIN_WIDTH_HZ, _HIGHEST_HZ), low_v, high_v, duration_s)
@@ -238,17 +217,7 @@ def _burst(
 
 
 def ringing_knock(design: Design, seed: int, low_v: float = 0.05, high_v: float = 0.5) -> LabelledSignal:
-    """Draw a held force with three knocks that ring and decay, as hand and object do: no slip.
-
-    Parameters
-    ----------
-    design
-        Source of the sampling rate, the noise and the ADC.
-    seed
-        Seed of everything random.
-    low_v, high_v
-        Range of the first swing's height [V], drawn logarithmically.
-    """
+    """Draw a held force with three knocks that ring and decay, as hand and object do: no slip."""
     rng, rate = np.random.default_rng(seed), design.detector.sample_rate_hz
     times_s = np.arange(round(4.0 * rate)) / rate
     volts = np.full(len(times_s), draw_rest_v(design, rng))

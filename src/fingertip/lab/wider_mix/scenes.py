@@ -83,15 +83,7 @@ def taps(design: Design, seed: int, min_force_n: float = 0.3, max_force_n: float
 
 
 class SteppedGrip(GripController):
-    """Controller that tightens the grip at given moments as the grip law does at a detection.
-
-    Parameters
-    ----------
-    design, fingers
-        As for `fingertip.lab.campaign.grip.GripController`.
-    moments_s
-        Moments of the steps [s].
-    """
+    """Controller that tightens the grip at given moments as the grip law does at a detection."""
 
     def __init__(self, design: Design, fingers: int, moments_s: tuple[float, ...]) -> None:
         super().__init__(design, GripSettings("digital", max_growth_n_s=np.inf, max_closing_m_s=np.inf), fingers)
@@ -135,17 +127,6 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
     """Simulate a hand that takes over an object's weight, which a pin may hit: one signal for each finger.
 
     The weight shears the pads, which is not slip, until it is: true slips are labelled as such.
-
-    Parameters
-    ----------
-    design
-        Its sensor, bridge and ADC.
-    seed
-        Seed of everything random.
-    speed_m_s
-        Velocity of the pin [m/s]; 0: none hits the object.
-    max_margin
-        Upper limit of the planned force, as a multiple of what just holds the weight.
     """
     rng = np.random.default_rng(seed)
     names = list(MANIPULATED_OBJECTS)

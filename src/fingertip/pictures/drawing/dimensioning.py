@@ -158,13 +158,7 @@ class PlacedLength:
 
 
 def place_lengths(lengths: Sequence[PlacedLength], occupancy: Occupancy) -> Iterator[Primitive]:
-    """Place all lengths on one side of a view.
-
-    Raises
-    ------
-    NoRoomError
-        If one finds no place.
-    """
+    """Place all lengths on one side of a view. Raises NoRoomError."""
     pending = sorted(lengths, key=lambda placed: (round(placed.span, 3), placed.size.name))
     while pending:
         placed = pending.pop(0)
@@ -242,13 +236,7 @@ def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float
 def place_circle(
     size: Circle, centre: Point, radius: float, balloon: int, occupancy: Occupancy
 ) -> tuple[Primitive, ...]:
-    """Place a diameter or a radius with a leader. The radius is that on paper.
-
-    Raises
-    ------
-    NoRoomError
-        If it finds no place.
-    """
+    """Place a diameter or a radius with a leader. The radius is that on paper. Raises NoRoomError."""
     best: tuple[float, tuple[Primitive, ...]] | None = None
     width = _group_width(size.text(), balloon)
     directions = [angle for angle in _LEADER_ANGLES_DEG if size.has_edge_at(angle)]

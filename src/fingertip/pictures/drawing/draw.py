@@ -78,15 +78,7 @@ def require_packages(field: str) -> None:
 
 
 def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, Sheet]:
-    """Draw a sheet for each printed part, by name.
-
-    Raises
-    ------
-    MissingLibraryError
-        If cadquery cannot be loaded.
-    GeometryError
-        If the B-rep kernel fails, or no paper has room for all dimensions.
-    """
+    """Draw a sheet for each printed part, by name. Raises MissingLibraryError or GeometryError."""
     drawings = part_drawings(design)
     # The engraved letters would hide the rest under some hundred edges. A note names them.
     plain = design.with_values({"mold.engraving_depth_mm": 0.0})
@@ -100,15 +92,7 @@ def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message
 
 
 def draw_files(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, bytes]:
-    """Draw a design: file name -> content.
-
-    Raises
-    ------
-    MissingLibraryError
-        If cadquery or reportlab is missing.
-    GeometryError
-        As `draw_sheets` does.
-    """
+    """Draw a design: file name -> content. Raises MissingLibraryError or GeometryError."""
     require_packages("drawing")
     sheets = draw_sheets(design, progress)
     files = {svg_name(part): render_svg(sheet) for part, sheet in sheets.items()}

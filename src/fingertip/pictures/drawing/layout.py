@@ -94,13 +94,7 @@ def _beside_section_line(name: ViewName) -> float:
 
 
 def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading: Heading) -> Sheet:
-    """Lay out the sheet of a part. The scale in the heading is filled in.
-
-    Raises
-    ------
-    GeometryError
-        If no paper and scale has room for all dimensions.
-    """
+    """Lay out the sheet of a part. The scale in the heading is filled in. Raises GeometryError."""
     missing = ""
     for paper, (name, scale) in CHOICES:
         for arrangement in _arrangements(part.plan):

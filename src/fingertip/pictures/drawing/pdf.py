@@ -16,13 +16,7 @@ _FONT = "Helvetica"
 
 
 def render_pdf(sheets: Sequence[Sheet], title: str) -> bytes:
-    """Render sheets. The file holds no date and no random identifier.
-
-    Raises
-    ------
-    MissingLibraryError
-        If reportlab is not installed.
-    """
+    """Render sheets. The file holds no date and no random identifier. Raises MissingLibraryError."""
     module = extras.load("reportlab.pdfgen.canvas", "drawing.pdf")
     buffer = io.BytesIO()
     page = module.Canvas(buffer, invariant=1, pageCompression=1)

@@ -27,15 +27,7 @@ Failure = tuple[str, tuple[Issue, ...]]
 
 
 def run_job(job: Job) -> PartViews:
-    """Project every part in its views.
-
-    Raises
-    ------
-    MissingLibraryError
-        If cadquery or a system library it needs is missing.
-    GeometryError
-        If a part is not a single valid solid.
-    """
+    """Project every part in its views. Raises MissingLibraryError or GeometryError."""
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded
     from fingertip.pictures.drawing.hidden_lines import project
 
@@ -68,15 +60,7 @@ TIME_LIMIT_S = 180.0
 
 
 def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
-    """Project every part of a job in its views.
-
-    Raises
-    ------
-    GeometryError
-        If the kernel fails, crashes, or takes longer than `time_limit_s` [s].
-    MissingLibraryError
-        If cadquery cannot be loaded. The message names the packages to install.
-    """
+    """Project every part of a job in its views. Raises GeometryError or MissingLibraryError."""
     with TemporaryFolder() as folder:
         command = [sys.executable, "-m", "fingertip.pictures.drawing.projection", str(folder)]
         try:

@@ -44,13 +44,7 @@ _WALL_MM = 0.8
 
 
 class Bench:
-    """Meshes of one design.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    """
+    """Meshes of one design."""
 
     def __init__(self, design: Design) -> None:
         self.design = design

@@ -40,24 +40,7 @@ def draw_steps(
     steps: Sequence[Step],
     progress: Callable[[str], None] = lambda message: None,
 ) -> dict[str, bytes]:
-    """Draw the picture of each step.
-
-    Parameters
-    ----------
-    design
-        The fingertip.
-    data
-        Data of its casting sheet.
-    steps
-        Steps of the procedure.
-    progress
-        Called with a message before each picture.
-
-    Returns
-    -------
-    dict
-        File name -> PNG, in the order of the steps.
-    """
+    """Draw the picture of each step."""
     bench, pictures = Bench(design), {}
     for number, step in enumerate(steps, 1):
         progress(f"drawing step {number} of {len(steps)}")

@@ -149,19 +149,7 @@ def measure_board(
     cvode: CvodeLibrary | str,
     advance: Callable[[float], None] = lambda _: None,
 ) -> WorkPrecision:
-    """Measure fingertip and its peers on the same problem.
-
-    Parameters
-    ----------
-    seconds
-        Length of the problem [s]; at least 0.5 s are simulated.
-    peers
-        Names of the peers (`peers.PEERS`).
-    cvode
-        CVODE, or why it is missing.
-    advance
-        Called with the share of the runs that are done.
-    """
+    """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     seconds = max(seconds, MIN_SECONDS)
     problem = BoardProblem(AnalogBoard.from_design(Design.load("article")), seconds)
     system = _scipy_equations(problem.board)

@@ -153,19 +153,7 @@ def measure_contact(
     cvode: CvodeLibrary | str,
     advance: Callable[[float], None] = lambda _: None,
 ) -> WorkPrecision:
-    """Measure fingertip and its peers on the same problem.
-
-    Parameters
-    ----------
-    seconds
-        Length of the problem [s].
-    peers
-        Names of the peers (`peers.PEERS`).
-    cvode
-        CVODE, or why it is missing.
-    advance
-        Called with the share of the runs that are done.
-    """
+    """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     problem = ContactProblem.over(seconds)
     system = _scipy_equations(problem.mount, problem.normal)
     diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", LEVELS_N)

@@ -61,23 +61,7 @@ def solve_with_scipy(
 ) -> Array:
     """Return the states at the samples, (states, samples), with a fresh start at every corner.
 
-    Parameters
-    ----------
-    method
-        "odeint" or a method of `SOLVE_IVP`.
-    system, segments, start
-        The problem.
-    relative, absolute
-        Tolerances.
-    longest_s
-        Longest step [s]; None: any.
-    stops_s
-        Times that odeint must not step over [s].
-
-    Raises
-    ------
-    ArithmeticError
-        If the solver fails, with its message.
+    Raises ArithmeticError.
     """
     integrate = importlib.import_module("scipy.integrate")
     state, parts = start, [start[:, None]]

@@ -29,11 +29,6 @@ def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
     """Draw one panel per problem: CPU time over error, both logarithmic.
 
     A line joins the points between which times are interpolated; a solver's other points are pale.
-
-    Returns
-    -------
-    bytes
-        A PNG, 1800 x 1050 pixels.
     """
     figure = new_figure(12, 7)
     panels = figure.subplots(1, len(diagrams), squeeze=False)[0]

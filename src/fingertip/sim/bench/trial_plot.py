@@ -12,13 +12,7 @@ _LABELS = {"force_n": "normal force [N]", "tactile_v": "tactile voltage [V]", "e
 
 
 def draw_trials(found: TrialAccuracy, footnote: str) -> bytes:
-    """Draw two rows of panels, one column for each quantity: largest error over the step, and over the CPU time.
-
-    Returns
-    -------
-    bytes
-        A PNG, 1950 x 1200 pixels.
-    """
+    """Draw two rows of panels, one column for each quantity: largest error over the step, and over the CPU time."""
     figure = new_figure(13, 8)
     panels = figure.subplots(2, len(QUANTITIES), squeeze=False)
     for column, name in enumerate(QUANTITIES):

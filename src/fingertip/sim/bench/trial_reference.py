@@ -40,17 +40,7 @@ class TrialReference:
 
 
 def solve_with_scipy(design: Design, run: SceneRun, earlier_n: Array, tolerance: float = 1e-11) -> TrialReference:
-    """Solve a trial without noise; its slide must last longer than the window.
-
-    Parameters
-    ----------
-    design, run
-        Design and scene.
-    earlier_n
-        Forces before the window [N], which have left their play in the sensor.
-    tolerance
-        Relative tolerance of the solvers.
-    """
+    """Solve a trial without noise; its slide must last longer than the window."""
     slide = run.timeline.slide
     assert slide
     time_s = slide.start_s - BEFORE_S + np.arange(round((BEFORE_S + AFTER_S) * RATE_HZ) + 1) / RATE_HZ

@@ -227,9 +227,6 @@ def describe_machine() -> dict[str, Any]:
 def require_libraries() -> None:
     """Raise unless the libraries that the benchmark compares with and draws with are installed.
 
-    Raises
-    ------
-    MissingLibraryError
-        With the names of the missing packages.
+    Raises MissingLibraryError.
     """
     extras.require("fingertip bench", "scipy", "numba", "matplotlib")

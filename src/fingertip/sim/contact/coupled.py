@@ -42,13 +42,7 @@ _MIN_LOAD_N = 1e-3
 
 @dataclass(frozen=True)
 class NormalContact:
-    """Resonance of the contact in the normal direction.
-
-    Raises
-    ------
-    TraceError
-        If a value is out of its bounds.
-    """
+    """Resonance of the contact in the normal direction. Raises TraceError."""
 
     resonance_hz: float
     """Undamped resonance while touching [Hz]."""
@@ -95,22 +89,7 @@ class CoupledContact:
 
     It begins at standstill, in balance with the pressing force of the first sample.
 
-    Parameters
-    ----------
-    friction, mount, normal
-        Surface, mount of the pad along the surface, and resonance normal to it.
-    step_s
-        Time between samples [s].
-    max_pressing_n
-        Largest pressing force to be expected [N]. It turns errors of velocity and deflection into forces; a larger
-        force is integrated too, with an error that is larger in proportion.
-    tolerance_n
-        Permitted error of one step, as a force [N].
-
-    Raises
-    ------
-    TraceError
-        If a value is out of bounds.
+    Raises TraceError.
     """
 
     def __init__(
@@ -149,19 +128,7 @@ class CoupledContact:
         self._samples = 0
 
     def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
-        """Return the motion at the next samples; the very first sample is the start.
-
-        Parameters
-        ----------
-        carriage_m, carriage_m_s, pressing_n
-            Position [m] and velocity [m/s] of the carriage, and pressing force [N], at the samples.
-
-        Raises
-        ------
-        TraceError
-            If an input is not finite (the error names the first such sample of the chunk), or a sample needs more than
-            `MAX_STEPS` steps (the error counts samples from the first chunk). The state is then as before the call.
-        """
+        """Return the motion at the next samples; the very first sample is the start. Raises TraceError."""
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n))
         return self._advance(carriage_m, carriage_m_s, pressing_n)
 
@@ -205,25 +172,7 @@ def integrate(
     pressing_n: Array,
     tolerance_n: float = 1e-6,
 ) -> CoupledMotion:
-    """Integrate from standstill, in balance with the pressing force of the first sample.
-
-    Parameters
-    ----------
-    friction, mount, normal
-        Surface, mount of the pad along the surface, and resonance normal to it.
-    step_s
-        Time between samples [s].
-    carriage_m, carriage_m_s, pressing_n
-        Position [m] and velocity [m/s] of the carriage, and pressing force [N], at the samples.
-    tolerance_n
-        Permitted error of one step, as a force [N].
-
-    Raises
-    ------
-    TraceError
-        If a value is out of bounds, an input is not finite (the error names the first such sample), or a sample needs
-        more than `MAX_STEPS` steps.
-    """
+    """Integrate from standstill, in balance with the pressing force of the first sample. Raises TraceError."""
     issues = _find_setting_issues(step_s, 0.0, tolerance_n)
     issues += find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
     raise_issues(issues)

@@ -53,13 +53,7 @@ Assumption: 1/40 of the article's slowest slide."""
 
 @dataclass(frozen=True)
 class Friction:
-    """LuGre friction of one surface, per newton of normal force.
-
-    Raises
-    ------
-    TraceError
-        If a parameter is out of bounds, or the friction could deliver energy that it never took up.
-    """
+    """LuGre friction of one surface, per newton of normal force. Raises TraceError."""
 
     mu_s: float
     """Static (breakaway) coefficient of friction."""
@@ -123,13 +117,6 @@ class Friction:
 
         A pad that is pulled creeps as long as it sticks. Its bent bristles spring back when it is released, so bending
         is no slip. The remaining motion does not spring back: it is the plastic displacement of Dupont et al.
-
-        Parameters
-        ----------
-        velocity_m_s
-            Velocity of the pad over the surface [m/s], any shape.
-        bristle_m
-            Mean deflection of its bristles [m], same shape. It has the sign of the velocity that bent them.
         """
         v, z = np.abs(velocity_m_s), np.abs(bristle_m)
         ratio = v / self.stribeck_m_s

@@ -55,21 +55,7 @@ def generate_profile(
     length_m: float,
     patch_radius_m: float = 0.0,
 ) -> SurfaceProfile:
-    """Generate a profile.
-
-    Parameters
-    ----------
-    rng
-        Source of phases and wavelengths.
-    roughness_um
-        Arithmetic mean deviation Ra of the surface [um].
-    cutoff_m
-        Cutoff wavelength between roughness and waviness [m].
-    start_m, length_m
-        Start and length of the line [m].
-    patch_radius_m
-        Radius of the contact patch over which heights are averaged [m]; 0: the pad follows one line of summits.
-    """
+    """Generate a profile."""
     count = math.ceil(length_m / _SPACING_M) + 2
     waves, square = [], 0.0
     for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):

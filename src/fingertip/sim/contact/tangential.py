@@ -41,13 +41,7 @@ and Stribeck velocity, and 0.02 % in nine of ten (tests/sim/test_tangential.py).
 
 @dataclass(frozen=True)
 class Mount:
-    """Spring and damper between the pad and the carriage that drags it.
-
-    Raises
-    ------
-    TraceError
-        If the mass is not above 0, or stiffness or damping is negative.
-    """
+    """Spring and damper between the pad and the carriage that drags it. Raises TraceError."""
 
     mass_kg: float
     """Mass that moves with the pad [kg]."""
@@ -104,17 +98,7 @@ class DraggedPad:
     and no iteration (J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20(4), 1999,
     doi:10.1137/S1064827597326651). At v = 0 the right-hand side has a kink.
 
-    Parameters
-    ----------
-    friction, mount
-        Surface, and mount of the pad.
-    step_s
-        Step of the time grid [s].
-
-    Raises
-    ------
-    TraceError
-        If the step is not above 0, or the bristles are elasto-plastic.
+    Raises TraceError.
     """
 
     def __init__(self, friction: Friction, mount: Mount, step_s: float) -> None:
@@ -131,11 +115,7 @@ class DraggedPad:
     def process(self, carriage_m: Array, carriage_m_s: Array, normal_n: Array) -> PadMotion:
         """Follow the pad over the next points of the grid; the first chunk begins with the initial point.
 
-        Raises
-        ------
-        TraceError
-            If a column is not finite (the first such point is named), or the step is too long for the stiffness of the
-            bristles under these loads.
+        Raises TraceError.
         """
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
         friction, mount = self._friction, self._mount
@@ -159,23 +139,7 @@ class DraggedPad:
 def drag(
     friction: Friction, mount: Mount, step_s: float, carriage_m: Array, carriage_m_s: Array, normal_n: Array
 ) -> PadMotion:
-    """Follow a pad over a whole motion at once (see `DraggedPad`).
-
-    Parameters
-    ----------
-    friction, mount
-        Surface, and mount of the pad.
-    step_s
-        Step of the time grid [s].
-    carriage_m, carriage_m_s, normal_n
-        Position [m] and velocity [m/s] of the carriage, and normal force [N], at the points of the grid.
-
-    Raises
-    ------
-    TraceError
-        If the step is not above 0, a column is not finite (the error names the first such sample), the bristles are
-        elasto-plastic, or the step is too long for the stiffness of the bristles.
-    """
+    """Follow a pad over a whole motion at once (see `DraggedPad`). Raises TraceError."""
     return DraggedPad(friction, mount, step_s).process(carriage_m, carriage_m_s, normal_n)
 
 

@@ -42,15 +42,6 @@ class ProfileForce:
     Below the resonance of the finger's mass on the hand, the hand moves up and down with the surface. Above it the mass
     stays where it is and the pad deforms. A first-order high-pass filter models this (assumption: the hand is well
     damped).
-
-    Parameters
-    ----------
-    pad
-        Pad, and the hand behind it.
-    profile
-        Heights of the surface.
-    step_s
-        Step of the grid [s].
     """
 
     def __init__(self, pad: Pad, profile: SurfaceProfile, step_s: float) -> None:
@@ -75,13 +66,6 @@ class ContactResonance:
 
     Where the finger does not touch, the force is exactly 0 and the resonance restarts from zero. Where the surface
     would have to pull, the force is 0.
-
-    Parameters
-    ----------
-    step_s
-        Step of the grid [s].
-    frequency_hz, damping_ratio
-        Resonance of the contact [Hz] and its damping ratio.
     """
 
     def __init__(self, step_s: float, frequency_hz: float, damping_ratio: float) -> None:
@@ -106,19 +90,7 @@ class ContactResonance:
 
 
 def high_pass(height_m: Array, step_s: float, follow_hz: float, state: Array) -> Array:
-    """Deflection of a pad over heights [m] whose part below `follow_hz` the hand follows.
-
-    Parameters
-    ----------
-    height_m
-        Height of the surface under the pad at each point [m].
-    step_s
-        Time between the points [s].
-    follow_hz
-        Frequency up to which the hand follows [Hz].
-    state
-        Height of the hand, and previous height of the surface [m], carried from chunk to chunk.
-    """
+    """Deflection of a pad over heights [m] whose part below `follow_hz` the hand follows. Units: `state` [m]."""
     w = 2 * math.pi * follow_hz
     deflection = np.zeros(len(height_m))
     _high_pass(math.exp(-w * step_s), 1 / w, step_s, height_m, state, deflection)

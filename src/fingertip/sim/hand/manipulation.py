@@ -116,13 +116,7 @@ class ManipulationResult:
         return found
 
     def trace(self, finger: str = "thumb") -> Trace:
-        """Return the trace of one finger for a detector: voltage, and the true force and slip.
-
-        Raises
-        ------
-        TraceError
-            If the finger does not touch, or the voltage is not among the outputs of the scene.
-        """
+        """Return the trace of one finger for a detector: voltage, and the true force and slip. Raises TraceError."""
         if finger not in self.fingers:
             raise TraceError(Issue("finger", f"{finger!r} does not touch; {suggest_name(finger, self.fingers)}"))
         signals = self.signals.fingers[self.fingers.index(finger)]

@@ -75,13 +75,7 @@ class Motors:
         return self.reach_m + self.pad.depth_m(self.hand.max_force_n)
 
     def follow(self, command_m: Array) -> MotorMotion:
-        """Advance the motors over a chunk.
-
-        Parameters
-        ----------
-        command_m
-            Commanded closing [m] from each point to the next, (fingers, points).
-        """
+        """Advance the motors over a chunk."""
         goal = np.clip(command_m, 0.0, self.stall_closing_m[:, None])
         if all(name in self.fingers for name in SHARED_MOTOR):
             both = [self.fingers.index(name) for name in SHARED_MOTOR]

@@ -121,13 +121,7 @@ class ManipulationStepper:
         return bool(self._state[grasp_loop.PAD_STATES * len(self.scene.fingers) + grasp_loop.HAS_LEFT] > 0.0)
 
     def advance(self, command_m: Array) -> None:
-        """Advance by one point of the grid per command.
-
-        Parameters
-        ----------
-        command_m
-            Commanded closing up to each point [m], (fingers, points).
-        """
+        """Advance by one point of the grid per command."""
         count, length = command_m.shape
         with self.meter.stage("hand", 2, length):
             motors = self.motors.follow(command_m)

@@ -132,10 +132,7 @@ class SceneResult:
     def trace(self) -> Trace:
         """Trace for a detector: voltage, and the true force and slip that it is evaluated against.
 
-        Raises
-        ------
-        TraceError
-            If the voltage is not among the outputs of the scene.
+        Raises TraceError.
         """
         found = self.signals
         if found.voltage_v is None:
@@ -153,20 +150,7 @@ def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArra
 
 @dataclass
 class SceneRun:
-    """Scene in progress: iterate over `chunks` once.
-
-    Parameters
-    ----------
-    design, scene, seed
-        As in `run_scene`.
-    grid
-        Grid of the computation. None: the base grid, or as many times finer as the bristles need under this load.
-
-    Raises
-    ------
-    TraceError
-        If the seed is negative, the board of this design has no such output, or a motor is faster than the samples.
-    """
+    """Scene in progress: iterate over `chunks` once. Raises TraceError."""
 
     design: Design
     scene: SceneFile
@@ -358,17 +342,7 @@ def stream_scene(
 
     Loops run compiled where the scene would take longer than `COMPILE_FROM_S` in plain Python. The bits are the same.
 
-    Parameters
-    ----------
-    take
-        Receives the signals of each chunk.
-    design, scene, seed, progress, grid
-        As in `run_scene`.
-
-    Raises
-    ------
-    TraceError
-        If the scene cannot be simulated with this design.
+    Raises TraceError.
     """
     run, slips = SceneRun(design, scene, seed, grid), SlipCollector()
     done = ShareDone(scene.name, run.timeline.duration_s, progress)

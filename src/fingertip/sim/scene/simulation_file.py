@@ -19,10 +19,7 @@ from fingertip.foundation.toml_files import FileKind
 class SimulationFile(BaseModel):
     """Frozen file of tables that refuses unknown names, values out of bounds and broken rules between parameters.
 
-    Raises
-    ------
-    TraceError
-        With one issue for each problem found.
+    Raises TraceError.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -56,10 +53,7 @@ class SimulationFile(BaseModel):
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
         """Read a file or a bundled one: defaults first, then each file, then changes such as ``"tap.force_n=5"``.
 
-        Raises
-        ------
-        TraceError
-            If a file is missing or is not valid TOML, or if its content has issues.
+        Raises TraceError.
         """
         try:
             tables = load_tables(files, changes, cls.file_kind).tables

@@ -138,17 +138,7 @@ MOTOR_RAMP_S = 0.02
 
 
 def knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
-    """Force of the knocks [N]. Each one rises and falls as a smooth step.
-
-    Parameters
-    ----------
-    tap
-        Table ``tap`` of the scene.
-    held_s
-        Moment at which the holding force is reached [s].
-    time_s
-        Time grid [s].
-    """
+    """Force of the knocks [N]. Each one rises and falls as a smooth step."""
     total = np.zeros_like(time_s)
     for i in range(tap.count):
         t = (time_s - held_s - tap.at_s - i * tap.interval_s) / tap.rise_s
@@ -162,19 +152,7 @@ def draw_motor_phases(rng: random.Random) -> tuple[float, float]:
 
 
 def motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array) -> Array:
-    """Force of the motors' vibration [N].
-
-    Parameters
-    ----------
-    motor
-        Table ``motor`` of the scene.
-    phases
-        Phases of fundamental and second harmonic [rad].
-    held_s
-        Moment at which the holding force is reached [s].
-    time_s
-        Time grid [s].
-    """
+    """Force of the motors' vibration [N]. Units: `phases` [rad]."""
     w = 2 * math.pi * motor.frequency_hz
     t = time_s - held_s - motor.at_s
     envelope = smoothstep(t / MOTOR_RAMP_S) - smoothstep((t - motor.duration_s) / MOTOR_RAMP_S + 1)

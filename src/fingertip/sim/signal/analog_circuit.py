@@ -99,13 +99,7 @@ class Diode:
 
 @dataclass(frozen=True)
 class AnalogBoard:
-    """Filter, rectifier and envelope of a board, with models of its diode and its amplifiers.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each value that is not above 0.
-    """
+    """Filter, rectifier and envelope of a board, with models of its diode and its amplifiers. Raises TraceError."""
 
     network: Network
     """Equations of the filter, driven at its input."""
@@ -139,17 +133,7 @@ class AnalogBoard:
 
     @classmethod
     def from_circuit(cls, circuit: Circuit, has_diode: bool, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
-        """Board of a circuit.
-
-        Parameters
-        ----------
-        circuit
-            Circuit of a board.
-        has_diode
-            Whether a bare diode precedes the envelope (variant article).
-        gain_bandwidth_hz
-            Gain-bandwidth product of its amplifiers [Hz]; None: they are ideal.
-        """
+        """Board of a circuit."""
         network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
@@ -173,13 +157,7 @@ class AnalogBoard:
         }
 
     def with_components(self, **values: Value) -> AnalogBoard:
-        """Copy of the board with other values of some of its components [ohm, F], by reference.
-
-        Raises
-        ------
-        TraceError
-            If a value is not above 0, or the board has no such component.
-        """
+        """Copy of the board with other values of some of its components [ohm, F], by reference. Raises TraceError."""
         known = self.components
         issues = [
             Issue(f"board.{name}", f"is no component of this board; choose from {', '.join(known)}.")
@@ -217,14 +195,6 @@ def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
     The rails are taken as far below the signal ground as above it. A TL082's inputs leave their common-mode range
     sooner, and its output then jumps up. This is not simulated: `VoltageLimits.filter_trough_v` says how far down the
     board of variant article may be driven.
-
-    Parameters
-    ----------
-    design
-        Its board.
-    amplifiers
-        "ideal", "rails" (outputs saturate) or "gain_bandwidth" (as built: the design's gain-bandwidth product, and
-        the capacitance of the inputs).
     """
     if amplifiers == "gain_bandwidth":
         return AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
@@ -243,16 +213,7 @@ class LinearBoard:
 
 
 def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
-    """Compute the board's state equations.
-
-    Parameters
-    ----------
-    board
-        Its values give the batch's length B (1 for plain numbers).
-    mode
-        3 times the first amplifier's state plus the second's; each is 0 (linear), 1 (saturated at the upper rail) or 2
-        (at the lower rail).
-    """
+    """Compute the board's state equations."""
     rail = board.rail_v or 0.0
     states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
     saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}
@@ -275,20 +236,7 @@ def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
 
 
 def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, Array, Array, Array]:
-    """Compute the board's exact steps in the layout of `envelope_loop`: one flat array for each board.
-
-    Returns
-    -------
-    states, rows
-        Number of states, and of rows of a step's matrix.
-    step_columns
-        Matrices, by columns, of the states at the end of a step and the output at `ABSCISSAE` within it, where the
-        Runge-Kutta method needs it; by mode of the rails and level of the step.
-    output_rows
-        Rows of the second amplifier's output without rails, at one moment, by the state of the first amplifier.
-    amplifier1_row
-        Row of the first amplifier's output without rails, at one moment.
-    """
+    """Compute the board's exact steps in the layout of `envelope_loop`: one flat array for each board."""
     step_columns, output_rows = [], []
     amplifier1_row = np.zeros(0)
     n = rows = 0

@@ -71,10 +71,7 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.signal.converter`), which the
     real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz.
 
-    Raises
-    ------
-    TraceError
-        If a sample is not finite.
+    Raises TraceError.
     """
     board = AnalogBoard.from_design(design)
     envelope_v = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
@@ -104,11 +101,6 @@ class SimulatedBoardDetector:
     """Detector `analog` behind the design's simulated board: raw voltage in, ON or OFF out.
 
     It is a detector like those of `fingertip.slip`: any chunks give the same bits, and it is causal.
-
-    Parameters
-    ----------
-    design
-        Its board, ADC, window and threshold.
     """
 
     def __init__(self, design: Design) -> None:

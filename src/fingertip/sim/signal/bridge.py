@@ -162,13 +162,6 @@ class ForceSensor:
     Hysteresis: a growing force reads true, a falling one up to `HYSTERESIS` too high. A play operator acts on the
     force's ratio, p in [F, F (1 + H/s)], and is mixed in with the fraction s. Creep: the reading grows by a fixed
     fraction per decade of time under load.
-
-    Parameters
-    ----------
-    step_s
-        Step of the grid [s].
-    share_per_decade
-        Relative increase per decade of time under load.
     """
 
     def __init__(self, step_s: float, share_per_decade: float = 0.0) -> None:

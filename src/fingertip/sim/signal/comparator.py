@@ -31,13 +31,7 @@ _PARTS = 4
 
 @dataclass(frozen=True)
 class Comparator:
-    """Time constant and thresholds, relative to the signal ground.
-
-    Raises
-    ------
-    TraceError
-        If the time constant is not above 0, or the lower threshold is not below the upper one.
-    """
+    """Time constant and thresholds, relative to the signal ground. Raises TraceError."""
 
     averaging_tau_s: float
     """Time constant of the mean [s]."""
@@ -57,13 +51,7 @@ class Comparator:
 
     @classmethod
     def from_design(cls, design: Design) -> Comparator:
-        """Comparator with the components that are fitted and the trimmer in its middle.
-
-        Raises
-        ------
-        TraceError
-            If the design's board has no comparator.
-        """
+        """Comparator with the components that are fitted and the trimmer in its middle. Raises TraceError."""
         values = board_values(design)
         if values.comparator_levels is None:
             raise TraceError(Issue("outputs", describe_missing_comparator(design)))
@@ -92,22 +80,7 @@ def describe_missing_comparator(design: Design) -> str:
 
 
 class ComparatorStream:
-    """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state.
-
-    Parameters
-    ----------
-    comparator
-        Time constant and thresholds.
-    board
-        Board with a precision rectifier, whose envelope's slope is known at every point.
-    step_s
-        Time between the board's outputs [s].
-
-    Raises
-    ------
-    TraceError
-        If the board has no precision rectifier, or the step is not above 0.
-    """
+    """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state. Raises TraceError."""
 
     def __init__(self, comparator: Comparator, board: AnalogBoard, step_s: float) -> None:
         raise_issues(_find_issues(board, step_s))
@@ -117,13 +90,7 @@ class ComparatorStream:
         self._points = 0
 
     def process(self, filtered_v: Array, envelope_v: Array) -> ComparatorSignals:
-        """Follow the comparator over the next outputs of the board [V].
-
-        Raises
-        ------
-        TraceError
-            If an output is not finite.
-        """
+        """Follow the comparator over the next outputs of the board [V]. Raises TraceError."""
         raise_issues(find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
         levels, board = self._comparator, self._board
         slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
@@ -148,10 +115,7 @@ def simulate_comparator(
 ) -> ComparatorSignals:
     """Simulate the comparator behind one board's outputs, as `filter_board.simulate_board` gives them.
 
-    Raises
-    ------
-    TraceError
-        If the board has no precision rectifier, or its outputs are not finite.
+    Raises TraceError.
     """
     columns = find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v)
     raise_issues([*columns, *_find_issues(board, step_s)])

@@ -30,17 +30,7 @@ _FIRST, _SECOND, _INPUT = range(3)
 
 
 class AntiAliasFilter:
-    """One or two poles that start in the steady state of their first sample and keep their state between chunks.
-
-    Parameters
-    ----------
-    circuit
-        Circuit of a board.
-    source, pin
-        Nets between which the poles lie.
-    step_s
-        Time between the voltages that it is given [s].
-    """
+    """One or two poles that start in the steady state of their first sample and keep their state between chunks."""
 
     def __init__(self, circuit: Circuit, source: str, pin: str, step_s: float) -> None:
         network = build_network(circuit).drive(source)
@@ -151,20 +141,7 @@ class AdcRange:
 class Converter:
     """One channel of the ADC: anti-aliasing poles on the grid, then samples with jitter, noise and quantisation.
 
-    Parameters
-    ----------
-    design
-        Gives the noise of the ADC.
-    anti_alias
-        Poles ahead of the pin, with the step of the grid.
-    adc
-        Resolution and range.
-    step_s
-        Step of the grid [s].
-    noise
-        Source of the ADC's noise. None: it has none.
-    jitter
-        Source of the sampling jitter, and its RMS [s]. None: it has none.
+    Units: `jitter` [s].
     """
 
     def __init__(

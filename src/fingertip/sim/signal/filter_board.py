@@ -46,26 +46,7 @@ class BoardSignals:
 def simulate_board(
     board: AnalogBoard, step_s: float, voltage_v: Array, tolerance_v: float = 1e-4, after_v: Array | None = None
 ) -> BoardSignals:
-    """Simulate a board's response to a voltage, starting in the steady state of its first sample.
-
-    Parameters
-    ----------
-    board
-        One board, or many: any of its values may be an array.
-    step_s
-        Sampling interval [s].
-    voltage_v
-        Voltage at the samples [V].
-    tolerance_v
-        Largest error of one step of the envelope [V].
-    after_v
-        Voltage right after each sample [V], where the input jumps there.
-
-    Raises
-    ------
-    TraceError
-        If the step or the tolerance is not above 0, or a sample is not finite (the first such sample is named).
-    """
+    """Simulate a board's response to a voltage, starting in the steady state of its first sample. Raises TraceError."""
     single = all(np.ndim(value) == 0 for value in _values(board))
     chunks = list(simulate_boards(board, step_s, voltage_v, tolerance_v, after_v))
     filtered_v = np.concatenate([chunk.filtered_v for chunk in chunks])
@@ -113,21 +94,7 @@ def simulate_boards(
 class AnalogStream:
     """Several equal boards on voltages that come in chunks; any chunks give the bits of `simulate_board`.
 
-    Parameters
-    ----------
-    board
-        Board that all of them are; its values are plain numbers.
-    step_s
-        Sampling interval [s].
-    count
-        Number of boards.
-    tolerance_v
-        Largest error of one step of the envelope [V].
-
-    Raises
-    ------
-    TraceError
-        If the step or the tolerance is not above 0.
+    Raises TraceError.
     """
 
     def __init__(self, board: AnalogBoard, step_s: float, count: int = 1, tolerance_v: float = 1e-4) -> None:
@@ -147,17 +114,7 @@ class AnalogStream:
     def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
         """Return filtered voltages and envelopes [V] at the next samples, (boards, samples) like the voltages [V].
 
-        Parameters
-        ----------
-        voltage_v
-            Voltages at the samples [V].
-        after_v
-            Voltages right after each sample [V], where the input jumps there.
-
-        Raises
-        ------
-        TraceError
-            If a sample is not finite, or no voltage that a board can meet.
+        Raises TraceError.
         """
         after = voltage_v if after_v is None else after_v
         for name, rows in (("voltage_v", voltage_v), ("after_v", after)):

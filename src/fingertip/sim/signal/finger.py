@@ -157,21 +157,7 @@ class FingerSetup:
 
 
 class Finger:
-    """Finger in progress.
-
-    Parameters
-    ----------
-    setup
-        What it is made of.
-    grid
-        Grid on which it is computed.
-    outputs
-        Names of the fields of `FingerSignals` to compute.
-    meter
-        Takes the cost of each part.
-    contact_is_given
-        Whether the drive brings the contact force.
-    """
+    """Finger in progress."""
 
     def __init__(
         self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter, contact_is_given: bool = False

@@ -86,15 +86,7 @@ class Instants:
 
 
 class SampleClock:
-    """Instants of a converter, chunk by chunk.
-
-    Parameters
-    ----------
-    grid
-        Grid of the points.
-    sample_rate_hz
-        Sampling rate [Hz].
-    """
+    """Instants of a converter, chunk by chunk."""
 
     def __init__(self, grid: Grid, sample_rate_hz: float) -> None:
         self._ratio, self._rate = grid.rate_hz / sample_rate_hz, sample_rate_hz
@@ -215,17 +207,7 @@ _EVERY_S = 1.0
 
 
 class ShareDone:
-    """Reports the share of a simulation that is done, and the time left.
-
-    Parameters
-    ----------
-    name
-        Name of the simulation.
-    duration_s
-        Simulated time in all [s].
-    progress
-        Receives the messages; None: nobody does.
-    """
+    """Reports the share of a simulation that is done, and the time left."""
 
     def __init__(self, name: str, duration_s: float, progress: ReportProgress | None) -> None:
         self._duration_s = duration_s

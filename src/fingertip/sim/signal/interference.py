@@ -36,19 +36,7 @@ class Interference:
 
 
 class InterferenceSource:
-    """All interference of one finger, chunk by chunk.
-
-    Parameters
-    ----------
-    grid
-        Grid of the points.
-    drift, cable, noise
-        What is added.
-    held_s
-        Moment at which the holding force is reached, from which a touch of the cable is counted [s].
-    open_stream
-        Function from a purpose to random numbers.
-    """
+    """All interference of one finger, chunk by chunk."""
 
     def __init__(
         self, grid: Grid, drift: Drift, cable: Cable, noise: Noise, held_s: float, open_stream: OpenStream
@@ -119,14 +107,7 @@ class PinkNoise:
     It is a sum of first-order processes with corner frequencies one octave apart, which is within 0.3 dB of 1/f from
     0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). It is drawn on the base grid, with straight lines between.
 
-    Parameters
-    ----------
-    grid
-        Grid of the points.
-    volts_per_decade
-        RMS voltage per decade of frequency [V].
-    stream
-        Source of random numbers.
+    Units: `volts_per_decade` [V].
     """
 
     def __init__(self, grid: Grid, volts_per_decade: float, stream: Stream) -> None:
@@ -184,15 +165,7 @@ class HandVibration:
 
 
 class RefinedNoise:
-    """Noise that is drawn on the base grid, with straight lines between its points on a finer grid.
-
-    Parameters
-    ----------
-    grid
-        Grid of the points.
-    draw
-        Function from a count to the next values on the base grid.
-    """
+    """Noise that is drawn on the base grid, with straight lines between its points on a finer grid."""
 
     def __init__(self, grid: Grid, draw: Callable[[int], Array]) -> None:
         self._parts, self._draw, self._points = grid.refinement, draw, 0

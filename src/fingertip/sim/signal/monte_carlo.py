@@ -22,19 +22,7 @@ SATURATION_FACTOR = 2.0
 def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
     """Draw boards whose components are uniformly distributed within their tolerances and independent.
 
-    Parameters
-    ----------
-    board
-        Board with nominal values.
-    count
-        Number of boards.
-    seed
-        The same seed gives the same boards; the first boards are the same for every count.
-
-    Raises
-    ------
-    TraceError
-        If the count is not above 0.
+    Raises TraceError.
     """
     if count < 1:
         raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))

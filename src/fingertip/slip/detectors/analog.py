@@ -23,14 +23,7 @@ class AnalogDetector:
 
     Before the first sample the board's output is taken as 0 V.
 
-    Parameters
-    ----------
-    sample_rate_hz
-        Sampling rate of the input [Hz].
-    window_samples
-        Window length L [samples].
-    threshold_v
-        Mean above which slip is ON [V].
+    Units: `window_samples` [samples].
     """
 
     def __init__(self, sample_rate_hz: float, window_samples: int, threshold_v: float) -> None:

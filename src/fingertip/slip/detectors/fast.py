@@ -120,15 +120,7 @@ class FastSettings:
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """Take the settings from a design.
-
-        Parameters
-        ----------
-        design
-            Source of the sampling rate and the noise.
-        noise_v
-            White RMS noise of the input; by default the design's [V]. The input may then have another unit than volts.
-        """
+        """Take the settings from a design."""
         noise = max(input_noise_v(design), min_noise_v(design)) if noise_v is None else noise_v
         filtered = FilteredSignal.from_design(design)
         return cls(design.detector.sample_rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered)
@@ -147,15 +139,7 @@ class FastOutput(DetectorOutput):
 
 
 class FastDetector:
-    """Fast detector with its state. It starts in the steady state of the first sample.
-
-    Parameters
-    ----------
-    settings
-        Settings of the detector.
-    model
-        Trees. None: those of the package.
-    """
+    """Fast detector with its state. It starts in the steady state of the first sample."""
 
     def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
         self.settings = settings
@@ -217,15 +201,7 @@ class FastDetector:
         )
 
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
-        """Process the next samples, any number of them, and return one output per sample.
-
-        Parameters
-        ----------
-        voltage_v
-            Tactile voltage [V].
-        filtered_v
-            Filtered signal of the board, as sampled at the same instants [V]: with every chunk or with none.
-        """
+        """Process the next samples, any number of them, and return one output per sample."""
         filtered, confidence, level, on = self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
         return FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
 

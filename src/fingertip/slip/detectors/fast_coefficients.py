@@ -178,13 +178,6 @@ def design_board_filter(sample_rate_hz: float, cutoff_hz: float) -> tuple[ThirdO
     """Design the board's high-pass filter for a gain of 1, and the filter that restores what it takes away.
 
     The product of both is `FastFilters.restored`: their numerators and denominators cancel.
-
-    Parameters
-    ----------
-    sample_rate_hz
-        Sampling rate [Hz].
-    cutoff_hz
-        Cutoff of the board's filter [Hz].
     """
     first, second = board = _third_order(sample_rate_hz, cutoff_hz)
     low_first, low_second = _third_order(sample_rate_hz, RESTORED_HZ)

@@ -54,17 +54,7 @@ def tail_probability(weights: Array, threshold: float) -> float:
 
 
 def solve_threshold(weights: Array, excursion_s: float, alarms_per_hour: float = ALARMS_PER_HOUR) -> float:
-    """Find the energy threshold that noise crosses at a given rate.
-
-    Parameters
-    ----------
-    weights
-        Weights of the energy, as for `tail_probability`.
-    excursion_s
-        Mean duration of one excursion above the threshold [s].
-    alarms_per_hour
-        Excursions per hour.
-    """
+    """Find the energy threshold that noise crosses at a given rate."""
     probability = alarms_per_hour * excursion_s / 3600
     mean = float(weights.sum())
     _, threshold = bisect(

@@ -56,13 +56,6 @@ def quantised_noise_v(noise_v: float, step_v: float) -> float:
 
     Noise of several steps gains ``step / sqrt(12)``. Noise much smaller than a step vanishes at most voltages, but
     halfway between two codes it toggles between them and amounts to half a step.
-
-    Parameters
-    ----------
-    noise_v
-        RMS value before quantisation [V].
-    step_v
-        Quantisation step [V].
     """
     if noise_v > 4 * step_v:
         return math.hypot(noise_v, step_v / math.sqrt(12))
@@ -80,13 +73,6 @@ def mean_quantised_noise_v(noise_v: float, step_v: float) -> float:
 
     A threshold must exceed `quantised_noise_v`, the noise at the worst voltage. The value here is the noise in which a
     signal is observed on average: noise much smaller than a step vanishes at most voltages.
-
-    Parameters
-    ----------
-    noise_v
-        RMS value before quantisation [V].
-    step_v
-        Quantisation step [V].
     """
     if noise_v > 4 * step_v:
         return math.hypot(noise_v, step_v / math.sqrt(12))
@@ -110,13 +96,6 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
     the mean ``sigma / sqrt(2 pi)``. The half wave is ``x/2 + |x|/2``. The high-pass filter has removed from the first
     term what is slow enough for the window to pass. The second term has the variance ``sigma^2 (1 - 2/pi) / 4`` and is
     averaged as if its samples were independent (a test compares the result with noise: within 10 %).
-
-    Parameters
-    ----------
-    design
-        Source of the chain's settings.
-    noise_v
-        White RMS noise of the input; by default the design's [V].
     """
     settings = ChainSettings.from_design(design)
     sigma = input_noise_v(design) if noise_v is None else noise_v
@@ -134,22 +113,7 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
 
 
 def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLevel:
-    """Measure the noise level of a board's quiescent output, after the design's window.
-
-    Parameters
-    ----------
-    envelope_v
-        Sampled output of the board while nothing happens [V].
-    design
-        Source of the window and the ADC.
-    name
-        Name of the trace for the error message.
-
-    Raises
-    ------
-    TraceError
-        If the output is shorter than eleven windows. The deviation would then be known to less than a quarter.
-    """
+    """Measure the noise level of a board's quiescent output, after the design's window. Raises TraceError."""
     d = design.detector
     minimum = 11 * d.window_samples
     if len(envelope_v) < minimum:
@@ -168,18 +132,7 @@ CLEAR_DEVIATIONS = 4.0
 
 
 def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool = True) -> Iterator[str]:
-    """Warn of a threshold that lies within the noise, or far above it.
-
-    Parameters
-    ----------
-    threshold_v
-        The threshold [V].
-    level
-        Noise level of the quantity that is compared with it.
-    may_be_lower
-        Whether a lower threshold may be recommended. The quiescent output of a board also contains offsets and leakage,
-        which the noise level does not.
-    """
+    """Warn of a threshold that lies within the noise, or far above it."""
     if threshold_v < level.mean_v:
         yield (
             f"detector.threshold_v of {threshold_v:g} V is below the mean noise level ({level.mean_v:.3g} V); the "

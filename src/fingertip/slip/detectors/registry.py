@@ -79,35 +79,12 @@ DETECTORS: dict[str, DetectorType] = {
 
 
 def make_detector(name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
-    """Create a detector for a design, ready for its first sample.
-
-    Parameters
-    ----------
-    name
-        One of `DETECTORS`.
-    design
-        Source of sampling rate, filters and window, and of the thresholds unless `noise_v` is given.
-    noise_v
-        White RMS noise of the input [V], from which the thresholds then follow.
-    threshold_scale
-        Factor of the threshold, to trade delay for false alarms.
-
-    Raises
-    ------
-    TraceError
-        If there is no detector of that name.
-    """
+    """Create a detector for a design, ready for its first sample. Raises TraceError."""
     return find_detector_type(name).make(design, noise_v, threshold_scale)
 
 
 def select_inputs(source: object, name: str) -> tuple[Array, ...]:
-    """Select the columns that a detector processes, of a trace or an observation.
-
-    Returns
-    -------
-    tuple
-        The first column, and the second where it is there. Empty if the first is missing.
-    """
+    """Select the columns that a detector processes, of a trace or an observation."""
     kind = find_detector_type(name)
     first: Array | None = getattr(source, kind.input_column, None)
     second: Array | None = getattr(source, kind.second_column, None) if kind.second_column else None
@@ -131,17 +108,7 @@ class UsedSignals:
 
 
 def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
-    """Find the columns that a detector takes for the board of a design.
-
-    Parameters
-    ----------
-    design
-        Design of the board.
-    name
-        One of `DETECTORS`.
-    has_second
-        Whether the second column of the detector, if it has one, is there.
-    """
+    """Find the columns that a detector takes for the board of a design."""
     first, second = find_detector_type(name).input_column, find_second_column(design, name)
     if second is None:
         return UsedSignals((first,), None)
@@ -155,13 +122,7 @@ def find_second_column(design: Design, name: str) -> str | None:
 
 
 def find_detector_type(name: str) -> DetectorType:
-    """Look up a type of detector by name.
-
-    Raises
-    ------
-    TraceError
-        If there is no detector of that name.
-    """
+    """Look up a type of detector by name. Raises TraceError."""
     if name not in DETECTORS:
         raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]

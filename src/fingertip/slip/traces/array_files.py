@@ -42,13 +42,7 @@ _PIECE_BYTES = 2**20
 
 
 def check_tdms_segments(file: BinaryIO) -> None:
-    """Walk over the segments of a TDMS file.
-
-    Raises
-    ------
-    ValueError
-        If it has more segments, or more names and properties, than a recording has.
-    """
+    """Walk over the segments of a TDMS file. Raises ValueError."""
     size, place, count, metadata = file.seek(0, os.SEEK_END), 0, 0, 0
     while place + _LEAD_IN.size <= size:
         file.seek(place)
@@ -66,15 +60,7 @@ def check_tdms_segments(file: BinaryIO) -> None:
 
 
 def check_mat_variables(file: BinaryIO) -> None:
-    """Unpack the compressed variables of a MATLAB file piece by piece, keeping none.
-
-    Raises
-    ------
-    ValueError
-        If they unpack to more than the largest table.
-    zlib.error
-        If one is damaged.
-    """
+    """Unpack the compressed variables of a MATLAB file piece by piece, keeping none. Raises ValueError or error."""
     header = file.read(128)
     order = ">" if header[126:128] == b"MI" else "<"
     left = max_table_bytes()
@@ -109,23 +95,7 @@ def load_arrays(path: Path, kind: str, columns: ColumnMap) -> Mapping[str, Any]:
 
     Arrays that no column of the trace names are left out, but their names are keys: messages suggest them.
 
-    Parameters
-    ----------
-    path
-        The file.
-    kind
-        Kind of the file, one of `file_kinds.READABLE`.
-    columns
-        Columns to look for.
-
-    Raises
-    ------
-    TraceError
-        If the file is damaged, larger than the bounds in `limits`, or of a form that is not read.
-    MissingLibraryError
-        If it needs a package that is not installed.
-    OSError
-        If it cannot be opened.
+    Raises TraceError or MissingLibraryError or OSError.
     """
     return _LOADERS[kind](path, columns)
 

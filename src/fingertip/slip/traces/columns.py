@@ -70,20 +70,7 @@ _VOLTAGE = re.compile(r".*(volt|[\[(]V[\])]|_v$)|(ai|ch|channel) ?\d", re.IGNORE
 
 
 def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
-    """Suggest ``--column`` options for the required columns that a file's names do not contain.
-
-    Parameters
-    ----------
-    names
-        Names of the file's columns.
-    columns
-        The required columns.
-
-    Returns
-    -------
-    str
-        Phrase such as ``name the file's columns: --column ...``, or "" if there is nothing to suggest.
-    """
+    """Suggest ``--column`` options for the required columns that a file's names do not contain."""
     candidates = [name for name in names if name and not is_number(name)]
     guesses: dict[str, str] = {}
     for column in columns.required:

@@ -69,10 +69,7 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     With another delimiter than the comma, numbers may have a decimal comma. LabVIEW's measurement files (LVM) are read
     by their own names of the columns.
 
-    Raises
-    ------
-    TraceError
-        If the file cannot be read, or has no header with the required columns.
+    Raises TraceError.
     """
     name = str(path)
     try:

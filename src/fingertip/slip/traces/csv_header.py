@@ -78,19 +78,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
     the first line of numbers on. The header may be a comment. Where all required columns are given by number, the
     first line that has numbers there, or times, is the first sample.
 
-    Parameters
-    ----------
-    name
-        Name of the trace in the messages.
-    lines
-        Lines of the file from its beginning; none beyond the header is taken.
-    columns, alternatives
-        Columns to look for; the header must match one of these maps.
-
-    Raises
-    ------
-    TraceError
-        If no line names the required columns, or one names them twice.
+    Raises TraceError.
     """
     skipped: list[tuple[int, str]] = []
     above = 0

@@ -33,13 +33,6 @@ class Interval:
         """Return whether two intervals overlap.
 
         An interval of length 0, at a trace's last sample, overlaps one that contains its time.
-
-        Parameters
-        ----------
-        other
-            The other interval.
-        slack_s
-            Time by which this interval's end is extended [s].
         """
         begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
         has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
@@ -117,16 +110,7 @@ def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
 
 
 def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: float) -> Score:
-    """Score detected intervals against true slips.
-
-    Parameters
-    ----------
-    detected, truth
-        Intervals in order of time.
-    memory_s
-        The detector's memory [s]. A detected interval that begins within this time after a slip's end still results
-        from the slip's own samples, so it is not false.
-    """
+    """Score detected intervals against true slips."""
     slips = merge(truth, STICK_S)
     delays = []
     for slip in slips:

@@ -35,13 +35,7 @@ def max_table_bytes() -> int:
 
 
 def check_trace_file(path: Path) -> None:
-    """Check that a trace is a regular file of at most the largest size.
-
-    Raises
-    ------
-    TraceError
-        If it is not.
-    """
+    """Check that a trace is a regular file of at most the largest size. Raises TraceError."""
     try:
         check_regular(path, RECORDING_LIMIT, "a trace")
     except InputFileError as error:
@@ -62,22 +56,7 @@ def max_lines() -> int:
 
 
 def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> Iterator[str]:
-    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`.
-
-    Parameters
-    ----------
-    lines
-        The file or stream; lines that are in memory already may be any others.
-    name
-        Name of the trace in messages.
-    most
-        Maximum number of lines; None for a stream, which may run for days.
-
-    Raises
-    ------
-    TraceError
-        At a longer line, or after too many.
-    """
+    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`. Raises TraceError."""
     readline = getattr(lines, "readline", None)
     pieces = iter(lambda: readline(MAX_LINE + 1), "") if readline else iter(lines)
     for number, line in enumerate(pieces, 1):

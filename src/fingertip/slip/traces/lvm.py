@@ -42,19 +42,7 @@ class PassedOver:
 def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> ColumnMap:
     """Fill in the names of an LVM file's columns where `columns` has none; other files leave `columns` as it is.
 
-    Parameters
-    ----------
-    name
-        Name of the file in the messages.
-    lines
-        Beginning of the file.
-    columns
-        Columns to look for.
-
-    Raises
-    ------
-    TraceError
-        If the file has several channels and none is chosen, or no times and no valid step between samples.
+    Raises TraceError.
     """
     rows = iter(lines)
     if not next(rows, "").lstrip("\ufeff").startswith(TITLE):

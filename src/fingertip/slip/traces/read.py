@@ -77,13 +77,7 @@ _HEAD_BYTES = 64
 
 
 def identify(path: Path) -> str:
-    """Return the kind of a file from `READABLE`, a sentence that says how to convert it, or "csv".
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    """
+    """Return the kind of a file from `READABLE`, a sentence that says how to convert it, or "csv". Raises OSError."""
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
     for signature, kind in _SIGNATURES:
@@ -156,12 +150,7 @@ def read_trace(
 def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
     """Read a trace without validation: text as CSV, and NumPy, MATLAB, Parquet, WAV and TDMS files.
 
-    Raises
-    ------
-    TraceError
-        If the file does not contain a trace.
-    MissingLibraryError
-        If the file needs a package that is not installed.
+    Raises TraceError or MissingLibraryError.
     """
     check_trace_file(path)
     if path.suffix.lower() == ".toml":

@@ -67,19 +67,7 @@ def round_rate(rate_hz: float, uncertainty: float) -> float | None:
 
 
 def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None) -> Iterator[Issue]:
-    """Find finite times that decrease, repeat, leave gaps, or have another rate than the detector's.
-
-    Parameters
-    ----------
-    time_s
-        Times [s].
-    detector
-        Source of the sampling rate.
-    name
-        Name of the trace in the messages, such as its file.
-    lines
-        Line of the file that contains each sample; None: the messages count samples from 0.
-    """
+    """Find finite times that decrease, repeat, leave gaps, or have another rate than the detector's."""
     field = f"{name}, time_s"
     if rounding := find_rounding(time_s):
         yield Issue(field, _rounding_message(time_s, rounding, detector, lines))
@@ -191,13 +179,7 @@ _MAX_DEVIATION = 0.12
 
 
 def restore_even_times(times: Array) -> Array | None:
-    """Return evenly spaced times for times in float32 whose steps need it; None for any others.
-
-    Parameters
-    ----------
-    times
-        Times, in the unit in which they were rounded.
-    """
+    """Return evenly spaced times for times in float32 whose steps need it; None for any others."""
     if times.ndim != 1 or len(times) < 3 or not np.isfinite(times).all():
         return None
     steps = np.diff(times)

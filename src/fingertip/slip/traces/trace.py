@@ -99,13 +99,7 @@ def is_force(name: str) -> bool:
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """Names of a trace's columns in a file, and how to convert the file's values.
-
-    Raises
-    ------
-    TraceError
-        If `names` contains a column that a trace does not have, or a number is not valid.
-    """
+    """Names of a trace's columns in a file, and how to convert the file's values. Raises TraceError."""
 
     names: Mapping[str, str] = field(default_factory=dict)
     """Name in the file for each column of a trace; without an entry the names are the same."""
@@ -203,13 +197,7 @@ class RawTrace:
         return float(f"{1 / usual:.6g}") if usual > 0.0 else None
 
     def validate(self, detector: DetectorParameters) -> Trace:
-        """Return the trace if it is valid for a detector's sampling rate, window and ADC.
-
-        Raises
-        ------
-        TraceError
-            With all issues of the file and of its samples.
-        """
+        """Return the trace if it is valid for a detector's sampling rate, window and ADC. Raises TraceError."""
         issues = [*self.issues, *value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
         if self._times_are_valid:
             issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))
@@ -223,17 +211,7 @@ class RawTrace:
 
 
 def find_issues(trace: Trace, detector: DetectorParameters, in_volts: bool = True) -> list[Issue]:
-    """Find everything that prevents detection on a trace; the messages count samples from 0.
-
-    Parameters
-    ----------
-    trace
-        The trace.
-    detector
-        Source of the sampling rate, the window (the minimum length) and the ADC range.
-    in_volts
-        Whether the signal is a voltage, to which the ADC range applies.
-    """
+    """Find everything that prevents detection on a trace; the messages count samples from 0."""
     issues = list(value_issues(trace, detector, "trace", None, in_volts))
     if _are_finite_times(trace.time_s):
         issues.extend(time_issues(trace.time_s, detector, "trace", None))
@@ -247,21 +225,7 @@ def _are_finite_times(time_s: Array) -> bool:
 def value_issues(
     trace: Trace, detector: DetectorParameters, name: str, lines: Sequence[int] | None, in_volts: bool
 ) -> Iterator[Issue]:
-    """Find issues of a trace's length, shapes and values.
-
-    Parameters
-    ----------
-    trace
-        The trace.
-    detector
-        Source of the window (the minimum length) and the ADC range.
-    name
-        Name of the trace in the messages, such as its file.
-    lines
-        Line of the file that contains each sample; None: the messages count samples from 0.
-    in_volts
-        Whether the signal is a voltage, to which the ADC range applies.
-    """
+    """Find issues of a trace's length, shapes and values."""
     count, minimum = len(trace.time_s), max(2, detector.window_samples)
     if count < minimum:
         yield Issue(name, length_message(count, minimum))
@@ -302,17 +266,7 @@ def _range_issues(
 
 
 def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> str:
-    """Describe a voltage outside the ADC range, with the remedy.
-
-    Parameters
-    ----------
-    value
-        The voltage and its location.
-    all_whole
-        Whether all values are whole numbers, as ADC counts are.
-    detector
-        Source of the ADC range and resolution.
-    """
+    """Describe a voltage outside the ADC range, with the remedy."""
     if all_whole:
         scale = f"--scale {detector.adc_step_v:.8g}"
         remedy = (
@@ -342,13 +296,7 @@ def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]
 
 
 def draw_trace(trace: Trace) -> bytes:
-    """Draw the columns of a trace below each other, with the true slips shaded, as PNG.
-
-    Raises
-    ------
-    MissingLibraryError
-        If matplotlib is not installed.
-    """
+    """Draw the columns of a trace below each other, with the true slips shaded, as PNG. Raises MissingLibraryError."""
     columns = [
         (label, values, colour)
         for label, values, colour in (

@@ -29,28 +29,7 @@ def write_report(
     `scatter_matrix.png` if the rows have something to draw, `best.toml` and `pareto_front.csv` if the sweep has an
     objective, and `pareto_front.png` if it has two or more. Without matplotlib, the plots are left out.
 
-    Parameters
-    ----------
-    database
-        Rows of the sweep.
-    folder
-        Where to write; files of these names are replaced.
-    progress
-        Called with a message at each step.
-    plan
-        The sweep with the objectives to use; by default those with which it was started or last resumed.
-
-    Returns
-    -------
-    dict
-        Contents of `summary.json`, which name the files that were written, and under `text` the same as text.
-
-    Raises
-    ------
-    OutputError
-        If the folder cannot be written. Then nothing has changed.
-    SweepError
-        If the database holds a different sweep than the plan.
+    Raises OutputError or SweepError.
     """
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.sweep.report.best_design import format_best_design

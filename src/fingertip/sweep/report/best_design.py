@@ -82,15 +82,7 @@ def build_design(plan: SweepPlan, parameters: Mapping[str, Any]) -> Design:
 
 
 def explain_refusal(plan: SweepPlan, parameters: Mapping[str, Any], field: str, problem: str) -> str:
-    """Explain why a point is refused, with a remedy, which the rows of a sweep leave out.
-
-    Parameters
-    ----------
-    plan, parameters
-        Sweep and parameters of the point.
-    field, problem
-        Field and reason of its row. The reason is returned if the design breaks no such rule by itself.
-    """
+    """Explain why a point is refused, with a remedy, which the rows of a sweep leave out."""
     base = plan.design.model_dump()
     changes = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
     try:
@@ -103,13 +95,7 @@ def explain_refusal(plan: SweepPlan, parameters: Mapping[str, Any], field: str, 
 
 
 def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
-    """Write the best design as a design file; its heading names the sweep, the point and the outputs.
-
-    Parameters
-    ----------
-    plan, table, selection
-        Those of one sweep; `selection.best` is a row.
-    """
+    """Write the best design as a design file; its heading names the sweep, the point and the outputs."""
     row = selection.best
     assert row is not None
     point = int(table.point[row])

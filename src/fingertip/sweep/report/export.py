@@ -38,10 +38,7 @@ def write_csv(source: RowSource, path: Path) -> None:
     Numbers read back exactly. An output that was not computed is empty; an unbounded one is inf. The same rows give
     the same bytes.
 
-    Raises
-    ------
-    OutputError
-        If the file cannot be written. Then an existing file has not changed.
+    Raises OutputError.
     """
     with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
@@ -57,12 +54,7 @@ def write_csv(source: RowSource, path: Path) -> None:
 def write_parquet(source: RowSource, path: Path) -> None:
     """Write the columns of `write_csv` with their types, in row groups; an output that was not computed is null.
 
-    Raises
-    ------
-    MissingLibraryError
-        If pyarrow is not installed.
-    OutputError
-        If the file cannot be written. Then an existing file has not changed.
+    Raises MissingLibraryError or OutputError.
     """
     pyarrow, parquet = load_pyarrow()
     types = {"point": pyarrow.int64()}
@@ -81,10 +73,7 @@ def write_parquet(source: RowSource, path: Path) -> None:
 def load_pyarrow() -> tuple[Any, Any]:
     """Load the modules pyarrow and pyarrow.parquet; call this before a long sweep, not after it.
 
-    Raises
-    ------
-    MissingLibraryError
-        If they are not installed.
+    Raises MissingLibraryError.
     """
     remedy = "write CSV with --csv"
     pyarrow = extras.load("pyarrow", "--parquet", alternative=remedy)

@@ -201,22 +201,7 @@ def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
 
 
 def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) -> OutputSensitivity | None:
-    """Compute the sensitivity of one output.
-
-    Parameters
-    ----------
-    output
-        Its name.
-    column
-        Its values, shape (points,); NaN where it was not computed.
-    axes
-        Name -> values, each of shape (points,).
-
-    Returns
-    -------
-    OutputSensitivity or None
-        None if fewer than `MIN_POINTS` points have a finite value, or all values are equal.
-    """
+    """Compute the sensitivity of one output."""
     finite = np.isfinite(column)
     y = column[finite]
     if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):

@@ -35,22 +35,7 @@ _MAX_BARS = 40
 
 
 def draw_feasibility(axes: dict[str, Column], classes: PointClasses, ranked_axes: list[str]) -> bytes:
-    """Draw the feasibility plot of a sweep.
-
-    Parameters
-    ----------
-    axes
-        Name -> values, each of shape (points,). Axes with a single value are not drawn.
-    classes
-        Class of each point.
-    ranked_axes
-        Names of axes, the most influential first.
-
-    Returns
-    -------
-    bytes
-        A PNG.
-    """
+    """Draw the feasibility plot of a sweep."""
     varied = {name: axes[name] for name in ranked_axes if len(np.unique(axes[name])) > 1}
     colours, codes, legend = _choose_colours(classes)
     if len(varied) == 2:

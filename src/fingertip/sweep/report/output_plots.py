@@ -32,26 +32,7 @@ def draw_heat_map(
     feasible: NDArray[np.bool_],
     minimise: bool | None,
 ) -> bytes:
-    """Draw an output over two axes: its best value and its mean over all other axes.
-
-    Parameters
-    ----------
-    axes
-        All axes, name -> values of shape (points,).
-    x_name, y_name
-        The two axes that are drawn.
-    output, values
-        Name and values of the output, shape (points,).
-    feasible
-        Whether each point is feasible, shape (points,).
-    minimise
-        Whether the output is minimised or maximised; None if it is no objective, then the minimum is drawn.
-
-    Returns
-    -------
-    bytes
-        A PNG with one panel if each cell is one design, else with two.
-    """
+    """Draw an output over two axes: its best value and its mean over all other axes."""
     max_cells = max(5, min(_MAX_CELLS, math.isqrt(len(feasible) // 12)))
     x, y = (make_scale(name, axes[name], _count_cells(axes[name], max_cells)) for name in (x_name, y_name))
     cells = compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
@@ -117,24 +98,7 @@ def draw_sensitivities(sensitivities: Sequence[OutputSensitivity], axes: Sequenc
 def draw_pareto_front(
     objectives: Sequence[Objective], values: tuple[Column, Column], front: NDArray[np.intp], best: int
 ) -> bytes:
-    """Draw all candidates by the first two objectives, and their Pareto front.
-
-    Parameters
-    ----------
-    objectives
-        All objectives. With more than two, the front is not a line in this plot.
-    values
-        Values of the first two objectives for each candidate, shape (candidates,), finite.
-    front
-        Indices of the candidates on the front.
-    best
-        Index of the best design, which is circled.
-
-    Returns
-    -------
-    bytes
-        A PNG.
-    """
+    """Draw all candidates by the first two objectives, and their Pareto front."""
     figure = new_figure(10, 7)
     plot = figure.subplots()
     x, y = values

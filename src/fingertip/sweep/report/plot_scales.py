@@ -48,19 +48,7 @@ class PlotScale:
     def apply(
         self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, max_label: int = 34
     ) -> None:
-        """Apply the scale to one side of a plot.
-
-        Parameters
-        ----------
-        axes, side
-            The plot and its side.
-        size
-            Font size of the label [points].
-        margin
-            Margin beyond the first and the last edge, as a share of the range.
-        max_label
-            Maximum number of characters in a line of the label.
-        """
+        """Apply the scale to one side of a plot. Units: `size` [points]."""
         getattr(axes, f"set_{side}label")(wrap_name(self.name, max_label), fontsize=size)
         if self.categories:
             getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)

@@ -34,23 +34,7 @@ _CHARACTER_IN, _LINE_IN = 0.078, 0.15
 
 
 def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
-    """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it.
-
-    Parameters
-    ----------
-    columns
-        Axes and outputs, name -> values of shape (points,), at most `MAX_COLUMNS`. A value that was not computed is
-        not finite.
-    feasible
-        Whether each point is feasible, shape (points,).
-    left_out
-        Names of further columns, which the heading lists.
-
-    Returns
-    -------
-    bytes
-        A PNG.
-    """
+    """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it."""
     size = len(columns)
     panel = 1.75 if size > 4 else 2.4
     points = choose_points(len(feasible), _MAX_POINTS)

@@ -140,19 +140,7 @@ def compute_null_deviation(bins: int, points: int) -> float:
 def compute_cell_statistics(
     x: Bins, y: Bins, values: Column, feasible: NDArray[np.bool_], minimise: bool
 ) -> CellStatistics:
-    """Compute the best value and the mean of an output in every cell of two axes.
-
-    Parameters
-    ----------
-    x, y
-        Bins of the two axes.
-    values
-        The output, shape (points,).
-    feasible
-        Whether each point is feasible, shape (points,).
-    minimise
-        Whether the minimum is the best value; otherwise it is the maximum.
-    """
+    """Compute the best value and the mean of an output in every cell of two axes."""
     shape = (y.count, x.count)
     size = y.count * x.count
     cell_of_point = y.indices * x.count + x.indices

@@ -56,10 +56,7 @@ class CvodeLibrary:
     ) -> tuple[Array, Array, float]:  # fmt: skip
         """Return position [m] and compression [N] at the samples, and the CPU time of the integration [s].
 
-        Raises
-        ------
-        CvodeFailedError
-            With the number of CVODE's error.
+        Raises CvodeFailedError.
         """
         ends = np.ascontiguousarray(last, dtype=np.intc)
         position_m, compression_n = np.zeros(last[-1] + 1), np.zeros(last[-1] + 1)
@@ -76,13 +73,7 @@ class CvodeLibrary:
         self, parameters: Array, voltage_v: Array | None, source: Array, last: Array, restart: bool, longest_s: float,
         rate_hz: float, start: Array, relative: float, absolute: Array,
     ) -> tuple[Array, float]:  # fmt: skip
-        """Return the envelope at the samples [V], and the CPU time of the integration [s].
-
-        Raises
-        ------
-        CvodeFailedError
-            With the number of CVODE's error.
-        """
+        """Return the envelope at the samples [V], and the CPU time of the integration [s]. Raises CvodeFailedError."""
         ends = np.ascontiguousarray(last, dtype=np.intc)
         envelope_v, cpu_s = np.zeros(last[-1] + 1), ctypes.c_double()
         failed = self.board.solve_board(
@@ -96,18 +87,7 @@ class CvodeLibrary:
 
 @contextmanager
 def compile_cvode(compiler: str = "cc") -> Iterator[CvodeLibrary]:
-    """Compile the C sources into a temporary folder and load them.
-
-    Parameters
-    ----------
-    compiler
-        Name or path of the C compiler.
-
-    Raises
-    ------
-    CvodeMissingError
-        With what is missing and how to install it.
-    """
+    """Compile the C sources into a temporary folder and load them. Raises CvodeMissingError."""
     program = shutil.which(compiler)
     if not program:
         raise CvodeMissingError(f"no C compiler ({compiler}); install one, such as Debian's package gcc")

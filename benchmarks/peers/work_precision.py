@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.foundation import extras
 from fingertip.foundation.numerics import Array
 
 MIN_ERROR_RATIO = 100.0
@@ -222,11 +221,3 @@ def describe_machine() -> dict[str, Any]:
         "load": [round(x, 2) for x in os.getloadavg()],
         "python": platform.python_version(),
     }
-
-
-def require_libraries() -> None:
-    """Raise unless the libraries that the benchmark compares with and draws with are installed.
-
-    Raises MissingLibraryError.
-    """
-    extras.require("fingertip bench", "scipy", "numba", "matplotlib")

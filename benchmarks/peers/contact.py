@@ -16,13 +16,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.options import SOLVE_IVP
+from benchmarks.peers.scipy_solvers import Segment, System, scipy_version, solve_with_scipy
+from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.version import __version__
-from fingertip.sim.bench.cvode import CvodeLibrary
-from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
-from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.peers.trial_reference import AFTER_S, BEFORE_S, solve_with_scipy
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.article import Trial
-from fingertip.sim.bench.trial_reference import AFTER_S, BEFORE_S, solve_with_scipy
 from fingertip.sim.scene.run import SceneRun, run_scene
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid
@@ -88,7 +88,7 @@ def measure_trial() -> TrialAccuracy:
     """Measure a whole trial with each variant of the board, with compiled loops.
 
     The first reference is the same program on a grid 64 times as fine, the second one is scipy's
-    (`fingertip.sim.bench.trial_reference`).
+    (`benchmarks.peers.trial_reference`).
     """
     found = TrialAccuracy()
     scene = TRIAL.scene

@@ -1,16 +1,26 @@
-"""CPU time of the article's 120 trials and 12 manipulations, of thousands of boards, and of the first compilation."""
+"""CPU time of the article's 120 trials and 12 manipulations, of thousands of boards, of the first compilation, and of
+each solver's start-up, which is part of no point of the diagrams."""
 
 from __future__ import annotations
 
 import os
+import random
 import subprocess
 import sys
 import time
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from benchmarks.peers import spice
+from benchmarks.peers.board import STEP_S, BoardProblem
+from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.spice import Spice
 from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.sim.article import article_manipulations, article_trials
 from fingertip.sim.hand.manipulation import run_manipulation
@@ -19,12 +29,17 @@ from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_boards
-from fingertip.sim.signal.monte_carlo import draw_boards
 
 CAMPAIGN_TARGET_S = 3.0
 MANIPULATION_TARGET_S = 1.0
 BOARDS_TARGET_S = 10.0
 BOARDS_TOLERANCE_V = 1e-3
+RESISTOR_TOLERANCE = 0.01
+"""Relative tolerance of the resistors."""
+CAPACITOR_TOLERANCE = 0.05
+"""Relative tolerance of the capacitors."""
+SATURATION_FACTOR = 2.0
+"""Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
 _COLD = """
 import time
 start = time.process_time()
@@ -36,6 +51,23 @@ with compiled():
     run_scene(Design(), scene)
     run_scene(Design(), scene.model_copy(update={"contact": scene.contact.model_copy(update={"feedback": True})}))
 print(time.process_time() - start)
+"""
+_PROCESS = """
+import time
+{imports}
+print(time.process_time())
+"""
+_LOAD_LOOPS = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parents[2])!r})
+from fingertip.foundation.jit import compiled
+from benchmarks.peers.board import BoardProblem
+from benchmarks.peers.contact import ContactProblem
+from fingertip.design import Design
+from fingertip.sim.signal.analog_circuit import AnalogBoard
+with compiled():
+    ContactProblem.over(1.0).run_fingertip(1e-3)
+    BoardProblem(AnalogBoard.from_design(Design()), 0.5).run_fingertip(1e-3)
 """
 
 
@@ -97,6 +129,25 @@ def measure_boards(count: int) -> dict[str, Any]:
     }
 
 
+def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
+    """Draw boards whose components are uniformly distributed within their tolerances and independent.
+
+    Raises TraceError.
+    """
+    if count < 1:
+        raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
+    rng = random.Random(f"{seed}:boards")
+    nominal = board.components
+    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
+    values: dict[str, NDArray[np.float64]] = {
+        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
+        for i, (name, value) in enumerate(nominal.items())
+    }
+    factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
+    saturation = np.asarray(board.diode.saturation_a) * factors
+    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))
+
+
 def measure_first_run() -> dict[str, Any]:
     """Measure the CPU time of a fresh process that uses the loops [s], with an empty and with a full compiler cache."""
     with TemporaryFolder() as folder:
@@ -108,3 +159,31 @@ def measure_first_run() -> dict[str, Any]:
             )  # fmt: skip
             times.append(float(done.stdout))
     return {"empty_cache_cpu_s": times[0], "full_cache_cpu_s": times[1]}
+
+
+def measure_start_up(peers: tuple[str, ...], cvode: CvodeLibrary | str) -> dict[str, float]:
+    """Measure the CPU time of each solver's start-up [s], with filled caches.
+
+    fingertip and scipy start in a fresh process of Python. CVODE's programs are compiled, and ngspice reads a deck.
+    """
+    found = {"fingertip: process, imports, and loading both compiled loops": _time_process(_LOAD_LOOPS)}
+    if set(peers) - {"CVODE", "ngspice"}:
+        found["scipy: process and import, without the compilation of the equations"] = _time_process(
+            "import scipy.integrate"
+        )
+    if isinstance(cvode, CvodeLibrary):
+        found["CVODE: compilation of both problems"] = cvode.compilation_s
+    if "ngspice" in peers and (program := spice.find_program()):
+        board = AnalogBoard.from_design(Design())
+        problem = BoardProblem(board, 1.0)
+        source = spice.sampled_source(STEP_S, problem.voltage_v)
+        simulator = Spice(program, board, source, STEP_S, problem.seconds)
+        found["ngspice: process and reading a deck of 2001 samples"] = simulator.measure_start_up_s()
+    return found
+
+
+def _time_process(imports: str) -> float:
+    """CPU time of a fresh process [s]; the second of two, so that caches are filled."""
+    code = _PROCESS.format(imports=imports)
+    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(2)]
+    return float(runs[-1].stdout)

@@ -1,4 +1,4 @@
-"""Peers of the benchmark: their names, and how scipy's solvers run on a problem with corners."""
+"""Scipy's solvers on a problem with corners."""
 
 from __future__ import annotations
 
@@ -9,26 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 
-SOLVE_IVP = ("LSODA", "Radau", "BDF")
-"""Methods of scipy's `solve_ivp`."""
-PEERS = (*SOLVE_IVP, "odeint", "CVODE", "ngspice")
-"""Names of `fingertip bench --solvers`."""
 _MAX_STEPS = 1_000_000
-
-
-def read_peers(text: str) -> tuple[tuple[str, ...], list[Issue]]:
-    """Read names of peers, separated by commas, and find what is wrong with them."""
-    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
-    known = ", ".join(PEERS)
-    issues = [
-        Issue("--solvers", f"{name!r} is not known; choose among {known}.") for name in names if name not in PEERS
-    ]
-    if not names:
-        issues.append(Issue("--solvers", f"{text!r} names no solver; give at least one of {known}."))
-    return names, issues
 
 
 @dataclass(frozen=True)

@@ -21,15 +21,16 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.peers import spice
+from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.options import SOLVE_IVP
+from benchmarks.peers.scipy_solvers import Segment, System, scipy_version, solve_with_scipy
+from benchmarks.peers.spice import Spice, gain
+from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision, time_cpu
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.version import __version__
-from fingertip.sim.bench import spice
-from fingertip.sim.bench.cvode import CvodeLibrary
-from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
-from fingertip.sim.bench.spice import Spice, gain
-from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision, time_cpu
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.envelope_loop import wright_omega
 from fingertip.sim.signal.filter_board import simulate_board

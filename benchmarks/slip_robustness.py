@@ -10,11 +10,15 @@ default design `fsr400` is read by a 12-bit converter of 3.3 V, with the board's
 from __future__ import annotations
 
 import argparse
+import math
+
+import numpy as np
 
 from fingertip.design import Design
-from fingertip.lab.campaign.plan import HELD_OUT_FROM
-from fingertip.lab.wider_mix.mix import MixSize, MixSummary, generate_mix, run_detector, summarise
-from fingertip.lab.wider_mix.scenes import NOISES
+from fingertip.foundation.statistics import poisson_interval
+from fingertip.lab.mix import MixSize, MixSummary, generate_mix, run_detector, summarise
+from fingertip.lab.mix_signals import NOISES
+from fingertip.lab.plan import HELD_OUT_FROM
 
 WORST_GOAL_S = 0.045
 """Goal for the longest delay from gross slip [s]."""
@@ -51,11 +55,11 @@ def describe(kind: str, summary: MixSummary) -> str:
             f"found {100 * summary.found_share:5.1f} % of {summary.slides:4}; "
             f"median {1000 * summary.delay_s(0.5):.1f}, "
             f"p90 {1000 * summary.delay_s(0.9):.1f} / {1000 * summary.motion_delay_s(0.9):.1f}, "
-            f"worst {1000 * summary.worst_s:.1f} ms, {summary.count_later_than(WORST_GOAL_S)} above "
+            f"worst {1000 * summary.worst_s:.1f} ms, {count_late(summary)} above "
             f"{1000 * WORST_GOAL_S:g} ms"
         )
     if kind.startswith("burst"):
-        parts.append("medians " + " ".join(f"{1000 * m:.1f}" for m in summary.median_by_strength_s()) + " ms")
+        parts.append("medians " + " ".join(f"{1000 * m:.1f}" for m in median_by_strength_s(summary)) + " ms")
     if kind == "long slide":
         shares = [share for outcome in summary.outcomes for share in outcome.on_shares]
         parts.append(f"ON {sum(shares) / len(shares):.4f}, at least {summary.on_share:.3f}")
@@ -64,11 +68,23 @@ def describe(kind: str, summary: MixSummary) -> str:
     alarms = f"{summary.alarms} alarms in {summary.minutes:.1f} min"
     if summary.alarms:
         alarms += f", {summary.alarms_per_minute:.2f}"
-    parts.append(f"{alarms}, at most {summary.most_alarms_per_minute:.3f} / min")
+    parts.append(f"{alarms}, at most {poisson_interval(summary.alarms)[1] / summary.minutes:.3f} / min")
     if kind in NOISES or kind == "vibration with the grasp":
         silent = sum(outcome.false_on_share for outcome in summary.outcomes) / len(summary.outcomes)
         parts.append(f"ON without slip {100 * silent:.2f} %")
     return "; ".join(parts)
+
+
+def count_late(summary: MixSummary) -> int:
+    """Count the slips that were found later than `WORST_GOAL_S` after gross slip."""
+    return sum(d > WORST_GOAL_S for outcome in summary.outcomes for d in outcome.delays_s)
+
+
+def median_by_strength_s(summary: MixSummary, groups: int = 4) -> list[float]:
+    """Median delay of each group of slips, from the weakest to the strongest [s]."""
+    ranked = sorted((o.strength_v, o.delays_s[0] if o.delays_s else math.inf) for o in summary.outcomes if o.slides)
+    parts = np.array_split(np.array([delay for _, delay in ranked]), groups)
+    return [float(np.median(part)) for part in parts if len(part)]
 
 
 if __name__ == "__main__":

@@ -130,15 +130,15 @@ def compute_noise(context: PointContext) -> OutputValues:
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign.evaluate import (
+    from fingertip.lab.campaign import (
+        DetectorResult,
         evaluate,
         find_onset_s,
         measure_vibration_n,
         median_of_known,
         simulate_trace,
     )
-    from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.campaign.run import DetectorResult
+    from fingertip.lab.plan import Case
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
@@ -170,8 +170,8 @@ def compute_detection(context: PointContext) -> OutputValues:
 def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.studies.step_sensitivity import compare_grids
+    from fingertip.lab.plan import Case
+    from fingertip.lab.studies.steps import compare_grids
 
     assert context.scene is not None
     case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector

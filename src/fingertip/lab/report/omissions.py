@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from fingertip.catalogues.sensors import PART_TO_PART
-from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopTrial
-from fingertip.lab.campaign.plan import REPORTED_SEPARATELY
-from fingertip.lab.campaign.requirements import Requirement
-from fingertip.lab.campaign.run import CampaignResult, surface
+from fingertip.lab.campaign import CampaignResult, surface
+from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopTrial
+from fingertip.lab.plan import REPORTED_SEPARATELY
 from fingertip.lab.report import robustness
 from fingertip.lab.report.tables import ASSUMPTIONS, StudyResults
 
@@ -100,14 +99,14 @@ NOT_TESTED = (
 
 def as_markdown(
     result: CampaignResult,
-    requirements: Sequence[Requirement],
+    missed: Sequence[str],
     closed_loop: Sequence[ClosedLoopTrial],
     studies: StudyResults,
     detector: str,
 ) -> str:
     """Write the page."""
     lines = ["# Omissions: failures, assumptions and what was not tested", "", "## Requirements missed", ""]
-    lines += [f"- {requirement.message}" for requirement in requirements if not requirement.passed] or ["None."]
+    lines += [f"- {message}" for message in missed] or ["None."]
     lines += ["", "## Missed slips and false alarms", ""]
     for name in result.detectors:
         lines += list(_list_failures(result, name))

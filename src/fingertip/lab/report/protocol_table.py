@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from fingertip.lab.campaign.grip import ClosedLoopSummary
+from fingertip.lab.closed_loop import ClosedLoopSummary
+from fingertip.lab.report.numbers import format_ms, to_data
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy
 from fingertip.slip.traces.origin import ENCODER_HZ
 
@@ -133,13 +133,7 @@ def as_data(study: ProtocolStudy) -> dict[str, Any]:
     return {
         "encoder_hz": ENCODER_HZ,
         "rows": [asdict(row) for row in list_rows(study)],
-        "results": [
-            {
-                k: (round(v, 7) if math.isfinite(v) else None) if isinstance(v, float) else v
-                for k, v in asdict(r).items()
-            }
-            for r in study.results
-        ],
+        "results": list(map(to_data, study.results)),
     }
 
 
@@ -148,4 +142,4 @@ def _below(result: ProtocolResult) -> str:
 
 
 def _ms(seconds: float) -> str:
-    return f"{1000 * seconds:.1f} ms" if math.isfinite(seconds) else "none found"
+    return format_ms(seconds, "none found")

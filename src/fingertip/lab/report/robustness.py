@@ -1,11 +1,18 @@
-"""Tables and remarks of a validation on what its results depend on: assumptions, omitted effects, the time step."""
+"""Tables and remarks on what the results of a validation depend on.
+
+Changed assumptions, effects that the trials leave out, the time step, several ranges of seeds, and the wider mix.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from fingertip.foundation.statistics import poisson_interval
+from fingertip.lab.campaign import DetectorResult
+from fingertip.lab.mix import MixSummary
+from fingertip.lab.report.numbers import format_ms, to_data, to_number
 from fingertip.lab.studies.sensitivity import (
     BOTH,
     ELASTO_PLASTIC,
@@ -14,8 +21,9 @@ from fingertip.lab.studies.sensitivity import (
     STICK_SLIP,
     VariationResult,
 )
-from fingertip.lab.studies.step_sensitivity import GOAL_SHARE, SignalError, StepSensitivity
+from fingertip.lab.studies.steps import GOAL_SHARE, SignalError, StepSensitivity
 from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.slip.traces.origin import ENCODER_NOTE
 
 LEVELS_ARE_ASSUMED = (
     "Levels of pink noise, hum, vibration of the hand and stick-slip are assumptions that nobody has verified."
@@ -24,20 +32,8 @@ LEVELS_ARE_ASSUMED = (
 
 def variations_as_data(variations: Sequence[VariationResult]) -> list[dict[str, Any]]:
     """Return the results of the variations for JSON; what is infinite or unknown is null."""
-    return [
-        {
-            "variation": v.label,
-            "realistic": v.is_realistic,
-            "slips": v.slips,
-            "found_share": round(v.found_share, 5),
-            "median_s": _number(v.median_s),
-            "change_s": _number(v.change_s),
-            "alarms_per_minute": round(v.alarms_per_minute, 4),
-            "onset_change_s": _number(v.onset_change_s),
-            "vibration_n": _number(v.vibration_n),
-        }
-        for v in variations
-    ]
+    rows = (to_data(v, {"found_share": 5, "alarms_per_minute": 4}) for v in variations)
+    return [{"variation": row.pop("label"), "realistic": row.pop("is_realistic"), **row} for row in rows]
 
 
 def steps_as_data(steps: StepSensitivity) -> dict[str, Any]:
@@ -46,23 +42,8 @@ def steps_as_data(steps: StepSensitivity) -> dict[str, Any]:
         "trials": steps.trials,
         "refinement": steps.refinement,
         "goal_share": GOAL_SHARE,
-        "delay_shifts": [
-            {
-                "detector": row.detector,
-                "trials": row.trials,
-                "beyond_sample": row.beyond_sample,
-                "one_grid_only": row.one_grid_only,
-                "median_s": _number(row.median_s),
-                "p90_s": _number(row.p90_s),
-                "worst_s": _number(row.worst_s),
-                "meets_goal": row.meets_goal,
-            }
-            for row in steps.shifts
-        ],
-        "errors": [
-            {"signal": row.signal, "median": _number(row.median), "p90": _number(row.p90), "worst": _number(row.worst)}
-            for row in steps.errors
-        ],
+        "delay_shifts": [to_data(row) | {"meets_goal": row.meets_goal} for row in steps.shifts],
+        "errors": list(map(to_data, steps.errors)),
     }
 
 
@@ -99,7 +80,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
         change = "found" if math.isfinite(v.median_s) > math.isfinite(base.median_s) else "missed"
     onset = "" if v is base else _signed_ms(v.onset_change_s)
     return (
-        f"{_ms(v.median_s):>10} {change:>10} {found:>14} {v.alarms_per_minute:10.2f} {onset:>10} "
+        f"{format_ms(v.median_s):>10} {change:>10} {found:>14} {v.alarms_per_minute:10.2f} {onset:>10} "
         f"{_mn(v.vibration_n):>11}  {v.label}"
     )
 
@@ -177,7 +158,7 @@ def _patch_remark(
 def _describe(row: VariationResult, detector: str) -> str:
     """Result of a variation in words."""
     found = f"{100 * row.found_share:.0f} % of {row.slips} slips"
-    delay = f"with a median delay of {_ms(row.median_s)}"
+    delay = f"with a median delay of {format_ms(row.median_s)}"
     if not math.isfinite(row.median_s):
         delay = "too few for a median delay"
     return f"{detector} finds {found}, {delay}, at {row.alarms_per_minute:.2f} false alarms per minute"
@@ -202,15 +183,11 @@ def step_remarks(steps: StepSensitivity) -> Iterator[str]:
 
 
 def _shift_ms(seconds: float) -> str:
-    return f"{1000 * seconds:.1f} ms" if math.isfinite(seconds) else "not found"
-
-
-def _ms(seconds: float) -> str:
-    return f"{1000 * seconds:.1f} ms" if math.isfinite(seconds) else "missed"
+    return format_ms(seconds, "not found")
 
 
 def _signed_ms(seconds: float) -> str:
-    return f"{1000 * seconds:+.1f} ms" if math.isfinite(seconds) else "unknown"
+    return format_ms(seconds, "unknown", "+.1f")
 
 
 def _mn(newtons: float) -> str:
@@ -222,5 +199,74 @@ def _milli(row: SignalError, value: float) -> str:
     return f"{1000 * value:.3f} {unit}"
 
 
-def _number(value: float) -> float | None:
-    return round(value, 7) if math.isfinite(value) else None
+def format_rate(result: DetectorResult) -> str:
+    """Alarms per minute with their interval, such as ``0.02 (0.00-0.11)``."""
+    low, high = result.alarm_interval
+    return f"{result.alarms_per_minute:.2f} ({low:.2f}-{high:.2f})"
+
+
+def pool_ranges(ranges: Sequence[DetectorResult]) -> tuple[int, float, float, float]:
+    """Pool the alarms of all ranges: their number, the time [min], and the interval of the rate [1/min]."""
+    alarms, minutes = sum(r.limited_alarms for r in ranges), sum(r.limited_minutes for r in ranges)
+    low, high = poisson_interval(alarms)
+    return (alarms, minutes, low / minutes, high / minutes) if minutes else (alarms, minutes, 0.0, math.inf)
+
+
+def ranges_as_data(ranges: Sequence[DetectorResult]) -> dict[str, Any]:
+    """Return the alarms of all ranges for JSON."""
+    alarms, minutes, low, high = pool_ranges(ranges)
+    return {
+        "ranges": [{"alarms": r.limited_alarms, "minutes": round(r.limited_minutes, 3)} for r in ranges],
+        "alarms": alarms,
+        "minutes": round(minutes, 3),
+        "alarms_per_minute_95": [round(low, 5), to_number(high)],
+    }
+
+
+def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
+    """Return the wider mix for JSON; what a kind does not have is null."""
+    return {
+        kind: {
+            "slips": summary.slides,
+            "found_share": to_number(summary.found_share),
+            "median_s": to_number(summary.delay_s(0.5)),
+            "p90_s": to_number(summary.delay_s(0.9)),
+            "worst_s": to_number(summary.worst_s),
+            "p90_since_motion_s": to_number(summary.motion_delay_s(0.9)),
+            "smallest_on_share": to_number(summary.on_share),
+            "events": summary.events,
+            "disturbed_share": to_number(summary.disturbed_share),
+            "alarms": summary.alarms,
+            "minutes": round(summary.minutes, 3),
+        }
+        for kind, summary in mix.items()
+        if summary.outcomes
+    }
+
+
+def mix_table(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], detector: str) -> list[str]:
+    """Format both tables as text."""
+    alarms, minutes, low, high = pool_ranges(ranges)
+    counts = ", ".join(f"{r.limited_alarms} in {r.limited_minutes:.1f} min" for r in ranges)
+    lines = [
+        "",
+        f"alarms of {detector} over {len(ranges)} ranges of seeds: {counts};",
+        f"together {alarms} in {minutes:.1f} min, with 95 % probability {low:.3f} to {high:.3f} per minute",
+        "",
+        f"{detector} on the wider mix; delays since gross slip, p90 also since motion; disturbed: events with alarm;",
+        f"{ENCODER_NOTE}:",
+        f"{'':26} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'p90 motion':>10} {'disturbed':>12} "
+        f"{'alarms/min':>10}",
+    ]
+    for kind, summary in mix.items():
+        if not summary.outcomes:
+            continue
+        found = f"{100 * summary.found_share:6.1f}%" if summary.slides else ""
+        delays = (summary.delay_s(0.5), summary.delay_s(0.9), summary.worst_s, summary.motion_delay_s(0.9))
+        cells = [format_ms(delay) if summary.slides else "" for delay in delays]
+        events = f"{100 * summary.disturbed_share:.1f}% of {summary.events}" if summary.events else ""
+        lines.append(
+            f"{kind:26} {found:>7} {cells[0]:>9} {cells[1]:>9} {cells[2]:>9} {cells[3]:>10} {events:>12} "
+            f"{summary.alarms_per_minute:10.2f}"
+        )
+    return lines

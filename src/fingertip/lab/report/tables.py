@@ -7,18 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopSummary
-from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
-from fingertip.lab.campaign.requirements import Requirement
-from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
-from fingertip.lab.report import protocol_table, robustness, wider_mix_table
-from fingertip.lab.studies.article import ArticleBoardResult, ProtocolStudy
-from fingertip.lab.studies.article_figures import Spectrum, WindowResult
-from fingertip.lab.studies.bounds import DiscriminationResult
+from fingertip.lab.campaign import CampaignResult, DetectorResult, speed_m_s, surface
+from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopSummary
+from fingertip.lab.mix import MixSummary
+from fingertip.lab.plan import REPORTED_SEPARATELY, TUNING_SEEDS
+from fingertip.lab.report import protocol_table, robustness
+from fingertip.lab.report.numbers import format_ms, to_data, to_number
+from fingertip.lab.studies.article import ProtocolStudy, Spectrum, WindowResult
+from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
+from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
-from fingertip.lab.studies.step_sensitivity import SamplingRateResult, StepSensitivity
-from fingertip.lab.studies.variants import BoardResult, KnockResult
-from fingertip.lab.wider_mix.mix import MixSummary
+from fingertip.lab.studies.steps import SamplingRateResult, StepSensitivity
 from fingertip.slip.traces.origin import ENCODER_HZ, ENCODER_NOTE, encoder_delay_band_s, format_delay_band
 
 BOUND_LABEL = (
@@ -88,59 +87,38 @@ class StudyResults:
         return ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]
 
 
-def as_data(
-    result: CampaignResult, detector: str, requirements: Sequence[Requirement], studies: StudyResults
-) -> dict[str, Any]:
+def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
     """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
     return {
-        "detector": detector,
-        "passed": all(requirement.passed for requirement in requirements),
-        "requirements": [
-            {
-                "name": requirement.name,
-                "value": _number(requirement.value),
-                "limit": requirement.limit,
-                "passed": requirement.passed,
-                "message": requirement.message,
-            }
-            for requirement in requirements
-        ],
         "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
         "matched": {name: _summary(matched) if matched else None for name, matched in _matched(result).items()},
         "trials": result.plan.trials,
         "negative_minutes": result.plan.negative_minutes,
         "first_seed": result.first_seed,
         "detectors": {name: _detector(result, name) for name in result.detectors},
-        "detection_bound": {"median_s": _number(studies.bound_s(0.5)), "p90_s": _number(studies.bound_s(0.9))},
+        "detection_bound": {"median_s": to_number(studies.bound_s(0.5)), "p90_s": to_number(studies.bound_s(0.9))},
         "assumption_sensitivity": robustness.variations_as_data(studies.variations),
         "step_sensitivity": robustness.steps_as_data(studies.steps),
         "windows": [
-            {
-                "window_s": row.window_s,
-                "threshold_v": round(row.threshold_v, 6),
-                "found_share": round(row.found_share, 5),
-                "median_s": _number(row.median_s),
-                "p90_s": _number(row.p90_s),
-                "contact_alarms_per_minute": round(row.contact_alarms_per_minute, 4),
-            }
+            to_data(row, {"threshold_v": 6, "found_share": 5, "contact_alarms_per_minute": 4})
             for row in studies.windows
         ],
         "spectra": [
             {"sensor": one.label, **{f"share_above_{f}_hz": round(one.share_above(f), 4) for f in (67, 100, 200)}}
             for one in studies.spectra
         ],
-        "acceleration_sensitivity": [_fields(row) for row in studies.accelerations],
-        "sampling_rates": [_fields(row) for row in studies.rates],
-        "board_variants": [_fields(row) for row in studies.boards],
-        "article_board": [_fields(row) for row in studies.article],
+        "acceleration_sensitivity": list(map(to_data, studies.accelerations)),
+        "sampling_rates": list(map(to_data, studies.rates)),
+        "board_variants": list(map(to_data, studies.boards)),
+        "article_board": list(map(to_data, studies.article)),
         "article_protocol": protocol_table.as_data(studies.protocol),
-        "motor_discrimination": [_fields(row) for row in studies.motor],
-        "knock_rejection": [_fields(row) for row in studies.knocks],
+        "motor_discrimination": list(map(to_data, studies.motor)),
+        "knock_rejection": list(map(to_data, studies.knocks)),
         "closed_loop": [
             {**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in studies.closed_loop
         ],
-        "seed_ranges": wider_mix_table.ranges_as_data(studies.seed_ranges),
-        "wider_mix": wider_mix_table.as_data(studies.wider_mix),
+        "seed_ranges": robustness.ranges_as_data(studies.seed_ranges),
+        "wider_mix": robustness.mix_as_data(studies.wider_mix),
         "assumptions": list(ASSUMPTIONS),
     }
 
@@ -176,41 +154,25 @@ def _summary(result: DetectorResult) -> dict[str, Any]:
     return {
         "scale": result.scale,
         "found_share": round(result.found_share, 5),
-        "median_s": _number(result.delay_s(0.5)),
-        "p90_s": _number(result.delay_s(0.9)),
-        "worst_s": _number(result.worst_s),
-        "median_since_motion_s": _number(result.motion_delay_s(0.5)),
-        "p90_since_motion_s": _number(result.motion_delay_s(0.9)),
-        "p90_since_motion_by_encoders_s": [_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
+        "median_s": to_number(result.delay_s(0.5)),
+        "p90_s": to_number(result.delay_s(0.9)),
+        "worst_s": to_number(result.worst_s),
+        "median_since_motion_s": to_number(result.motion_delay_s(0.5)),
+        "p90_since_motion_s": to_number(result.motion_delay_s(0.9)),
+        "p90_since_motion_by_encoders_s": [to_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
         "on_share": round(result.on_share, 4),
         "alarms_per_minute": round(result.alarms_per_minute, 4),
-        "alarms_per_minute_95": [_number(rate) for rate in result.alarm_interval],
+        "alarms_per_minute_95": [to_number(rate) for rate in result.alarm_interval],
     }
 
 
 def _group(values: tuple[float, float, int]) -> dict[str, Any]:
     mean, deviation, count = values
-    return {"mean_s": _number(mean), "deviation_s": _number(deviation), "found": count}
-
-
-def _fields(
-    row: AccelerationResult
-    | ArticleBoardResult
-    | BoardResult
-    | DiscriminationResult
-    | KnockResult
-    | SamplingRateResult,
-) -> dict[str, Any]:
-    """Fields of a row by name, rounded; an infinite delay is null."""
-    return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}
-
-
-def _number(value: float) -> float | None:
-    return round(value, 7) if math.isfinite(value) else None
+    return {"mean_s": to_number(mean), "deviation_s": to_number(deviation), "found": count}
 
 
 def _ms(seconds: float) -> str:
-    return f"{1000 * seconds:6.1f} ms" if math.isfinite(seconds) else "  missed "
+    return format_ms(seconds, "  missed ", "6.1f")
 
 
 def _band(delay_s: float) -> str:
@@ -246,7 +208,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
         nominal = result.at_nominal_threshold(name)
         alarms, minutes = nominal.alarms(), nominal.minutes()
         separate = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes)
-        rate = wider_mix_table.format_rate(nominal)
+        rate = robustness.format_rate(nominal)
         lines.append(f"{name:8} {100 * nominal.on_share:6.1f}% {rate:>20}   {separate}".rstrip())
     lines += [
         "ON: share of a slip, after its detection, in which the detector is ON.",
@@ -265,7 +227,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
                 f"{name:8} {100 * matched.found_share:6.1f}% {_ms(matched.delay_s(0.5))} "
                 f"{_ms(matched.delay_s(0.9))}   at {matched.scale:g} times its nominal threshold"
             )
-    lines += wider_mix_table.as_lines(studies.seed_ranges, studies.wider_mix, detector)
+    lines += robustness.mix_table(studies.seed_ranges, studies.wider_mix, detector)
     lines += _study_tables(studies)
     lines += robustness.variation_table(studies.variations, detector)
     lines += robustness.step_table(studies.steps)

@@ -25,12 +25,11 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
-from fingertip.lab.campaign.evaluate import simulate_trace
-from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopTrial, any_finger_slips
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
-from fingertip.lab.campaign.run import scene_surface
+from fingertip.lab.campaign import scene_surface, simulate_trace
+from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
+from fingertip.lab.plan import HELD_OUT_FROM, Case
 from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR
-from fingertip.lab.studies.article_figures import WINDOW_DETECTOR, WINDOWS_S, with_window
+from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector

@@ -15,16 +15,18 @@ from typing import Any, TypeAlias
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.evaluate import (
+from fingertip.lab.campaign import (
+    DetectorResult,
     TrialResult,
     evaluate,
     find_onset_s,
     measure_vibration_n,
     median_of_known,
+    quantile_s,
+    run_cases,
     simulate_trace,
 )
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
-from fingertip.lab.campaign.run import DetectorResult, quantile_s
+from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases, generate_trials
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneFile
 from fingertip.slip import DETECTORS
@@ -56,31 +58,22 @@ def study_accelerations(
     detectors: Sequence[str] = tuple(DETECTORS),
 ) -> list[AccelerationResult]:
     """Run the same trials at each acceleration, with the design's thresholds."""
-    plan = CampaignPlan(trials, 0.5)
+    trials_at_1 = list(generate_trials(trials, first_seed))
     results = []
     for a in accelerations_m_s2:
 
         def accelerate(scene: SceneFile, a: float = a) -> SceneFile:
             return scene.model_copy(update={"slide": scene.slide.model_copy(update={"acceleration_m_s2": a})})
 
-        delays: dict[str, list[float]] = {name: [] for name in detectors}
-        slips = dict.fromkeys(detectors, 0)
-        with compiled():
-            for case in generate_cases(plan, first_seed):
-                if case.cause != "slip":
-                    break
-                changed = replace(case, scene=accelerate(case.scene))
-                trace, force_n = simulate_trace(design, changed, detectors)
-                for name in detectors:
-                    (result,) = evaluate(changed, trace, force_n, name, design, [1.0])
-                    delays[name] += result.delays_s
-                    slips[name] += result.slips
-        bounds = compute_bounds_s(design, plan, first_seed, accelerate)
-        for name, found, count in [(BOUND, bounds, len(bounds)), *((n, delays[n], slips[n]) for n in detectors)]:
-            fraction = sum(delay < float("inf") for delay in found) / count
-            results.append(
-                AccelerationResult(a, name, fraction, quantile_s(found, count, 0.5), quantile_s(found, count, 0.9))
-            )
+        bounds = compute_bounds_s(design, trials, first_seed, accelerate)
+        rows = [(BOUND, bounds, len(bounds))]
+        cases = [replace(case, scene=accelerate(case.scene)) for case in trials_at_1]
+        found = run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
+        rows += [(name, pooled.delays_s, pooled.slips) for name, (pooled,) in found.items()]
+        for name, delays_s, count in rows:
+            share = sum(map(math.isfinite, delays_s)) / count
+            median_s, p90_s = (quantile_s(delays_s, count, q) for q in (0.5, 0.9))
+            results.append(AccelerationResult(a, name, share, median_s, p90_s))
     return results
 
 

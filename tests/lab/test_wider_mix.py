@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from fingertip.foundation.errors import TraceError
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
-from fingertip.lab.report import wider_mix_table
-from fingertip.lab.wider_mix import bursts, scenes
-from fingertip.lab.wider_mix.bursts import LabelledSignal, Slide, assess
-from fingertip.lab.wider_mix.mix import MixSize, generate_mix, run_detector, summarise
+from fingertip.lab import mix_signals
+from fingertip.lab.mix import MixSize, assess, generate_mix, run_detector, summarise
+from fingertip.lab.mix_signals import LabelledSignal, Slide
+from fingertip.lab.plan import HELD_OUT_FROM, check_first_seed
+from fingertip.lab.report import robustness
 from fingertip.sim.article import article_trials
 from fingertip.slip.traces.intervals import Interval
 from tests.designs import ARTICLE
@@ -61,7 +61,7 @@ def test_bursts_have_their_strength_and_band():
     from scipy import signal as scipy_signal
 
     for seed in range(6):
-        burst = bursts.abrupt_burst(DESIGN, seed, 0.006, 0.025)
+        burst = mix_signals.abrupt_burst(DESIGN, seed, 0.006, 0.025)
         (slide,) = burst.slides
         part = burst.voltage_v[round(slide.onset_s * 2000) : round(slide.end_s * 2000)]
         assert 0.006 <= burst.strength_v <= 0.025
@@ -69,21 +69,21 @@ def test_bursts_have_their_strength_and_band():
         above = scipy_signal.butter(8, 67.0, "high", fs=2000.0, output="sos")
         ratio = part.std() / scipy_signal.sosfiltfilt(above, part - part.mean()).std()
         assert (ratio <= 1.5) == (burst.kind == "burst above 60 Hz") or ratio == pytest.approx(1.5, rel=0.1)
-        assert bursts.low_burst(DESIGN, seed, 0.006, 0.025).kind == "burst below 60 Hz"
+        assert mix_signals.low_burst(DESIGN, seed, 0.006, 0.025).kind == "burst below 60 Hz"
 
 
 def test_band_noise_has_unit_strength_within_its_band():
-    noise = bursts.draw_band_noise(np.random.default_rng(0), 8000, 2000.0, 30.0, 90.0)
+    noise = mix_signals.draw_band_noise(np.random.default_rng(0), 8000, 2000.0, 30.0, 90.0)
     assert math.sqrt(float(np.mean(noise**2))) == pytest.approx(1.0)
     power = np.abs(np.fft.rfft(noise)) ** 2
     hz = np.fft.rfftfreq(8000, 1 / 2000)
     assert power[(hz < 29.9) | (hz > 90.1)].sum() < 1e-9 * power.sum()
 
 
-@pytest.mark.parametrize("name", list(scenes.NOISES))
+@pytest.mark.parametrize("name", list(mix_signals.NOISES))
 def test_unstated_noise_is_in_the_signal_and_the_slip_is_the_same(name):
-    plain = scenes.simulate_scene(DESIGN, SLIP, 3, "slip")
-    noisy = scenes.in_noise(DESIGN, SLIP, 3, name)
+    plain = mix_signals.simulate_scene(DESIGN, SLIP, 3, "slip")
+    noisy = mix_signals.in_noise(DESIGN, SLIP, 3, name)
     assert noisy.slides == plain.slides
     assert noisy.alarms_from_s == 1.0
     difference = np.diff(noisy.voltage_v[:2000], 2).std() / np.diff(plain.voltage_v[:2000], 2).std()
@@ -93,7 +93,7 @@ def test_unstated_noise_is_in_the_signal_and_the_slip_is_the_same(name):
 
 
 def test_grip_steps_change_the_force_without_slip():
-    for signal in scenes.grip_steps(DESIGN, 11):
+    for signal in mix_signals.grip_steps(DESIGN, 11):
         assert len(signal.events) == 2
         for event in signal.events:
             before = signal.voltage_v[round((event.onset_s - 0.05) * 2000)]
@@ -116,9 +116,9 @@ def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     assert found["burst below 60 Hz"].delay_s(0.9) <= 0.045
     assert found["long slide"].on_share > 0.98
     assert found["10 bits"].alarms_per_minute < 1.0
-    text = "\n".join(wider_mix_table.as_lines([], found, "fast"))
+    text = "\n".join(robustness.mix_table([], found, "fast"))
     assert "controller's step" in text
-    assert wider_mix_table.as_data(found)["long slide"]["smallest_on_share"] > 0.98
+    assert robustness.mix_as_data(found)["long slide"]["smallest_on_share"] > 0.98
 
 
 @pytest.mark.full
@@ -130,7 +130,7 @@ def test_the_mix_is_the_same_for_the_same_seed_and_counts_what_it_was_asked_for(
     kinds = [s.kind for s in first]
     assert kinds.count("grip change") == kinds.count("fast closing") == 3
     assert kinds.count("slip") == 1
-    assert set(scenes.NOISES) <= set(kinds)
+    assert set(mix_signals.NOISES) <= set(kinds)
 
 
 @pytest.mark.parametrize("seed", [-1, 1200, 200_000, HELD_OUT_FROM - 1, 2**31])

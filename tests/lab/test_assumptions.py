@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.campaign.evaluate import find_onset_s, measure_vibration_n, median_of_known
-from fingertip.lab.campaign.plan import NEGATIVE_SCENES, Case
+from fingertip.lab.campaign import find_onset_s, measure_vibration_n, median_of_known
+from fingertip.lab.plan import NEGATIVE_SCENES, Case
 from fingertip.lab.report import robustness
 from fingertip.lab.studies.sensitivity import (
     BOTH,

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
-from fingertip.lab.campaign.evaluate import TrialResult, evaluate
-from fingertip.lab.campaign.plan import (
+from fingertip.lab.campaign import CampaignResult, DetectorResult, TrialResult, evaluate, run_campaign, surface
+from fingertip.lab.plan import (
     HELD_OUT_FROM,
     NEGATIVE_SCENES,
     REPORTED_SEPARATELY,
@@ -21,14 +21,13 @@ from fingertip.lab.campaign.plan import (
     Case,
     generate_cases,
 )
-from fingertip.lab.campaign.requirements import RequirementLimits, check_detection
-from fingertip.lab.campaign.run import CampaignResult, DetectorResult, run_campaign, surface
 from fingertip.lab.report import plots, trial_plots
-from fingertip.lab.studies.article_figures import compute_spectra, study_windows, with_window
-from fingertip.lab.studies.bounds import compute_bounds_s, study_motor_discrimination
+from fingertip.lab.studies.article import compute_spectra, study_windows, with_window
+from fingertip.lab.studies.boards import study_board_variants
+from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
 from fingertip.lab.studies.sensitivity import VARIATIONS, study_accelerations
-from fingertip.lab.studies.step_sensitivity import study_sampling_rates
-from fingertip.lab.studies.variants import study_board_variants, study_knock_rejection
+from fingertip.lab.studies.steps import study_sampling_rates
+from fingertip.lab.validation import RequirementLimits, check_detection
 from fingertip.sim.article import article_trials
 from fingertip.slip import DETECTORS, Trace
 from tests.designs import ARTICLE, article_design
@@ -178,7 +177,7 @@ def test_matched_threshold_is_the_lowest_one_that_keeps_the_alarm_rate():
 @pytest.mark.full
 def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     plan = CampaignPlan(96, 0.5)
-    bounds = np.array(compute_bounds_s(ARTICLE, plan))
+    bounds = np.array(compute_bounds_s(ARTICLE, plan.trials))
     assert len(bounds) == 96
     result = run_campaign(ARTICLE, plan, ("fast", "fft"), (1.0,))
     # The bound limits the average over the noise, not each delay, so chance may lower it by two standard errors.
@@ -188,11 +187,11 @@ def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
     delays = np.array(result.at_nominal_threshold("fast").delays_s)
     assert -3e-3 < np.mean(delays - bounds) < 8e-3
     assert np.median(delays) < 2.5 * np.median(bounds)
-    quieter = compute_bounds_s(article_design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan)
+    quieter = compute_bounds_s(article_design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan.trials)
     assert np.median(quieter) < np.median(bounds)
     # Without noise the creeping pad gives all information before gross slip; the bound is never negative.
     noiseless = article_design(detector={"noise_v": 1e-7, "adc_bits": 24})
-    assert set(compute_bounds_s(noiseless, CampaignPlan(4, 0.5))) == {0.0}
+    assert set(compute_bounds_s(noiseless, 4)) == {0.0}
 
 
 @pytest.mark.full

@@ -7,9 +7,9 @@ import math
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.campaign.plan import Case
+from fingertip.lab.plan import Case
 from fingertip.lab.report import robustness
-from fingertip.lab.studies.step_sensitivity import (
+from fingertip.lab.studies.steps import (
     SIGNALS,
     DelayShift,
     SignalError,

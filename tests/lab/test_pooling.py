@@ -14,19 +14,19 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.statistics import poisson_interval
-from fingertip.lab.campaign import run
-from fingertip.lab.campaign.evaluate import TrialResult
-from fingertip.lab.campaign.plan import CampaignPlan, Case
-from fingertip.lab.campaign.run import (
+from fingertip.lab import campaign as run
+from fingertip.lab.campaign import (
     LOW_SCALES,
     SCALES,
     CampaignResult,
     DetectorResult,
+    TrialResult,
     quantile_s,
     run_campaign,
     speed_m_s,
     surface,
 )
+from fingertip.lab.plan import CampaignPlan, Case
 from fingertip.lab.report import tables
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
@@ -199,3 +199,14 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
             assert result.delays_s == [result.scale] * 3
             assert [t.alarms for t in result.trials] == [(name,)] * 3
     assert np.isfinite(found.at_nominal_threshold("fast").worst_s)
+
+
+@pytest.mark.parametrize("count", [0, 1, 4, 30, 400])
+@pytest.mark.parametrize("confidence", [0.9, 0.95])
+def test_the_interval_of_a_rate_is_that_of_the_chi_square_distribution(count: int, confidence: float) -> None:
+    from scipy import stats
+
+    low, high = poisson_interval(count, confidence)
+    tail = (1 - confidence) / 2
+    assert low == pytest.approx(stats.chi2.ppf(tail, 2 * count) / 2 if count else 0.0, rel=1e-9)
+    assert high == pytest.approx(stats.chi2.ppf(1 - tail, 2 * count + 2) / 2, rel=1e-9)

@@ -16,9 +16,8 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.evaluate import TrialResult, evaluate, select_board_outputs, simulate_trace
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
-from fingertip.lab.campaign.run import DetectorResult, quantile_s
+from fingertip.lab.campaign import evaluate, quantile_s, run_detector_on, select_board_outputs
+from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneResult, run_scene
 from fingertip.sim.scene.run import SceneRun
@@ -124,7 +123,7 @@ def study_steps(
     refinement: int = REFINEMENT,
 ) -> StepSensitivity:
     """Compare both grids on the article's trials."""
-    cases = [case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip"]
+    cases = list(generate_trials(trials, first_seed))
     with compiled():
         differences = [compare_grids(design, case, detectors, refinement) for case in cases]
     rate = design.detector.sample_rate_hz
@@ -191,13 +190,8 @@ def study_sampling_rates(
             adapted = adapt_rate(design, rate)
         except DesignError:
             continue
-        collected: list[TrialResult] = []
-        with compiled():
-            for case in generate_cases(plan, first_seed):
-                if case.cause not in REPORTED_SEPARATELY:
-                    trace, force_n = simulate_trace(adapted, case, [DETECTOR])
-                    collected += evaluate(case, trace, force_n, DETECTOR, adapted, [1.0])
-        pooled, bounds = DetectorResult(1.0, tuple(collected)), compute_bounds_s(adapted, plan, first_seed)
+        cases = (case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY)
+        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials, first_seed)
         results.append(
             SamplingRateResult(
                 rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),

@@ -1,27 +1,30 @@
-"""The whole wider mix: every kind of signal, with seeds of its own, and what a detector makes of it."""
+"""The wider mix beside a campaign: every kind of signal, with seeds of its own, and what a detector makes of it."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.statistics import poisson_interval
-from fingertip.lab.campaign.evaluate import needs_board
-from fingertip.lab.campaign.plan import NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
-from fingertip.lab.campaign.run import quantile_s
-from fingertip.lab.wider_mix import bursts, scenes
-from fingertip.lab.wider_mix.bursts import LabelledSignal, Outcome, assess
+from fingertip.lab import mix_signals
+from fingertip.lab.campaign import needs_board, quantile_s, separate_events
+from fingertip.lab.mix_signals import REACTION_S, LabelledSignal
+from fingertip.lab.plan import NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.sim.signal.board_output import SimulatedBoardDetector
 from fingertip.slip import make_detector
 from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.traces.intervals import intervals
 
+EARLY_S = 0.005
+"""Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""
 SLIP = "slip"
 """Kind of the article's trials."""
 CAMPAIGN = "without slip: "
@@ -44,7 +47,7 @@ class MixSize:
     events: int = 100
     """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
     noisy: int = 48
-    """Trials in each condition of `fingertip.lab.wider_mix.scenes.NOISES`."""
+    """Trials in each condition of `fingertip.lab.mix_signals.NOISES`."""
 
     @classmethod
     def for_trials(cls, trials: int) -> MixSize:
@@ -54,56 +57,121 @@ class MixSize:
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
     """Generate the signals one after the other."""
-    seed = first_seed
-
-    def next_seed() -> int:
-        nonlocal seed
-        seed += 1
-        return seed - 1
-
+    seeds = itertools.count(first_seed)
     trials = [scene for scene, _ in article_trials()]
     with compiled():
         for i in range(size.trials):
-            yield scenes.simulate_scene(design, trials[i % len(trials)], next_seed(), SLIP)
+            yield mix_signals.simulate_scene(design, trials[i % len(trials)], next(seeds), SLIP)
         for cause, (scene, share) in NEGATIVE_SCENES.items():
             for _ in range(math.ceil(60 * size.minutes * share / nominal_duration_s(cause))):
-                yield scenes.simulate_scene(design, scene, next_seed(), CAMPAIGN + cause)
+                yield mix_signals.simulate_scene(design, scene, next(seeds), CAMPAIGN + cause)
         for _ in range(size.events):
-            yield scenes.grip_change(design, next_seed())
+            yield mix_signals.grip_change(design, next(seeds))
         for _ in range(size.events):
-            yield scenes.fast_closing(design, next_seed())
+            yield mix_signals.fast_closing(design, next(seeds))
         for _ in range(math.ceil(size.events / 3)):
-            yield scenes.taps(design, next_seed())
+            yield mix_signals.taps(design, next(seeds))
         for _ in range(math.ceil(size.events / 7)):
-            yield from scenes.grip_steps(design, next_seed())
+            yield from mix_signals.grip_steps(design, next(seeds))
         for _ in range(math.ceil(size.events / 7)):
-            yield from scenes.manipulation(design, next_seed())
+            yield from mix_signals.manipulation(design, next(seeds))
         for _ in range(size.events):
-            yield bursts.abrupt_burst(design, next_seed(), *BURSTS_V)
+            yield mix_signals.abrupt_burst(design, next(seeds), *BURSTS_V)
         for _ in range(math.ceil(size.events / 2)):
-            yield bursts.low_burst(design, next_seed(), *BURSTS_V)
+            yield mix_signals.low_burst(design, next(seeds), *BURSTS_V)
         for i in range(math.ceil(size.events / 2)):
-            yield bursts.long_slide(design, next_seed(), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
+            yield mix_signals.long_slide(design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
         for _ in range(math.ceil(size.events / 3)):
-            yield bursts.ringing_knock(design, next_seed())
-        yield from _noisy(design, size, trials, next_seed)
+            yield mix_signals.ringing_knock(design, next(seeds))
+        yield from _noisy(design, size, trials, seeds)
 
 
-def _noisy(design: Design, size: MixSize, trials: Sequence[SceneFile], next_seed: object) -> Iterator[LabelledSignal]:
-    assert callable(next_seed)
+def _noisy(
+    design: Design, size: MixSize, trials: Sequence[SceneFile], seeds: Iterator[int]
+) -> Iterator[LabelledSignal]:
     held = NEGATIVE_SCENES["drift"][0]
-    for name in scenes.NOISES:
+    for name in mix_signals.NOISES:
         for i in range(size.noisy):
-            yield scenes.in_noise(design, trials[i * len(trials) // size.noisy], next_seed(), name)
+            yield mix_signals.in_noise(design, trials[i * len(trials) // size.noisy], next(seeds), name)
         for _ in range(math.ceil(size.noisy / 6)):
-            yield scenes.in_noise(design, held, next_seed(), name)
+            yield mix_signals.in_noise(design, held, next(seeds), name)
     hand = SceneFile(**(held.model_dump() | {"noise": {"hand_v": 5e-4}}))
     for _ in range(math.ceil(size.noisy / 3)):
-        yield scenes.simulate_scene(design, hand, next_seed(), "vibration with the grasp", _CONTACT_S)
+        yield mix_signals.simulate_scene(design, hand, next(seeds), "vibration with the grasp", _CONTACT_S)
     coarse = {"converter": {"bits": 10, "high_v": 5.0}}
     for i in range(math.ceil(size.noisy / 4)):
         for scene in (trials[(8 * i) % len(trials)], held):
-            yield scenes.in_condition(design, scene, next_seed(), "10 bits", coarse)
+            yield mix_signals.in_condition(design, scene, next(seeds), "10 bits", coarse)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a detector on one signal."""
+
+    kind: str
+    strength_v: float
+    minutes: float
+    slides: int
+    delays_s: tuple[float, ...]
+    """Delays of the slips that were found, from gross slip [s]."""
+    motion_delays_s: tuple[float, ...]
+    """The same delays from the start of the motion [s]."""
+    on_shares: tuple[float, ...]
+    """Share of each slip, from its onset to its end, that is ON."""
+    alarms: int
+    """Number of alarms without slip."""
+    alarms_s: tuple[float, ...]
+    """Moments of these alarms [s]."""
+    events: int
+    disturbed: int
+    """Number of events that caused an alarm."""
+    false_on_share: float
+    """Share of the time without slip that is ON, where alarms count."""
+
+
+def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Outcome:
+    """Compare the flags of a detector with what is known about a signal.
+
+    A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An alarm is a transition to
+    ON outside the slips, their creep, and the detector's memory after them. Alarms closer together than
+    `fingertip.lab.campaign.SAME_EVENT_S` count once.
+    """
+    time_s = np.arange(len(on)) / signal.rate_hz
+    found = intervals(time_s, on)
+    delays, motion_delays, shares = [], [], []
+    is_slip = np.zeros(len(on), dtype=bool)
+    for slide in signal.slides:
+        inside = [i for i in found if slide.onset_s - EARLY_S <= i.onset_s < slide.end_s]
+        if inside:
+            delays.append(max(0.0, inside[0].onset_s - slide.onset_s))
+            motion_delays.append(max(0.0, inside[0].onset_s - slide.motion_s))
+        during = (time_s >= slide.onset_s) & (time_s < slide.end_s)
+        shares.append(float(np.mean(on[during])) if during.any() else 0.0)
+        is_slip |= (time_s >= slide.motion_s) & (time_s < slide.end_s + memory_s)
+    alarms = separate_events(
+        i
+        for i in found
+        if i.onset_s >= signal.alarms_from_s
+        and not any(s.onset_s - EARLY_S <= i.onset_s < s.end_s + memory_s for s in signal.slides)
+    )
+    disturbed = sum(
+        any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in signal.events
+    )
+    counted = ~is_slip & (time_s >= signal.alarms_from_s)
+    return Outcome(
+        signal.kind,
+        signal.strength_v,
+        signal.duration_s / 60,
+        len(signal.slides),
+        tuple(delays),
+        tuple(motion_delays),
+        tuple(shares),
+        len(alarms),
+        tuple(alarm.onset_s for alarm in alarms),
+        len(signal.events),
+        disturbed,
+        float(np.mean(on[counted])) if counted.any() else 0.0,
+    )
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
@@ -117,9 +185,9 @@ def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -
             if needs_board(name):
                 board = SimulatedBoardDetector(design)
                 outcomes.append(assess(signal, board.process(signal.voltage_v).on, board.memory_s))
-                continue
-            detector = make_detector(name, design)
-            outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
+            else:
+                detector = make_detector(name, design)
+                outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
     return outcomes
 
 
@@ -152,10 +220,6 @@ class MixSummary:
         """Longest delay from gross slip of a slip that was found [s]."""
         return max((d for outcome in self.outcomes for d in outcome.delays_s), default=math.nan)
 
-    def count_later_than(self, delay_s: float) -> int:
-        """Count the slips that were found later than this after gross slip [s]."""
-        return sum(d > delay_s for outcome in self.outcomes for d in outcome.delays_s)
-
     @property
     def on_share(self) -> float:
         """Smallest share of any slip that is ON."""
@@ -177,11 +241,6 @@ class MixSummary:
         return self.alarms / self.minutes if self.minutes else 0.0
 
     @property
-    def most_alarms_per_minute(self) -> float:
-        """Upper end of the interval of that rate [1/min]."""
-        return poisson_interval(self.alarms)[1] / self.minutes
-
-    @property
     def events(self) -> int:
         """Number of events that are not slip."""
         return sum(outcome.events for outcome in self.outcomes)
@@ -191,12 +250,6 @@ class MixSummary:
         """Share of these events that caused an alarm."""
         return sum(outcome.disturbed for outcome in self.outcomes) / self.events if self.events else math.nan
 
-    def median_by_strength_s(self, groups: int = 4) -> list[float]:
-        """Median delay of each group of slips, from the weakest to the strongest [s]."""
-        ranked = sorted((o.strength_v, o.delays_s[0] if o.delays_s else math.inf) for o in self.outcomes if o.slides)
-        parts = np.array_split(np.array([delay for _, delay in ranked]), groups)
-        return [float(np.median(part)) for part in parts if len(part)]
-
 
 def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
     """Pool outcomes by kind, all trials and scenes whose alarms are limited also under "campaign"."""
@@ -205,5 +258,5 @@ def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
         groups.setdefault(outcome.kind, []).append(outcome)
     limited = [SLIP, *(CAMPAIGN + cause for cause in NEGATIVE_SCENES if cause not in REPORTED_SEPARATELY)]
     groups["campaign"] = [outcome for kind in limited for outcome in groups.get(kind, [])]
-    groups["unstated noise"] = [outcome for kind in scenes.NOISES for outcome in groups.get(kind, [])]
+    groups["unstated noise"] = [outcome for kind in mix_signals.NOISES for outcome in groups.get(kind, [])]
     return {kind: MixSummary(tuple(group)) for kind, group in groups.items()}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.campaign.grip import (
+from fingertip.lab.closed_loop import (
     FIRST_SEED,
     NO_CONTROL,
     ClosedLoopSummary,
@@ -21,9 +21,9 @@ from fingertip.lab.campaign.grip import (
     run_closed_loop,
     summarise,
 )
-from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
-from fingertip.lab.campaign.requirements import RequirementLimits, check_closed_loop
+from fingertip.lab.plan import TUNING_SEEDS, CampaignPlan, generate_cases
 from fingertip.lab.report import trial_plots
+from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.sim import Observation
 from fingertip.sim.signal.board_output import EnvelopeStream, compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v

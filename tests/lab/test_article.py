@@ -1,4 +1,4 @@
-"""The article's own protocol: its zero of time, and its figures beside those under it."""
+"""The article's own protocol, its zero of time and its figures beside ours, and its board and converter."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.lab.plan import CampaignPlan
 from fingertip.lab.report.protocol_table import as_data, as_lines, list_rows
 from fingertip.lab.studies import article as article_protocol
 from fingertip.lab.studies.article import (
@@ -17,6 +18,7 @@ from fingertip.lab.studies.article import (
     find_encoder_zero_s,
     study_article_protocol,
 )
+from fingertip.lab.studies.boards import study_article_board, with_article_board
 from fingertip.sim.scene.timeline import TrapezoidalMove
 
 SLIDE = TrapezoidalMove.with_speed(1.2345, 0.04, 0.04)
@@ -75,3 +77,21 @@ def test_the_table_states_the_article_s_figures_and_what_differs(study: Protocol
     assert "encoders at 100 Hz" in text
     assert all(row.figure in text for row in rows.values())
     assert len(as_data(shown)["results"]) == len(DEVICES) * len(MOVED_M)
+
+
+def test_the_finger_stays_and_the_board_is_the_article_s():
+    design = Design(skin={"width_mm": 18.0})
+    changed, article = with_article_board(design), Design.load("article")
+    assert changed.skin == design.skin
+    assert (changed.board, changed.detector) == (article.board, article.detector)
+    assert changed.board.variant == "article"
+    assert changed.detector.adc_range_v == 10.0
+
+
+def test_every_detector_is_compared_and_the_article_itself_is_not():
+    rows = study_article_board(Design(), CampaignPlan(2, 0.5))
+    assert [row.detector for row in rows] == ["analog", "digital", "fft", "fast"]
+    fast = rows[-1]
+    assert fast.found_share == 1.0
+    assert fast.median_s < fast.motion_p90_s < 0.1
+    assert study_article_board(Design.load("article"), CampaignPlan(2, 0.5)) == []

@@ -1,0 +1,337 @@
+"""Campaign of simulated trials: the recording of each case, what a detector makes of it, and the pooled results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.foundation.statistics import poisson_interval
+from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
+from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.scene.run import SceneRun
+from fingertip.slip import DETECTORS, Trace, make_detector
+from fingertip.slip.detectors.registry import find_second_column, select_inputs
+from fingertip.slip.traces.intervals import INCIPIENT_S, Interval, intervals, score
+
+SAME_EVENT_S = 0.1
+"""Alarms closer together than this count as one: a hand would react to one event once. Assumption."""
+VIBRATION_HZ = 30.0
+"""Frequency from which changes of the force count as vibration [Hz]: contacts lie below it (article, III.A)."""
+SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.5, 1.6, 1.8, 2.0, 2.3, 2.6, 3.0, 4.0, 6.0, 10.0)
+"""Factors of each detector's threshold, from sensitive to insensitive."""
+LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
+"""Additional factors for detectors that read the board's envelope: a diode without bias passes so little noise that the
+threshold may be far below the design's."""
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """Result of a detector on one case."""
+
+    case: Case
+    duration_s: float
+    force_n: float
+    """Holding force [N]."""
+    slips: int
+    """Number of true slips."""
+    delays_s: tuple[float, ...]
+    """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a slip did not find
+    it: that is a false alarm."""
+    on_share: float
+    """Fraction of the time from the first detection to the slip's end that is ON; 0 if there is no detection."""
+    alarms: tuple[str, ...]
+    """Causes of the false alarms, one for each."""
+    creep_s: float = 0.0
+    """Time from the start of the robot's motion to the onset of the first slip [s]: the article counts delays from a
+    robot's motion, which its encoders show late (`fingertip.slip.traces.origin`)."""
+    motion_s: float | None = None
+    """Start of the robot's motion in the recording [s]; None if it does not move."""
+
+    @property
+    def motion_delays_s(self) -> tuple[float, ...]:
+        """Delays of the slips that were found, since the robot moved [s]."""
+        return tuple(delay + self.creep_s for delay in self.delays_s)
+
+
+def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> tuple[Trace, float]:
+    """Simulate the recording of a case, through the ADC. Returns holding force [N]."""
+    outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
+    result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
+    return result.trace, result.force_n
+
+
+def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
+    """Select the sampled outputs of the board that detectors read, beside the tactile voltage."""
+    columns = {DETECTORS[name].input_column for name in detectors}
+    columns |= {find_second_column(design, name) or "voltage_v" for name in detectors}
+    return [f"sampled_{name}" for name in sorted(columns - {"voltage_v"})]
+
+
+def needs_board(*detectors: str) -> bool:
+    """Return whether any of the detectors reads the board's envelope."""
+    return any(DETECTORS[name].input_column == "envelope_v" for name in detectors)
+
+
+def evaluate(
+    case: Case, trace: Trace, force_n: float, detector: str, design: Design, scales: Sequence[float]
+) -> list[TrialResult]:
+    """Run a detector on a trace and return one result for each factor of its threshold.
+
+    Where the threshold is constant, the test statistic is the same for every factor and is computed once.
+    """
+    nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
+    output = nominal.process(*inputs)
+    constant = float(np.ptp(output.threshold_v)) == 0.0
+    results = []
+    for scale in scales:
+        if scale == 1.0:
+            on = output.on
+        elif constant:
+            on = output.statistic_v > scale * output.threshold_v
+        else:
+            on = make_detector(detector, design, threshold_scale=scale).process(*inputs).on
+        results.append(_score_trial(case, trace, force_n, on, nominal.memory_s))
+    return results
+
+
+def _score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
+    assert trace.slip is not None
+    scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
+    # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
+    counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
+    delays = tuple(d for d in counted if d is not None and d >= 0.0)
+    early = [d for d in counted if d is not None and d < 0.0]
+    on_share = 0.0
+    if delays:
+        slip, delay = next((s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays)
+        since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
+        on_share = float(np.mean(on[since])) if since.any() else 0.0
+    alarms = [_find_cause(case, alarm, scored.slips) for alarm in separate_events(scored.false_intervals)]
+    alarms += ["before slip"] * len(early)
+    duration = float(trace.time_s[-1] - trace.time_s[0])
+    motion_s = trace.origin.motion_s
+    creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
+    return TrialResult(case, duration, force_n, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s)
+
+
+def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
+    """Keep the first alarm of each event."""
+    kept: list[Interval] = []
+    end = -np.inf
+    for alarm in alarms:
+        if alarm.onset_s - end > SAME_EVENT_S:
+            kept.append(alarm)
+        end = alarm.end_s
+    return kept
+
+
+def _find_cause(case: Case, alarm: Interval, slips: Sequence[Interval]) -> str:
+    """Cause of an alarm; in a trial, contact or grasp before the slip, and release after it."""
+    if case.cause != "slip":
+        return case.cause
+    return "contact" if slips and alarm.onset_s < slips[0].onset_s else "release"
+
+
+def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
+    """Find the first true slip of a trial [s], counted from the start of the slide; NaN without slip or slide."""
+    slide = SceneRun(design, case.scene, case.seed).timeline.slide
+    if slide is None or trace.slip is None or not trace.slip.any():
+        return math.nan
+    return float(trace.time_s[np.argmax(trace.slip)]) - slide.start_s
+
+
+def measure_vibration_n(trace: Trace) -> float:
+    """Measure the RMS vibration of the true normal force from the first to the last slip [N]; NaN without slip.
+
+    What a mean over one period of `VIBRATION_HZ` follows is no vibration.
+    """
+    if trace.force_n is None or trace.slip is None or not trace.slip.any():
+        return math.nan
+    slipping = np.flatnonzero(trace.slip)
+    width = min(max(1, round(1 / (VIBRATION_HZ * float(trace.time_s[1] - trace.time_s[0])))), len(trace.force_n))
+    fast_n = trace.force_n - np.convolve(trace.force_n, np.full(width, 1 / width), "same")
+    return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
+
+
+def median_of_known(values: Iterable[float]) -> float:
+    """Median of those values that are finite; NaN if none is."""
+    known = [value for value in values if math.isfinite(value)]
+    return float(np.median(known)) if known else math.nan
+
+
+def quantile_s(delays_s: Sequence[float], slips: int, fraction: float) -> float:
+    """Delay by which a fraction of all slips is found [s]; infinite if fewer are found."""
+    ranked = sorted(delays_s) + [math.inf] * (slips - len(delays_s))
+    return float(ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]) if ranked else math.inf
+
+
+@dataclass(frozen=True)
+class DetectorResult:
+    """Pooled results of one detector at one threshold."""
+
+    scale: float
+    """Factor of the detector's threshold."""
+    trials: tuple[TrialResult, ...]
+
+    @property
+    def slips(self) -> int:
+        """Number of true slips."""
+        return sum(t.slips for t in self.trials)
+
+    @property
+    def delays_s(self) -> list[float]:
+        """Delays of all slips that were found [s]."""
+        return [d for t in self.trials for d in t.delays_s]
+
+    @property
+    def found_share(self) -> float:
+        """Fraction of the slips that were found."""
+        return len(self.delays_s) / self.slips if self.slips else 0.0
+
+    @property
+    def share_within_30_ms(self) -> float:
+        """Fraction of the slips that were found within 30 ms."""
+        return sum(d < 0.03 for d in self.delays_s) / max(1, self.slips)
+
+    def delay_s(self, fraction: float) -> float:
+        """Delay by which a fraction of all slips was found [s]; infinite if fewer were found."""
+        return quantile_s(self.delays_s, self.slips, fraction)
+
+    def motion_delay_s(self, fraction: float) -> float:
+        """The same delay since the robot moved [s]."""
+        return quantile_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
+
+    @property
+    def worst_s(self) -> float:
+        """Longest delay of a slip that was found [s]; infinite if none was."""
+        return max(self.delays_s, default=math.inf)
+
+    @property
+    def on_share(self) -> float:
+        """Mean fraction of the slip that is ON after its detection."""
+        shares = [t.on_share for t in self.trials if t.delays_s]
+        return float(np.mean(shares)) if shares else 0.0
+
+    def alarms(self) -> dict[str, int]:
+        """Number of false alarms by cause."""
+        causes = [cause for t in self.trials for cause in t.alarms]
+        return {cause: causes.count(cause) for cause in dict.fromkeys([t.case.cause for t in self.trials] + causes)}
+
+    def minutes(self) -> dict[str, float]:
+        """Duration of the scenes by cause [min]; the trials are under ``slip``."""
+        total: dict[str, float] = {}
+        for t in self.trials:
+            total[t.case.cause] = total.get(t.case.cause, 0.0) + t.duration_s / 60
+        return total
+
+    @property
+    def limited_minutes(self) -> float:
+        """Duration of all scenes but those that are reported separately [min]."""
+        return sum(m for cause, m in self.minutes().items() if cause not in REPORTED_SEPARATELY)
+
+    @property
+    def limited_alarms(self) -> int:
+        """Number of false alarms in them."""
+        return sum(n for cause, n in self.alarms().items() if cause not in REPORTED_SEPARATELY)
+
+    @property
+    def alarms_per_minute(self) -> float:
+        """False alarms per minute, in all scenes but those that are reported separately."""
+        return self.limited_alarms / self.limited_minutes if self.limited_minutes else 0.0
+
+    @property
+    def alarm_interval(self) -> tuple[float, float]:
+        """Interval that contains the rate of false alarms with 95 % probability [1/min]."""
+        low, high = poisson_interval(self.limited_alarms)
+        minutes = self.limited_minutes
+        return (low / minutes, high / minutes) if minutes else (0.0, math.inf)
+
+    def group_delays(self, key: Callable[[TrialResult], object]) -> dict[object, tuple[float, float, int]]:
+        """Mean and standard deviation of the delay [s], and number of slips found, by group of trials."""
+        groups: dict[object, list[float]] = {}
+        for t in self.trials:
+            if t.slips:
+                groups.setdefault(key(t), []).extend(t.delays_s)
+        return {k: (float(np.mean(d)), float(np.std(d)), len(d)) if d else (np.inf, 0.0, 0) for k, d in groups.items()}
+
+
+def scene_surface(scene: SceneFile) -> str:
+    """Surface of a scene, or the object that is pulled through the grasp."""
+    name = scene.contact.surface
+    return name if scene.name == "sliding_finger" else f"object, {name}"
+
+
+def surface(trial: TrialResult) -> str:
+    """Surface of a trial, a key for `DetectorResult.group_delays`."""
+    return scene_surface(trial.case.scene)
+
+
+def speed_m_s(trial: TrialResult) -> float:
+    """Sliding speed of a trial [m/s], a key for `DetectorResult.group_delays`."""
+    return trial.case.scene.slide.speed_m_s
+
+
+@dataclass(frozen=True)
+class CampaignResult:
+    """Results of a campaign."""
+
+    plan: CampaignPlan
+    first_seed: int
+    detectors: dict[str, tuple[DetectorResult, ...]]
+    """Detector -> results by factor of the threshold, in ascending order."""
+
+    def at_nominal_threshold(self, detector: str) -> DetectorResult:
+        """Result of a detector at its nominal threshold, with the factor 1."""
+        return next(result for result in self.detectors[detector] if result.scale == 1.0)
+
+    def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:
+        """Result of a detector at the lowest threshold that keeps a rate of false alarms; None if none keeps it."""
+        quiet = (r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute)
+        return next(quiet, None)
+
+
+def run_campaign(
+    design: Design,
+    plan: CampaignPlan,
+    detectors: Sequence[str] = tuple(DETECTORS),
+    scales: Sequence[float] = SCALES,
+    progress: Callable[[str], None] = lambda _: None,
+    first_seed: int = HELD_OUT_FROM,
+    advance: Callable[[float], None] = lambda _: None,
+) -> CampaignResult:
+    """Simulate every case once and evaluate every detector on it."""
+    scales = sorted({1.0, *scales})
+    factors = {name: sorted({*(LOW_SCALES if needs_board(name) else ()), *scales}) for name in detectors}
+    results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance, progress)
+    return CampaignResult(plan, first_seed, results)
+
+
+def run_cases(
+    design: Design,
+    cases: Sequence[Case],
+    factors: Mapping[str, Sequence[float]],
+    advance: Callable[[float], None] = lambda _: None,
+    progress: Callable[[str], None] | None = None,
+) -> dict[str, tuple[DetectorResult, ...]]:
+    """Simulate cases and evaluate each detector on them at some factors of its threshold."""
+    trials: dict[str, list[list[TrialResult]]] = {name: [] for name in factors}
+    with compiled(progress):
+        for i, case in enumerate(cases):
+            advance(i / len(cases))
+            trace, force_n = simulate_trace(design, case, tuple(factors))
+            for name, scales in factors.items():
+                trials[name].append(evaluate(case, trace, force_n, name, design, scales))
+    return {
+        name: tuple(map(DetectorResult, scales, zip(*trials[name], strict=True))) for name, scales in factors.items()
+    }
+
+
+def run_detector_on(design: Design, cases: Iterable[Case], detector: str) -> DetectorResult:
+    """Simulate cases and evaluate one detector on them at its own threshold."""
+    return run_cases(design, list(cases), {detector: (1.0,)})[detector][0]

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks import slip_robustness
 from fingertip.foundation.errors import TraceError
 from fingertip.lab import mix_signals
-from fingertip.lab.mix import MixSize, assess, generate_mix, run_detector, summarise
+from fingertip.lab.mix import MixSize, assess, run_detector
 from fingertip.lab.mix_signals import LabelledSignal, Slide
 from fingertip.lab.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.lab.report import robustness
@@ -103,8 +104,8 @@ def test_grip_steps_change_the_force_without_slip():
 
 @pytest.mark.full
 def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
-    size = MixSize(24, 4.0, 30, 12)
-    found = summarise(run_detector("fast", DESIGN, generate_mix(DESIGN, size, HELD_OUT_FROM + 77_000_000)))
+    signals = slip_robustness.generate_all(DESIGN, 24, 4.0, MixSize(30, 12), HELD_OUT_FROM + 77_000_000)
+    found = slip_robustness.pool(list(run_detector("fast", DESIGN, signals)))
     assert found["slip"].found_share == 1.0
     assert found["slip"].delay_s(0.9) < 0.03
     assert found["campaign"].alarms <= 1
@@ -123,8 +124,8 @@ def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
 
 @pytest.mark.full
 def test_the_mix_is_the_same_for_the_same_seed_and_counts_what_it_was_asked_for():
-    size = MixSize(1, 0.01, 3, 2)
-    first, second = (list(generate_mix(DESIGN, size, 9_000_000)) for _ in range(2))
+    size = MixSize(3, 2)
+    first, second = (list(slip_robustness.generate_all(DESIGN, 1, 0.01, size, 9_000_000)) for _ in range(2))
     assert [s.kind for s in first] == [s.kind for s in second]
     assert all(np.array_equal(a.voltage_v, b.voltage_v) for a, b in zip(first, second, strict=True))
     kinds = [s.kind for s in first]

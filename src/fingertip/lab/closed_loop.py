@@ -1,4 +1,4 @@
-"""Grip controller of the article's closed loop (III.C, figures 16 and 17): it tightens the grip when slip is detected.
+"""Closed loop of the article (III.C, figures 16 and 17): a grip that tightens when slip is detected.
 
 The controller sees what a real one would see (`fingertip.sim.Observation`): sampled voltages and the fingers' closing.
 Each finger has a detector, and the design's bridge converts its voltage back to a force. A detection is suppressed
@@ -6,6 +6,10 @@ while the forces grow fast, "assuming that, when the forces are growing, slippag
 suppresses contacts, and the vibration of the hand's own motors while they close. A detection that is not suppressed
 makes every finger close further, by what its pad needs to press harder by a fixed ratio. Then the controller ignores
 detections until motors and detectors have settled.
+
+In the article's twelve manipulations, four objects three times each, a robot's pin hits a grasped object at 8 cm/s. The
+results say whether the object is held, how soon the hand moves, and whether the grip was ever tightened without slip.
+The same manipulations without control show what the detector adds.
 """
 
 from __future__ import annotations
@@ -40,6 +44,17 @@ from fingertip.slip.traces.intervals import INCIPIENT_S
 
 _MIN_PRESENT_N = 0.1
 """Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
+FIRST_SEED = HELD_OUT_FROM + 1_000_000
+"""Seed of the first manipulation; all of them are held out."""
+NO_CONTROL = "no control"
+"""Name that stands for a detector where there is no control."""
+REACTION_M = 1e-4
+"""Closing of a finger that counts as a reaction [m]. Assumption: well above an encoder's step."""
+MAX_SINCE_SLIP_S = 0.15
+"""Longest time since true slip for which a grip increase is justified [s]: the detectors' memory and one control
+period. Assumption."""
+_OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
+"""Outputs of every manipulation; the board's envelope is added where the detector reads it."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
 
 
@@ -166,26 +181,6 @@ def run_with_grip(
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
     result = run_manipulation(design, scene, controller, simulation.seed, progress)
     return GrippedResult(result, tuple(decision.time_s for decision in controller.decisions if decision.tightened))
-
-
-# The article's twelve manipulations (III.C) with a detector in the loop: four objects, three times each.
-#
-# A robot's pin hits a grasped object at 8 cm/s. The results say whether the object is held, how soon the hand moves,
-# and whether the grip was ever tightened without slip. The same manipulations without control show what the detector
-# adds.
-
-
-FIRST_SEED = HELD_OUT_FROM + 1_000_000
-"""Seed of the first manipulation; all of them are held out."""
-NO_CONTROL = "no control"
-"""Name that stands for a detector where there is no control."""
-REACTION_M = 1e-4
-"""Closing of a finger that counts as a reaction [m]. Assumption: well above an encoder's step."""
-MAX_SINCE_SLIP_S = 0.15
-"""Longest time since true slip for which a grip increase is justified [s]: the detectors' memory and one control
-period. Assumption."""
-_OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
-"""Outputs of every manipulation; the board's envelope is added where the detector reads it."""
 
 
 @dataclass(frozen=True, eq=False)

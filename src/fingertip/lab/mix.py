@@ -15,7 +15,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.lab import mix_signals
 from fingertip.lab.campaign import needs_board, quantile_s, separate_events
 from fingertip.lab.mix_signals import REACTION_S, LabelledSignal
-from fingertip.lab.plan import NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
+from fingertip.lab.plan import NEGATIVE_SCENES
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.sim.signal.board_output import SimulatedBoardDetector
@@ -25,10 +25,6 @@ from fingertip.slip.traces.intervals import intervals
 
 EARLY_S = 0.005
 """Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""
-SLIP = "slip"
-"""Kind of the article's trials."""
-CAMPAIGN = "without slip: "
-"""Begin of the kinds of the campaign's scenes without slip; the cause follows."""
 SLIDE_STRENGTHS_V = (0.002, 0.004, 0.008, 0.016)
 """RMS values of the long slides [V]."""
 BURSTS_V = (0.006, 0.025)
@@ -41,9 +37,6 @@ _CONTACT_S = 1.7
 class MixSize:
     """Numbers of signals."""
 
-    trials: int = 240
-    minutes: float = 30.0
-    """Duration of the campaign's scenes without slip [min]."""
     events: int = 100
     """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
     noisy: int = 48
@@ -51,8 +44,8 @@ class MixSize:
 
     @classmethod
     def for_trials(cls, trials: int) -> MixSize:
-        """Size beside a campaign of so many trials, which holds the trials and the scenes without slip itself."""
-        return cls(0, 0.0, max(4, trials), max(4, 2 * trials // 5))
+        """Size beside a campaign of so many trials."""
+        return cls(max(4, trials), max(4, 2 * trials // 5))
 
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
@@ -60,11 +53,6 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
     seeds = itertools.count(first_seed)
     trials = [scene for scene, _ in article_trials()]
     with compiled():
-        for i in range(size.trials):
-            yield mix_signals.simulate_scene(design, trials[i % len(trials)], next(seeds), SLIP)
-        for cause, (scene, share) in NEGATIVE_SCENES.items():
-            for _ in range(math.ceil(60 * size.minutes * share / nominal_duration_s(cause))):
-                yield mix_signals.simulate_scene(design, scene, next(seeds), CAMPAIGN + cause)
         for _ in range(size.events):
             yield mix_signals.grip_change(design, next(seeds))
         for _ in range(size.events):
@@ -252,11 +240,9 @@ class MixSummary:
 
 
 def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
-    """Pool outcomes by kind, all trials and scenes whose alarms are limited also under "campaign"."""
+    """Pool outcomes by kind, and those in all conditions of `fingertip.lab.mix_signals.NOISES` together."""
     groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.kind, []).append(outcome)
-    limited = [SLIP, *(CAMPAIGN + cause for cause in NEGATIVE_SCENES if cause not in REPORTED_SEPARATELY)]
-    groups["campaign"] = [outcome for kind in limited for outcome in groups.get(kind, [])]
     groups["unstated noise"] = [outcome for kind in mix_signals.NOISES for outcome in groups.get(kind, [])]
-    return {kind: MixSummary(tuple(group)) for kind, group in groups.items()}
+    return {kind: MixSummary(tuple(group)) for kind, group in groups.items() if group}

@@ -240,7 +240,6 @@ def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
             "minutes": round(summary.minutes, 3),
         }
         for kind, summary in mix.items()
-        if summary.outcomes
     }
 
 
@@ -259,8 +258,6 @@ def mix_table(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], d
         f"{'alarms/min':>10}",
     ]
     for kind, summary in mix.items():
-        if not summary.outcomes:
-            continue
         found = f"{100 * summary.found_share:6.1f}%" if summary.slides else ""
         delays = (summary.delay_s(0.5), summary.delay_s(0.9), summary.worst_s, summary.motion_delay_s(0.9))
         cells = [format_ms(delay) if summary.slides else "" for delay in delays]

@@ -28,7 +28,7 @@ from fingertip.foundation.plot_style import (
 from fingertip.lab.campaign import scene_surface, simulate_trace
 from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.lab.plan import HELD_OUT_FROM, Case
-from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR
+from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
 from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
@@ -130,8 +130,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
     _draw_rows(on, trace, rows)
     for axes in (force, voltage, envelope):
-        _shade_slip(axes, trace)
-        _shade_motion(axes, trace)
+        _shade(axes, trace)
         style_axes(axes)
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
@@ -141,9 +140,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     force.set_title(title, loc="left", fontsize=10)
     on.set_xlabel("time [s]")
     on.set_xlim(float(t[0]), float(t[-1]))
-    envelope.legend(
-        frameon=False, ncols=2, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
-    )  # fmt: skip
+    add_legend(envelope, 2, "left")
     figure.align_ylabels()
     return to_png(figure)
 
@@ -169,8 +166,7 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         twin.set_ylim(0, 2600 * max(0.04, float(np.max(slipping, initial=0.0))))
         twin.set_ylabel("envelope [mV]", color=_ENVELOPE)
         twin.spines["top"].set_visible(False)
-        _shade_slip(axes, trace)
-        _shade_motion(axes, trace)
+        _shade(axes, trace)
         spans = [(i.onset_s, i.end_s - i.onset_s) for i in intervals(t, chain.on)]
         axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLOURS["digital"], linewidth=0)
         axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
@@ -192,9 +188,8 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     t = example.trace.time_s
     voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
     voltage.set_ylabel("tactile voltage [V]")
-    _shade_slip(voltage, example.trace)
-    _shade_motion(voltage, example.trace)
-    voltage.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    _shade(voltage, example.trace)
+    add_legend(voltage)
     rows = []
     for window_s in WINDOWS_S:
         flags = make_detector(WINDOW_DETECTOR, with_window(design, window_s)).process(example.trace.voltage_v).on
@@ -251,8 +246,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         force.plot(t, manipulation.output("force_n")[i], color=color, linewidth=0.8, label=finger)
         closing.plot(t, 1000 * manipulation.signals.closing_m[i], color=color, linewidth=1.1, label=finger)
     force.set_ylabel("normal force [N]")
-    # Above the axes, where it covers no data
-    force.legend(frameon=False, ncols=5, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    add_legend(force, 5)
     closing.set_ylabel("closing [mm]")
     # Show the last millimetres, in which the hand reacts: the initial closing is the same in all manipulations.
     closed = np.searchsorted(t, manipulation.plan.closed_s)
@@ -281,9 +275,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     displacement.plot(other.time_s, 1000 * other.signals.object_m, color=REFERENCE, label=label)
     displacement.set_ylabel("object [mm]")
     displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
-    displacement.legend(
-        frameon=False, fontsize=9, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0
-    )
+    add_legend(displacement, 2, "left", 0.0)
     for axes in panels:
         style_axes(axes)
     displacement.set_xlim(float(t[0]), float(t[-1]))
@@ -311,12 +303,10 @@ def _draw_rows(
     style_axes(axes, "x")
 
 
-def _shade_motion(axes: Axes, trace: Trace) -> None:
-    if trace.origin.motion_s is not None:
-        shade_encoder_band(axes, trace.origin.motion_s)
-
-
-def _shade_slip(axes: Axes, trace: Trace) -> None:
+def _shade(axes: Axes, trace: Trace) -> None:
+    """Shade true slip, and the readings of the encoders that show the motion first."""
     assert trace.slip is not None
     for slip in intervals(trace.time_s, trace.slip):
         axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.25, linewidth=0)
+    if trace.origin.motion_s is not None:
+        shade_encoder_band(axes, trace.origin.motion_s)

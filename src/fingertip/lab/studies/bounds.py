@@ -1,9 +1,8 @@
 """Limits of one force axis: a bound on the delay, and what is not distinguished from slip, motors and weak knocks.
 
-The estimated lower bound on the mean delay of a detector that sees the energy of one band only is Lorden's bound.
-
-A change that increases the information by I per second is found, on average and for a mean time between false alarms of
-gamma independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
+The estimated lower bound on the mean delay of a detector that sees the energy of one band only is Lorden's. A change
+that increases the information by I per second is found, on average and for a mean time between false alarms of gamma
+independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
 doi:10.1214/aoms/1177693055). CUSUM reaches this bound. Here slip grows, so the information is integrated from the onset
 until it reaches ln(gamma).
 
@@ -14,6 +13,15 @@ not have to distinguish slip from a load change, and it knows in advance how str
 not a goal. A detector that also sees the slow force, as `fast` does, may be sooner. The bound is asymptotic, for rare
 false alarms, and limits the mean over the noise: the same slip is found a little sooner with some noise, and later with
 other noise. Percentiles of few slips may lie below it.
+
+Motors: the best-fitting pair of tones, of any frequency, phase and amplitude, over a constant and a slope, is
+subtracted from a segment of the voltage. The residual of a motor is noise, and somewhat more for a motor whose
+amplitude grows. The residual of slip, which is not a tone, is larger than that once the segment is long enough: a few
+periods. In a shorter time no detector on one force axis can distinguish them; it must take motors for slip, or be late.
+
+Knocks: a knock excites the pad's own resonance, in the band in which slip shows, and lasts as long as the energy window
+of a few milliseconds: on one force axis a weak knock looks like a short slip. A hard knock differs only in its rate of
+change, which no slip reaches. The trees of `fast` weigh slope, decay and one-way movement.
 """
 
 from __future__ import annotations
@@ -83,15 +91,6 @@ def compute_bounds_s(
             known = np.flatnonzero(information >= required)
             bounds.append(max(0.0, float(begin + known[0] + 1 - slipping[0]) / rate) if known.size else math.inf)
     return bounds
-
-
-# Discrimination of slip from a motor's tones: the shortest time in which any detector could distinguish them.
-#
-# A motor causes a tone and its second harmonic. The best-fitting pair of such tones, of any frequency, phase and
-# amplitude, over a constant and a slope, is subtracted from a segment of the voltage. The residual of a motor is
-# noise, and somewhat more for a motor whose amplitude grows. The residual of slip, which is not a tone, is larger than
-# that once the segment is long enough: a few periods. In a shorter time no detector on one force axis can distinguish
-# them; it must take motors for slip, or be late.
 
 
 SEGMENTS_S = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)
@@ -166,13 +165,6 @@ def _residual(segment: Array, bases: Sequence[Array]) -> float:
     """RMS residual of the best-fitting pair of tones, per degree of freedom that remains."""
     square = min(float(segment @ segment - np.sum((basis.T @ segment) ** 2)) for basis in bases)
     return math.sqrt(max(square, 0.0) / (len(segment) - 7))
-
-
-# Knocks on the held object, from weak to hard: which of them a detector takes for slip.
-#
-# A knock excites the pad's own resonance, in the band in which slip shows, and lasts as long as the energy window of a
-# few milliseconds: on one force axis a weak knock looks like a short slip. A hard knock differs only in its rate of
-# change, which no slip reaches. The trees of `fast` weigh slope, decay and one-way movement.
 
 
 FORCES_N = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)

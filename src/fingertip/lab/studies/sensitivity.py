@@ -1,9 +1,14 @@
-"""Sensitivity of the delay to the acceleration of the surface, the assumption that changes it most.
+"""Sensitivity of the delay to the simulation's assumptions, one at a time, on the same trials.
 
-The article gives a trapezoidal velocity profile, 4 cm at 4, 6 or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second"
-(figure 9). An acceleration a adds ``v / a`` to that second: 40 ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both
-round to one second. Vibration in the fingertip's band needs a speed of ``f lambda``, frequency times wavelength, so
-slip with a larger acceleration is found sooner, by every detector and by the bound.
+Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the surface
+over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers. Their levels
+are assumptions that nobody has verified.
+
+The acceleration of the surface changes the delay most. The article gives a trapezoidal velocity profile, 4 cm at 4, 6
+or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second" (figure 9). An acceleration a adds ``v / a`` to that second: 40
+ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both round to one second. Vibration in the fingertip's band needs a
+speed of ``f lambda``, frequency times wavelength, so slip with a larger acceleration is found sooner, by every detector
+and by the bound.
 """
 
 from __future__ import annotations
@@ -26,7 +31,7 @@ from fingertip.lab.campaign import (
     run_cases,
     simulate_trace,
 )
-from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases, generate_trials
+from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneFile
 from fingertip.slip import DETECTORS
@@ -75,9 +80,6 @@ def study_accelerations(
             median_s, p90_s = (quantile_s(delays_s, count, q) for q in (0.5, 0.9))
             results.append(AccelerationResult(a, name, share, median_s, p90_s))
     return results
-
-
-# Changes of the simulation's assumptions: parameters of scene and design, and the values or factors they take.
 
 
 _SCENE = "scene."
@@ -189,13 +191,6 @@ VARIATIONS: tuple[Variation, ...] = (
 )
 
 
-# Sensitivity of the delay to the simulation's assumptions: one at a time, on the same trials.
-#
-# Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the
-# surface over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers.
-# Their levels are assumptions that nobody has verified.
-
-
 UNCHANGED = Variation("unchanged", {})
 _NEGATIVE_MINUTES = 2.0
 
@@ -224,6 +219,7 @@ class VariationResult:
 
 @dataclass(frozen=True)
 class _VariationRun:
+    variation: Variation
     pooled: DetectorResult
     onsets_s: tuple[float, ...]
     """True onset in each trial, NaN without slip."""
@@ -238,36 +234,33 @@ def study_assumptions(
     variations: Sequence[Variation] = VARIATIONS,
 ) -> list[VariationResult]:
     """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
-    base = _run_variation(design, detector, UNCHANGED, trials, first_seed)
-    results = [_compare(UNCHANGED, base, base)]
-    for variation in variations:
-        results.append(_compare(variation, _run_variation(design, detector, variation, trials, first_seed), base))
-    return results
+    plan = CampaignPlan(trials, _NEGATIVE_MINUTES)
+    cases = [case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY]
+    runs = [_run_variation(design, detector, variation, cases) for variation in (UNCHANGED, *variations)]
+    return [_compare(run, runs[0]) for run in runs]
 
 
-def _run_variation(design: Design, detector: str, variation: Variation, trials: int, first_seed: int) -> _VariationRun:
+def _run_variation(design: Design, detector: str, variation: Variation, cases: Sequence[Case]) -> _VariationRun:
     changed_design = variation.vary_design(design)
     collected: list[TrialResult] = []
     onsets_s, vibrations_n = [], []
     with compiled():
-        for case in generate_cases(CampaignPlan(trials, _NEGATIVE_MINUTES), first_seed):
-            if case.cause in REPORTED_SEPARATELY:
-                continue
+        for case in cases:
             changed_case = replace(case, scene=variation.vary_scene(case.scene))
             trace, force_n = simulate_trace(changed_design, changed_case, [detector])
             collected += evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
             if case.cause == "slip":
                 onsets_s.append(find_onset_s(changed_design, changed_case, trace))
                 vibrations_n.append(measure_vibration_n(trace))
-    return _VariationRun(DetectorResult(1.0, tuple(collected)), tuple(onsets_s), tuple(vibrations_n))
+    return _VariationRun(variation, DetectorResult(1.0, tuple(collected)), tuple(onsets_s), tuple(vibrations_n))
 
 
-def _compare(variation: Variation, run: _VariationRun, base: _VariationRun) -> VariationResult:
+def _compare(run: _VariationRun, base: _VariationRun) -> VariationResult:
     median_s, before_s = run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
     is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
     return VariationResult(
-        variation.label,
-        variation.is_realistic,
+        run.variation.label,
+        run.variation.is_realistic,
         run.pooled.slips,
         run.pooled.found_share,
         median_s,

@@ -1,7 +1,11 @@
-"""Sensitivity of signals and delays to the time step: the same trials on the shipped grid and on a much finer one.
+"""Sensitivity of signals and delays to the time step, and of the delay to the sampling rate.
 
-Noise is drawn on the base grid and stays the same, so every difference is an error of the step. The finer grid stands
-for the limit of vanishing steps.
+The same trials run on the shipped grid and on a much finer one, which stands for the limit of vanishing steps. Noise is
+drawn on the base grid and stays the same, so every difference is an error of the step.
+
+The ADC's noise is the same at every conversion (`detector.noise_v`), so ten times the sampling rate leaves a tenth of
+its power in the band of slip. The article's ADC (NI 6002) makes 50 000 conversions a second in total; the article used
+2 000. `fast` derives its thresholds from the noise, so it needs no other threshold.
 """
 
 from __future__ import annotations
@@ -144,13 +148,6 @@ def _pool_shifts(detector: str, shifts_samples: Sequence[float], rate_hz: float)
     median_s, p90_s = (quantile_s(found, len(found), q) / rate_hz if found else 0.0 for q in (0.5, 0.9))
     worst_s = max(found, default=0.0) / rate_hz
     return DelayShift(detector, len(found), beyond, sum(map(math.isinf, found)), median_s, p90_s, worst_s)
-
-
-# Delay of `fast` by sampling rate: the ADC's noise is spread over half the sampling rate.
-#
-# The ADC's noise is the same at every conversion (`detector.noise_v`), so ten times the sampling rate leaves a tenth
-# of its power in the band of slip. The article's ADC (NI 6002) makes 50 000 conversions a second in total; the article
-# used 2 000. `fast` derives its thresholds from the noise, so it needs no other threshold.
 
 
 RATES_HZ = (2000.0, 5000.0, 10_000.0, 20_000.0)

@@ -1,14 +1,19 @@
-"""Numbers of a validation as text and as data for JSON."""
+"""Numbers of a validation as text and as data for JSON, and those that its text takes from a file."""
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
+
+ONSETS: Mapping[str, Any] = tomllib.loads(Path(__file__).with_name("onsets.toml").read_text(encoding="utf-8"))
+"""Times before gross slip in the article's trials [ms], which ``tools/onsets.py`` measures."""
 
 
 def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f") -> str:

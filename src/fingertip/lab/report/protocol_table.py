@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from fingertip.lab.closed_loop import ClosedLoopSummary
-from fingertip.lab.report.numbers import format_ms, to_data
+from fingertip.lab.report.numbers import ONSETS, format_ms, to_data
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy
-from fingertip.slip.traces.origin import ENCODER_HZ
+from fingertip.slip.traces.origin import ENCODER_HZ, encoder_delay_band_s
 
 COLUMNS = tuple(device for device in DEVICES if device != "fft")
 """Devices that have a column."""
@@ -48,6 +48,7 @@ def list_rows(study: ProtocolStudy) -> list[ProtocolRow]:
         for moved_m in MOVED_M[1:]
     ]
     fft = study.find("fft")
+    early_s, late_s = encoder_delay_band_s(ONSETS["motion_ms"] / 1000)
     return [
         row(
             "threshold", "chosen empirically", lambda r: f"{1000 * r.threshold_v:.3g} mV",
@@ -60,8 +61,9 @@ def list_rows(study: ProtocolStudy) -> list[ProtocolRow]:
         ),
         row(
             "below 30 ms", "69 of 120, called 76.7 %", _below,
-            "69 of 120 are 57.5 %, and 76.7 % would be 92. Here gross slip begins some 13 ms after the robot starts. "
-            "The bare diode waits for strong vibration; without its dead zone the noise allows a low threshold",
+            "69 of 120 are 57.5 %, and 76.7 % would be 92. Here gross slip begins some "
+            f"{ONSETS['motion_ms']:.0f} ms after the robot starts. The bare diode waits for strong vibration; without "
+            "its dead zone the noise allows a low threshold",
         ),
         *later,
         row(
@@ -70,8 +72,8 @@ def list_rows(study: ProtocolStudy) -> list[ProtocolRow]:
         ),
         row(
             "fullest bin of 5 ms", "15 ms", lambda r: f"{1000 * r.fullest_bin_s:.0f} ms",
-            "as below 30 ms; by encoders, gross slip begins 3 to 13 ms after their zero, which leaves little of 15 ms "
-            "for a window of 30 ms to fill",
+            f"as below 30 ms; by encoders, gross slip begins {early_s * 1000:.0f} to {late_s * 1000:.0f} ms after "
+            "their zero, which leaves little of 15 ms for a window of 30 ms to fill",
         ),
         row(
             "largest mean, flat surfaces", "below 60 ms", lambda r: _ms(r.worst_surface_s),

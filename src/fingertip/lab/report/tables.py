@@ -12,12 +12,13 @@ from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.lab.mix import MixSummary
 from fingertip.lab.plan import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.lab.report import protocol_table, robustness
-from fingertip.lab.report.numbers import format_ms, to_data, to_number
+from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
 from fingertip.lab.studies.article import ProtocolStudy, Spectrum, WindowResult
 from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
 from fingertip.lab.studies.steps import SamplingRateResult, StepSensitivity
+from fingertip.slip.traces.intervals import INCIPIENT_S
 from fingertip.slip.traces.origin import ENCODER_HZ, ENCODER_NOTE, encoder_delay_band_s, format_delay_band
 
 BOUND_LABEL = (
@@ -30,10 +31,11 @@ ASSUMPTIONS = (
     "All traces are simulated. Friction, vibration, noise and the scenes without slip rest on assumptions, which are "
     "marked in fingertip.sim and in params/scenes. A real finger will differ.",
     "Gross slip, from which the delay counts, begins when the pad slides at 1 mm/s. Elastic deflection of the bristles "
-    "of the contact, which would spring back, is not sliding. Including it, the pad has moved at 1 mm/s for 5 to 7 ms "
-    "by then, and the robot for some 13 ms. A detector that turns ON in the last 7 ms before gross slip has detected "
-    "it, with a delay of 0. The surface accelerates at 1 m/s2; the table of accelerations shows how much that "
-    "matters.",
+    "of the contact, which would spring back, is not sliding. Including it, the pad has moved at 1 mm/s for "
+    f"{ONSETS['sliding_ms'][0]:.0f} to {ONSETS['sliding_ms'][1]:.0f} ms by then, and the robot for some "
+    f"{ONSETS['motion_ms']:.0f} ms. A detector that turns ON in the last {1000 * INCIPIENT_S:g} ms before gross slip "
+    "has detected it, with a delay of 0. The surface accelerates at 1 m/s2; the table of accelerations shows how much "
+    "that matters.",
     "The detector analog reads the output of the design's simulated board. The variant article has a bare 1N4148; the "
     "article does not name its diode. The table of board variants compares it with a board without dead zone.",
     f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} were used to tune the detector fast; all seeds "

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from fingertip.board.components.supplies import SUPPLIES
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
-from fingertip.documents.board.connectors import bullet_list, paragraph
-from fingertip.documents.board.signals import POWER_UP_S
+from fingertip.documents.board.readme import POWER_UP_S
+from fingertip.documents.template import bullet_list, paragraph
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table

@@ -12,7 +12,7 @@ from fingertip.casting.hardware import WEIGHTS_G, describe_plug_wires, size_wire
 from fingertip.casting.uses import OPEN_OHM, PRESSED_OHM
 from fingertip.design import Design
 from fingertip.design.formulas.supply import signal_ground_ratio
-from fingertip.documents.template import render
+from fingertip.documents.template import lay_out_page, render
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, INTERVAL
@@ -183,4 +183,4 @@ def render_acceptance(data: dict[str, Any]) -> str:
     masses = [f"{weight['mass_g']:g} g" for weight in data["weights"]]
     # What `fingertip detect` prints.
     slip_line = f"{DETECTED} {INTERVAL.format(onset='...', end='...')}"
-    return render("acceptance.md", {**data, "masses": masses, "slip_line": slip_line})
+    return lay_out_page(render("acceptance.md", **data, masses=masses, slip_line=slip_line))

@@ -10,7 +10,7 @@ from fingertip.cad.shapes.engraving import STROKE_WIDTH
 from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS, PLAN, list_lengths
 from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
-from fingertip.documents.template import render
+from fingertip.documents.template import lay_out_page, render
 
 COUPON_LAYER_MM = 0.2
 """Height of the layers for which the coupon is made [mm]."""
@@ -48,4 +48,4 @@ def render_instructions(design: Design, readings_file: str) -> str:
         "letters": LETTERS,
         "stroke_mm": STROKE_WIDTH * text_unit_mm(design),
     }
-    return render("coupon.md", data)
+    return lay_out_page(render("coupon.md", **data))

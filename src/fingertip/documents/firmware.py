@@ -12,8 +12,8 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
-from fingertip.documents.board.signals import POWER_UP_S
-from fingertip.documents.template import render
+from fingertip.documents.board.readme import POWER_UP_S
+from fingertip.documents.template import WIDTH, lay_out_page, render
 from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
 from fingertip.foundation.toml_files import DESIGN
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
@@ -143,4 +143,4 @@ def render_readme(design: Design) -> str:
         "tick_ms": 1e3 * TICK_S,
         "trees": load_model().trees,
     }
-    return render("firmware.md", data, width=120)
+    return lay_out_page(render("firmware.md", **data), WIDTH)

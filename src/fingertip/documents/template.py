@@ -1,7 +1,7 @@
-"""Documents as Markdown templates, which stand beside the functions that collect their data.
+"""Documents as Markdown templates (Jinja2): the text stands in a template, and a function beside it collects the data.
 
-A template holds whole sentences on lines of any length. What it gives is then laid out as Markdown reads it: the lines
-of a paragraph, of an entry of a list or of a row of a table become one, and one empty line parts two blocks.
+A name without a value is an error, and a float is written without the zeros at its end. The lines of a template may
+break anywhere within a sentence: `lay_out_page` makes the lines of the page.
 """
 
 from __future__ import annotations
@@ -10,71 +10,92 @@ import functools
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from fingertip.foundation.files import format_figure
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
+WIDTH = 120
+"""Longest line of a document whose text is wrapped [characters]."""
 _FENCE = "```"
-_BEGINS_BLOCK = re.compile(r"#+ |\||- |\d+\. |\s*!\[")
-_LIST_ENTRY = re.compile(r"- ")
+_ITEM = re.compile(r"- |\d+\. ")
+_BEGINS_BLOCK = re.compile(rf"#+ |\||{_ITEM.pattern}|\s*!\[")
 
 
-def render(name: str, data: Mapping[str, Any], width: int | None = None) -> str:
-    """Render a template of this folder as a page; a width wraps its paragraphs and lists."""
-    return lay_out(_templates().get_template(name).render(data), width)
+def render(name: str, /, **data: Any) -> str:
+    """Render a template of this package's folder, such as "board/readme.md"."""
+    return _environment().get_template(name).render(data)
 
 
 def render_rows(name: str, data: Mapping[str, Any]) -> list[dict[str, str]]:
     """Render a template that is a table, as its rows: column -> cell."""
-    rows = (line for line in render(name, data).splitlines() if line.startswith("|"))
+    rows = (line for line in lay_out_page(render(name, **data)).splitlines() if line.startswith("|"))
     head, _, *cells = ([cell.strip() for cell in row[1:-1].split("|")] for row in rows)
     return [dict(zip(head, row, strict=True)) for row in cells]
 
 
 @functools.cache
-def _templates() -> Environment:
-    import jinja2
+def _environment() -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    # No page is HTML: nothing is escaped. A name that the data lack is an error.
-    templates = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        undefined=jinja2.StrictUndefined,
+    environment = Environment(
+        loader=PackageLoader("fingertip", "documents"),
+        undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=_write,
+        keep_trailing_newline=True,
+        finalize=lambda value: f"{value:g}" if isinstance(value, float) else value,
     )
-    templates.filters |= {"listed": list_in_words, "span": write_span, "fixed": write_fixed}
-    return templates
+    environment.filters |= {
+        "wrap": lambda text: lay_out_page(text, WIDTH),
+        "listed": _list_in_words,
+        "span": _span,
+        "figure": format_figure,
+        "fixed": _fixed,
+        "digits": _digits,
+        "milli": _milli,
+        "ohm": format_ohm,
+    }
+    return environment
 
 
-def _write(value: Any) -> Any:
-    """Write a float without the zeros at its end."""
-    return f"{value:g}" if isinstance(value, float) else value
-
-
-def list_in_words(names: Sequence[str], last_word: str = "and") -> str:
-    """Write names as a list in words."""
+def _list_in_words(names: Sequence[str], last_word: str = "and") -> str:
     *first, last = names
     return f"{', '.join(first)} {last_word} {last}" if first else last
 
 
-def write_span(limits: Sequence[float]) -> str:
+def _span(limits: Sequence[float]) -> str:
     """Write the lower and the upper limit of a size; one figure if they agree."""
     low, high = limits
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def write_fixed(value: float, decimals: int) -> str:
-    """Write a number with fixed decimals."""
-    return f"{value:.{decimals}f}"
+def _fixed(value: float, decimals: int) -> str:
+    # 0 has no sign.
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
-def lay_out(text: str, width: int | None = None) -> str:
-    """Join the lines of each block of a page, and wrap paragraphs and lists to a width if there is one.
+def _digits(value: float, digits: int) -> str:
+    return f"{value:.{digits}g}"
 
-    The further lines of a row of a table are indented.
+
+def _milli(value: float, decimals: int | None = None) -> str:
+    """Write a value in thousandths of its unit."""
+    return f"{1e3 * value:g}" if decimals is None else _fixed(1e3 * value, decimals)
+
+
+def format_ohm(value: float) -> str:
+    """Format a resistance with three digits: 6800 -> "6.8 kohm"."""
+    size, prefix = next(unit for unit in ((1e6, "M"), (1e3, "k"), (1.0, "")) if value >= unit[0] or not unit[1])
+    return f"{value / size:.3g} {prefix}ohm"
+
+
+def lay_out_page(text: str, width: int | None = None) -> str:
+    """Make one line of each paragraph, item of a list and row of a table, and one empty line between blocks.
+
+    With a width, paragraphs and items are wrapped. The further lines of a row are indented in the template.
     """
     lines, is_fenced, is_open = [""], False, False
     for line in text.splitlines():
@@ -96,13 +117,14 @@ def lay_out(text: str, width: int | None = None) -> str:
 
 
 def _wrap(lines: Sequence[str], width: int) -> list[str]:
-    """Wrap paragraphs and entries of lists; tables, headings and code stay as they are."""
+    """Wrap paragraphs and items of lists; tables, headings and code stay as they are."""
     wrapped, is_fenced = list[str](), False
     for line in lines:
         is_fenced ^= line.startswith(_FENCE)
         if is_fenced or not line or line.startswith(("|", "#", _FENCE)):
             wrapped.append(line)
         else:
-            indent = "  " if _LIST_ENTRY.match(line) else ""
+            mark = _ITEM.match(line)
+            indent = " " * mark.end() if mark else ""
             wrapped += textwrap.wrap(line, width, subsequent_indent=indent, break_on_hyphens=False)
     return wrapped

@@ -43,7 +43,7 @@ from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.seat import sleeve_inset_mm, worst
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.tail_fold import END_ROOM_MM
-from fingertip.documents.template import render, render_rows
+from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
 Data = dict[str, Any]
@@ -312,14 +312,13 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
 
 def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
     """Render the data of a sheet as a Markdown page, with a picture for each step if there are any."""
-    return render(
-        "casting/sheet.md", data | {"steps": steps(data), "pictures": pictures, "how_to_install": HOW_TO_INSTALL}
-    )
+    page = render("casting/sheet.md", **data, steps=steps(data), pictures=pictures, how_to_install=HOW_TO_INSTALL)
+    return lay_out_page(page)
 
 
 def steps(data: Data) -> list[Step]:
     """List the steps of the procedure, in order."""
-    _, *pages = render("casting/procedure.md", _add_uses(data)).split("## ")
+    _, *pages = render("casting/procedure.md", **_add_uses(data)).split("## ")
     return [Step(name, " ".join(text.split())) for name, _, text in (page.partition("\n") for page in pages)]
 
 

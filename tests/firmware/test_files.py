@@ -13,7 +13,7 @@ from fingertip.board.components.values import select_components
 from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.load import load_tables
-from fingertip.documents.board.signals import POWER_UP_S
+from fingertip.documents.board.readme import POWER_UP_S
 from fingertip.documents.firmware import (
     BOARDS,
     BUFFER_SAMPLES,

@@ -18,8 +18,7 @@ from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
-from fingertip.documents.casting.markdown import render_sheet, steps
-from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.pictures.steps import scene as drawing
 from fingertip.pictures.steps.bench import Bench

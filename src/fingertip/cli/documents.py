@@ -80,8 +80,7 @@ def sheet(
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cli.options import load_design
     from fingertip.design.silicone import replace_silicone, select_silicone
-    from fingertip.documents.casting.markdown import render_sheet, steps
-    from fingertip.documents.casting.sheet import casting_sheet_data
+    from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
     from fingertip.foundation.errors import OutputError
     from fingertip.foundation.files import write_file
     from fingertip.tasks.build import parts_writer, steps_writer

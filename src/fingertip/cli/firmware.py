@@ -31,8 +31,7 @@ def firmware(
     and memory.
     """
     from fingertip.cli.options import load_design
-    from fingertip.firmware.packaging import cost_table, read_costs
-    from fingertip.firmware.wiring import find_warnings
+    from fingertip.firmware.packaging import cost_table, find_warnings, read_costs
     from fingertip.tasks.firmware import firmware_differences, firmware_folder, write_firmware
 
     console = Console(as_json, quiet)

@@ -1,12 +1,15 @@
-"""Files that make the library one of Arduino and of PlatformIO."""
+"""Library for controllers: its descriptions for Arduino and PlatformIO, its measured costs, and the boards it fits."""
 
 from __future__ import annotations
 
 import functools
 import json
+from collections.abc import Iterator
 from importlib import resources
 from typing import Any
 
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.foundation.version import __version__
 
@@ -14,7 +17,7 @@ NAME = "FingertipSlip"
 """Name of the library."""
 PROPERTIES, MANIFEST = "library.properties", "library.json"
 _SUMMARY = "Slip detector of a prosthetic fingertip."
-_LICENSE = "Apache-2.0"
+_CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 
 
 def library_properties(design: Design) -> bytes:
@@ -41,7 +44,7 @@ def library_manifest(design: Design) -> bytes:
         "version": _semantic_version(),
         "description": f"{_SUMMARY} {_describe(design)}",
         "keywords": ["slip", "tactile", "prosthetics"],
-        "license": _LICENSE,
+        "license": "Apache-2.0",
         "frameworks": "*",
         "platforms": "*",
         "headers": "slip_detector.h",
@@ -99,3 +102,31 @@ def cost_table() -> str:
             )
         )
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def find_warnings(design: Design) -> Iterator[str]:
+    """Warn of a board or a converter that the inputs of a controller do not fit."""
+    supply, detector = SUPPLIES[design.board.supply], design.detector
+    problems = []
+    if not supply.is_for_controller:
+        problems.append(
+            f"the outputs of a board with board.supply={supply.name} may exceed the inputs of a controller of "
+            f"{_CONTROLLER_SUPPLY.nominal_v:g} V"
+        )
+    if detector.adc_polarity != "unipolar":
+        problems.append(
+            f"detector.adc_polarity={detector.adc_polarity} is no converter of a controller, which reads from 0 V up"
+        )
+    if problems:
+        changes = " ".join(f"--set {change}" for change in controller_changes())
+        yield f"{', and '.join(problems)}; with {changes} the board fits a controller."
+
+
+def controller_changes() -> tuple[str, ...]:
+    """Changes to a design that select a board and a converter for a controller."""
+    return (
+        *BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"].changes,
+        "detector.adc_polarity=unipolar",
+        f"detector.adc_range_v={_CONTROLLER_SUPPLY.nominal_v:g}",
+        "detector.adc_bits=12",
+    )

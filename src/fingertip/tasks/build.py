@@ -38,8 +38,7 @@ from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.parameters.issues import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
-from fingertip.documents.casting.markdown import render_sheet
-from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
@@ -225,7 +224,7 @@ def _replace_subset(
 
 def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
     """Draw the pictures of the casting steps."""
-    from fingertip.documents.casting.markdown import steps
+    from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps
 
     return draw_steps(design, casting, steps(casting), progress)

@@ -7,6 +7,13 @@ import re
 from pathlib import Path
 
 import pytest
+from fingertip.firmware.wiring import (
+    READ_NETS,
+    controller_changes,
+    find_warnings,
+    wiring_notes,
+    wiring_table,
+)
 
 from fingertip.board import board_circuit
 from fingertip.board.components.values import select_components
@@ -24,13 +31,6 @@ from fingertip.documents.firmware import (
 )
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.firmware.wiring import (
-    READ_NETS,
-    controller_changes,
-    find_warnings,
-    wiring_notes,
-    wiring_table,
-)
 from fingertip.foundation.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, load_model

@@ -50,6 +50,7 @@ def _environment() -> Environment:
     )
     environment.filters |= {
         "wrap": lambda text: lay_out_page(text, WIDTH),
+        "paragraphs": lay_out_page,
         "listed": _list_in_words,
         "span": _span,
         "figure": format_figure,

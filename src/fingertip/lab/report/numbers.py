@@ -21,6 +21,16 @@ def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f") -> s
     return f"{1000 * seconds:{form}} ms" if math.isfinite(seconds) else otherwise
 
 
+def format_mn(newtons: float) -> str:
+    """Format the vibration of a force in millinewtons."""
+    return f"{1000 * newtons:.1f} mN" if math.isfinite(newtons) else "no slip"
+
+
+def format_milli(value: float, signal: str) -> str:
+    """Format a value of a signal in thousandths of its unit, which its name ends with."""
+    return f"{1000 * value:.3f} m{signal.rpartition('_')[2].upper()}"
+
+
 def to_number(value: float) -> float | None:
     """Round a number for JSON; None stands for one that is not finite."""
     return round(value, 7) if math.isfinite(value) else None

@@ -6,23 +6,17 @@ Changed assumptions, effects that the trials leave out, the time step, several r
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fingertip.foundation.statistics import poisson_interval
 from fingertip.lab.campaign import DetectorResult
 from fingertip.lab.mix import MixSummary
-from fingertip.lab.report.numbers import format_ms, to_data, to_number
+from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number
 from fingertip.lab.studies.sensitivity import (
-    BOTH,
-    ELASTO_PLASTIC,
-    HELD_LONGER,
-    PATCH_AVERAGE,
-    STICK_SLIP,
     VariationResult,
 )
-from fingertip.lab.studies.steps import GOAL_SHARE, SignalError, StepSensitivity
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
 from fingertip.slip.traces.origin import ENCODER_NOTE
 
 LEVELS_ARE_ASSUMED = (
@@ -81,7 +75,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
     onset = "" if v is base else _signed_ms(v.onset_change_s)
     return (
         f"{format_ms(v.median_s):>10} {change:>10} {found:>14} {v.alarms_per_minute:10.2f} {onset:>10} "
-        f"{_mn(v.vibration_n):>11}  {v.label}"
+        f"{format_mn(v.vibration_n):>11}  {v.label}"
     )
 
 
@@ -101,85 +95,10 @@ def step_table(steps: StepSensitivity) -> list[str]:
         for row in steps.shifts
     ]
     lines.append("largest error in a trial:")
-    lines += [
-        f"{row.signal:12} {'':18} {_milli(row, row.median):>10} {_milli(row, row.p90):>10} {_milli(row, row.worst):>10}"
-        for row in steps.errors
-    ]
+    for row in steps.errors:
+        median, p90, worst = (format_milli(value, row.signal) for value in (row.median, row.p90, row.worst))
+        lines.append(f"{row.signal:12} {'':18} {median:>10} {p90:>10} {worst:>10}")
     return lines
-
-
-def realism_remarks(variations: Sequence[VariationResult], detector: str, patch_radius_m: float) -> Iterator[str]:
-    """Say what the realistic effects mean for a detector, one remark each."""
-    base, rows = variations[0], {v.label: v for v in variations}
-    if PATCH_AVERAGE in rows:
-        yield _patch_remark(base, rows[PATCH_AVERAGE], rows.get(STICK_SLIP), rows.get(BOTH), detector, patch_radius_m)
-    if ELASTO_PLASTIC in rows:
-        row = rows[ELASTO_PLASTIC]
-        yield (
-            f"Model of the bristles: with elasto-plastic instead of plain bristles, the true onset of slip moves by "
-            f"{_signed_ms(row.onset_change_s)} (median of the trials). Delays count from this onset, so they depend on "
-            f"the model by as much: {_describe(row, detector)}."
-        )
-    for row in variations[1:]:
-        if row.is_realistic and row.label not in (PATCH_AVERAGE, STICK_SLIP, BOTH, ELASTO_PLASTIC):
-            yield f"{row.label[0].upper()}{row.label[1:]}: {_describe(row, detector)}."
-    yield (
-        "A detector that is ON already when slip begins has not found it. The trials hold for 1 s before slip, in "
-        f"which the noise floor of the detector fast has not adapted yet; the rows that are {HELD_LONGER} show it "
-        "adapted. Their recordings are longer, which alone lowers the false alarms per minute. Thresholds follow from "
-        "white noise; with other noise, `fingertip detect --calibrate` sets them from a quiet part of the recording."
-    )
-    yield LEVELS_ARE_ASSUMED
-
-
-def _patch_remark(
-    base: VariationResult,
-    patch: VariationResult,
-    stick_slip: VariationResult | None,
-    both: VariationResult | None,
-    detector: str,
-    patch_radius_m: float,
-) -> str:
-    wavelengths = sorted({1000 * surface.cutoff_wavelength_m for surface in SURFACES.values()})
-    ratio = base.vibration_n / patch.vibration_n if patch.vibration_n else math.inf
-    text = (
-        f"Patch average: a pad that averages the surface over its contact patch (radius {1000 * patch_radius_m:.3g} mm "
-        f"at 1 N, against roughness of wavelengths up to {wavelengths[0]:g} mm, or {wavelengths[-1]:g} mm on the "
-        f"roughest surfaces) vibrates {ratio:.0f} times less in slip ({_mn(base.vibration_n)} become "
-        f"{_mn(patch.vibration_n)}). The unchanged trials, in which it follows one line, are therefore the favourable "
-        f"case. Detection then rests on shear and stick-slip: {_describe(patch, detector)}"
-    )
-    if stick_slip and both:
-        text += f"; with stick-slip as well, {_describe(both, detector)}; with stick-slip alone, "
-        text += _describe(stick_slip, detector)
-    return f"{text}. Unchanged, {_describe(base, detector)}."
-
-
-def _describe(row: VariationResult, detector: str) -> str:
-    """Result of a variation in words."""
-    found = f"{100 * row.found_share:.0f} % of {row.slips} slips"
-    delay = f"with a median delay of {format_ms(row.median_s)}"
-    if not math.isfinite(row.median_s):
-        delay = "too few for a median delay"
-    return f"{detector} finds {found}, {delay}, at {row.alarms_per_minute:.2f} false alarms per minute"
-
-
-def step_remarks(steps: StepSensitivity) -> Iterator[str]:
-    """Say what the time step changes."""
-    parts = [
-        f"{row.detector} {row.beyond_sample} of {row.trials} (worst {_shift_ms(row.worst_s)})" for row in steps.shifts
-    ]
-    missed = [row.detector for row in steps.shifts if not row.meets_goal]
-    goal = f"missed by {', '.join(missed)}" if missed else "met by all detectors"
-    yield (
-        f"Delays that shift by more than one sample with a step {steps.refinement} times as fine and the same noise: "
-        f"{', '.join(parts)}. The goal, no such shift in {100 * GOAL_SHARE:g} % of the trials, is {goal}."
-    )
-    once = [row for row in steps.shifts if row.one_grid_only]
-    if once:
-        yield f"Found with one step only: {', '.join(f'{row.detector} {row.one_grid_only}' for row in once)}."
-    errors = [f"{row.signal} {_milli(row, row.worst)}" for row in steps.errors]
-    yield f"Largest error in {steps.trials} trials: {', '.join(errors)}; voltage_v is resolved to one ADC step."
 
 
 def _shift_ms(seconds: float) -> str:
@@ -188,15 +107,6 @@ def _shift_ms(seconds: float) -> str:
 
 def _signed_ms(seconds: float) -> str:
     return format_ms(seconds, "unknown", "+.1f")
-
-
-def _mn(newtons: float) -> str:
-    return f"{1000 * newtons:.1f} mN" if math.isfinite(newtons) else "no slip"
-
-
-def _milli(row: SignalError, value: float) -> str:
-    unit = {"n": "mN", "v": "mV"}[row.signal.rpartition("_")[2]]
-    return f"{1000 * value:.3f} {unit}"
 
 
 def format_rate(result: DetectorResult) -> str:

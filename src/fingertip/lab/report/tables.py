@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from fingertip.documents.template import lay_out_page, render
 from fingertip.lab.campaign import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.lab.mix import MixSummary
@@ -27,23 +28,14 @@ BOUND_LABEL = (
 """Label of Lorden's bound (`fingertip.lab.studies.bounds`) in the tables."""
 MATCHED_ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms at which detectors are compared [1/min]."""
-ASSUMPTIONS = (
-    "All traces are simulated. Friction, vibration, noise and the scenes without slip rest on assumptions, which are "
-    "marked in fingertip.sim and in params/scenes. A real finger will differ.",
-    "Gross slip, from which the delay counts, begins when the pad slides at 1 mm/s. Elastic deflection of the bristles "
-    "of the contact, which would spring back, is not sliding. Including it, the pad has moved at 1 mm/s for "
-    f"{ONSETS['sliding_ms'][0]:.0f} to {ONSETS['sliding_ms'][1]:.0f} ms by then, and the robot for some "
-    f"{ONSETS['motion_ms']:.0f} ms. A detector that turns ON in the last {1000 * INCIPIENT_S:g} ms before gross slip "
-    "has detected it, with a delay of 0. The surface accelerates at 1 m/s2; the table of accelerations shows how much "
-    "that matters.",
-    "The detector analog reads the output of the design's simulated board. The variant article has a bare 1N4148; the "
-    "article does not name its diode. The table of board variants compares it with a board without dead zone.",
-    f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} were used to tune the detector fast; all seeds "
-    "used here are held out: no constant was chosen on them. The detectors analog, digital and fft were not tuned. The "
-    "thresholds of fft and fast follow from the noise; that of analog and digital is the design's "
-    "detector.threshold_v, by default the one that digital's noise allows.",
-    f"Reported separately: {', '.join(REPORTED_SEPARATELY)}. They shake the finger or its wire in the band of slip.",
-)
+STATED: Mapping[str, Any] = {
+    "onsets": ONSETS,
+    "incipient_s": INCIPIENT_S,
+    "acceleration_m_s2": ASSUMED_M_S2,
+    "tuning_seeds": TUNING_SEEDS,
+    "reported_separately": REPORTED_SEPARATELY,
+}
+"""Numbers that the assumptions of all results state."""
 
 
 @dataclass(frozen=True)
@@ -121,8 +113,12 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         ],
         "seed_ranges": robustness.ranges_as_data(studies.seed_ranges),
         "wider_mix": robustness.mix_as_data(studies.wider_mix),
-        "assumptions": list(ASSUMPTIONS),
+        "assumptions": [line.removeprefix("- ") for line in _list_assumptions()],
     }
+
+
+def _list_assumptions() -> list[str]:
+    return lay_out_page(render("validation/assumptions.md", **STATED)).splitlines()
 
 
 def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:

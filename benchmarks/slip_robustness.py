@@ -19,9 +19,9 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.statistics import poisson_interval
-from fingertip.lab.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
-from fingertip.lab.mix_signals import NOISES, LabelledSignal, simulate_scene
-from fingertip.lab.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
+from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
+from fingertip.lab.campaign.mix_signals import NOISES, LabelledSignal, simulate_scene
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.sim.article import article_trials
 
 WORST_GOAL_S = 0.045

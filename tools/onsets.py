@@ -12,7 +12,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.plan import generate_trials
+from fingertip.lab.campaign.plan import generate_trials
 from fingertip.sim import run_scene
 from fingertip.sim.contact.friction import GROSS_SLIP_M_S
 from fingertip.sim.scene.run import SceneRun

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fingertip.documents.casting.markdown import render_sheet, warnings
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
@@ -37,7 +38,6 @@ from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
 from fingertip.documents.acceptance import acceptance_data, expect_readings, render_acceptance
 from fingertip.documents.casting import markdown
-from fingertip.documents.casting.markdown import render_sheet, warnings
 from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, place_vents
 from fingertip.foundation.errors import DesignError, GeometryError

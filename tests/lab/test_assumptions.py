@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.campaign import find_onset_s, measure_vibration_n, median_of_known
-from fingertip.lab.plan import NEGATIVE_SCENES, Case
-from fingertip.lab.report import robustness
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES, Case
+from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
+from fingertip.lab.report import omissions, robustness
 from fingertip.lab.studies.sensitivity import (
     BOTH,
     ELASTO_PLASTIC,
@@ -23,6 +24,7 @@ from fingertip.lab.studies.sensitivity import (
     change_converter,
     study_assumptions,
 )
+from fingertip.lab.studies.steps import StepSensitivity
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
 from fingertip.slip import Trace
@@ -123,13 +125,22 @@ def make_result(label: str, found: float = 1.0, median_s: float = 0.015, is_real
     return VariationResult(label, is_realistic, 24, found, median_s, change_s, 0.25, 0.0045, 0.001 * len(label))
 
 
+def page_items(title: str, **studies: object) -> list[str]:
+    """Items of one section of the page of omissions of a validation that has these studies."""
+    rows = {"variations": [make_result("unchanged", is_realistic=False)], "steps": StepSensitivity(0, 16, (), ())}
+    found = SimpleNamespace(patch_radius_m=2.05e-3, **(rows | studies))
+    page = omissions.as_markdown(SimpleNamespace(detectors={}), ["too late"], [], found, "fast")  # type: ignore[arg-type]
+    assert "## Requirements missed\n\n- too late\n" in page
+    return [line.removeprefix("- ") for line in page.split(f"## {title}\n\n")[1].split("\n\n")[0].splitlines()]
+
+
 def test_table_and_remarks_state_every_realistic_effect() -> None:
     base = make_result("unchanged", is_realistic=False)
     labels = (PATCH_AVERAGE, STICK_SLIP, BOTH, ELASTO_PLASTIC, "mains hum of 1 mV")
     results = [base, make_result("half the force", is_realistic=False)]
     results += [make_result(label, 0.25, math.inf) for label in labels]
     text = "\n".join(robustness.variation_table(results, "fast"))
-    remarks = list(robustness.realism_remarks(results, "fast", 2.05e-3))
+    remarks = page_items("Effects of real fingers that the trials leave out", variations=results)
     assert text.index("half the force") < text.index("by default") < text.index(STICK_SLIP)
     assert text.count(" missed ") == 2 * len(labels)
     assert "25 % of 24 slips" in remarks[0]

@@ -11,8 +11,7 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
-from fingertip.lab.campaign import CampaignResult, DetectorResult, TrialResult, evaluate, run_campaign, surface
-from fingertip.lab.plan import (
+from fingertip.lab.campaign.plan import (
     HELD_OUT_FROM,
     NEGATIVE_SCENES,
     REPORTED_SEPARATELY,
@@ -21,6 +20,7 @@ from fingertip.lab.plan import (
     Case,
     generate_cases,
 )
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult, evaluate, run_campaign, surface
 from fingertip.lab.report import plots, trial_plots
 from fingertip.lab.studies.article import compute_spectra, study_windows, with_window
 from fingertip.lab.studies.boards import study_board_variants

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.closed_loop import (
+from fingertip.lab.campaign.closed_loop import (
     FIRST_SEED,
     NO_CONTROL,
     ClosedLoopSummary,
@@ -21,7 +21,7 @@ from fingertip.lab.closed_loop import (
     run_closed_loop,
     summarise,
 )
-from fingertip.lab.plan import TUNING_SEEDS, CampaignPlan, generate_cases
+from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
 from fingertip.lab.report import trial_plots
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.sim import Observation

@@ -14,8 +14,9 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.statistics import poisson_interval
-from fingertip.lab import campaign as run
-from fingertip.lab.campaign import (
+from fingertip.lab.campaign import run
+from fingertip.lab.campaign.plan import CampaignPlan, Case
+from fingertip.lab.campaign.run import (
     LOW_SCALES,
     SCALES,
     CampaignResult,
@@ -26,7 +27,6 @@ from fingertip.lab.campaign import (
     speed_m_s,
     surface,
 )
-from fingertip.lab.plan import CampaignPlan, Case
 from fingertip.lab.report import tables
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials

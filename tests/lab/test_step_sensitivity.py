@@ -7,7 +7,7 @@ import math
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.plan import Case
+from fingertip.lab.campaign.plan import Case
 from fingertip.lab.report import robustness
 from fingertip.lab.studies.steps import (
     SIGNALS,
@@ -21,6 +21,7 @@ from fingertip.lab.studies.steps import (
 )
 from fingertip.sim import SceneFile
 from tests.designs import ARTICLE
+from tests.lab.test_assumptions import page_items
 
 SHORT = SceneFile(
     scene="sliding_finger",
@@ -65,7 +66,7 @@ def test_a_finer_step_changes_little() -> None:
 def test_table_and_remarks_name_a_missed_goal() -> None:
     shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
     steps = StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),))
-    text, remarks = "\n".join(robustness.step_table(steps)), list(robustness.step_remarks(steps))
+    text, remarks = "\n".join(robustness.step_table(steps)), page_items("Time step", steps=steps)
     assert "0.040 mN" in text
     assert text.count("MISSED") == 1
     assert "digital 4 of 20 (worst not found)" in remarks[0]

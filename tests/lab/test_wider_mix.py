@@ -10,10 +10,10 @@ import pytest
 
 from benchmarks import slip_robustness
 from fingertip.foundation.errors import TraceError
-from fingertip.lab import mix_signals
-from fingertip.lab.mix import MixSize, assess, run_detector
-from fingertip.lab.mix_signals import LabelledSignal, Slide
-from fingertip.lab.plan import HELD_OUT_FROM, check_first_seed
+from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign.mix import MixSize, assess, run_detector
+from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.lab.report import robustness
 from fingertip.sim.article import article_trials
 from fingertip.slip.traces.intervals import Interval

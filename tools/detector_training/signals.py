@@ -17,9 +17,9 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab import mix_signals
-from fingertip.lab.mix_signals import LabelledSignal
-from fingertip.lab.plan import NEGATIVE_SCENES, nominal_duration_s
+from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign.mix_signals import LabelledSignal
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 

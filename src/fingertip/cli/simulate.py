@@ -85,7 +85,7 @@ def simulate(
     except FingertipError as error:
         issues.extend(error.issues)
     if grip is not None:
-        from fingertip.lab.closed_loop import find_grip_issues
+        from fingertip.lab.campaign.closed_loop import find_grip_issues
 
         issues.extend(find_grip_issues(grip, simulation))
     if issues or simulation is None:
@@ -140,7 +140,7 @@ def _simulate(
     if grip is None:
         result = simulation.run(progress=progress)
     else:
-        from fingertip.lab.closed_loop import run_with_grip
+        from fingertip.lab.campaign.closed_loop import run_with_grip
 
         gripped = run_with_grip(simulation, grip, progress)
         result, grips_s = gripped.result, gripped.grips_s

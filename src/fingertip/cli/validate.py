@@ -44,7 +44,7 @@ def validate(
     from fingertip.cli.options import load_design
     from fingertip.foundation import extras, jit
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.lab.plan import check_first_seed
+    from fingertip.lab.campaign.plan import check_first_seed
     from fingertip.slip.detectors import noise, registry
 
     console = Console(as_json, quiet)

@@ -10,11 +10,11 @@ from typing import Any
 
 from fingertip.design import Design
 from fingertip.foundation.progress import Work
-from fingertip.lab.campaign import CampaignResult, run_campaign, surface
-from fingertip.lab.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
-from fingertip.lab.mix import MixSize, generate_mix, run_detector
-from fingertip.lab.mix import summarise as summarise_mix
-from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
+from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
+from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
+from fingertip.lab.campaign.mix import summarise as summarise_mix
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
+from fingertip.lab.campaign.run import CampaignResult, run_campaign, surface
 from fingertip.lab.report import omissions, tables
 from fingertip.lab.report.numbers import format_ms, to_number
 from fingertip.lab.report.tables import StudyResults
@@ -84,12 +84,12 @@ def check_detection(result: CampaignResult, detector: str, limits: RequirementLi
     yield Requirement("found", found, least, found >= least, text)
     means = {name: mean for name, (mean, _, _) in nominal.group_delays(surface).items()}
     worst = max(means, key=lambda name: means[name])
-    mean_s, most_s = means[worst], limits.max_mean_s
-    text = f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most {1000 * most_s:g} ms"
-    yield Requirement("mean delay", mean_s, most_s, mean_s <= most_s, text)
-    p90_s, most_s = nominal.delay_s(0.9), limits.max_p90_s
-    text = f"90th percentile of the delay is {_ms(p90_s)}; at most {1000 * most_s:g} ms"
-    yield Requirement("p90 delay", p90_s, most_s, p90_s <= most_s, text)
+    mean_s, limit_s = means[worst], limits.max_mean_s
+    text = f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most {1000 * limit_s:g} ms"
+    yield Requirement("mean delay", mean_s, limit_s, mean_s <= limit_s, text)
+    p90_s, limit_s = nominal.delay_s(0.9), limits.max_p90_s
+    text = f"90th percentile of the delay is {_ms(p90_s)}; at most {1000 * limit_s:g} ms"
+    yield Requirement("p90 delay", p90_s, limit_s, p90_s <= limit_s, text)
     rate, most = nominal.alarms_per_minute, limits.max_alarms_per_minute
     text = f"{rate:.2f} false alarms per minute, without {', '.join(REPORTED_SEPARATELY)}; at most {most:g}"
     yield Requirement("alarms", rate, most, rate <= most, text)
@@ -101,9 +101,9 @@ def check_closed_loop(summary: ClosedLoopSummary, limits: RequirementLimits) -> 
     text = f"{summary.held} of {summary.count} objects held; at least {100 * least:.3g} %"
     yield Requirement("held", held, least, held >= least - 1e-9, text)
     slowest_s = math.inf if summary.unanswered else max(summary.reactions_s, default=0.0)
-    most_s = limits.max_reaction_s
-    text = f"slowest reaction of the hand is {_ms(slowest_s)}; less than {1000 * most_s:g} ms"
-    yield Requirement("reaction", slowest_s, most_s, slowest_s < most_s, text)
+    limit_s = limits.max_reaction_s
+    text = f"slowest reaction of the hand is {_ms(slowest_s)}; less than {1000 * limit_s:g} ms"
+    yield Requirement("reaction", slowest_s, limit_s, slowest_s < limit_s, text)
     false, most = summary.false_grips, limits.max_false_grips
     text = f"{false} grip increases without slip; at most {most}"
     yield Requirement("false grips", false, most, false <= most, text)

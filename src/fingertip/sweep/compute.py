@@ -130,7 +130,8 @@ def compute_noise(context: PointContext) -> OutputValues:
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign import (
+    from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.campaign.run import (
         DetectorResult,
         evaluate,
         find_onset_s,
@@ -138,7 +139,6 @@ def compute_detection(context: PointContext) -> OutputValues:
         median_of_known,
         simulate_trace,
     )
-    from fingertip.lab.plan import Case
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
@@ -170,7 +170,7 @@ def compute_detection(context: PointContext) -> OutputValues:
 def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.plan import Case
+    from fingertip.lab.campaign.plan import Case
     from fingertip.lab.studies.steps import compare_grids
 
     assert context.scene is not None

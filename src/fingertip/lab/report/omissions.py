@@ -8,9 +8,9 @@ from typing import Any
 
 from fingertip.catalogues.sensors import PART_TO_PART
 from fingertip.documents.template import render
-from fingertip.lab.campaign import CampaignResult, DetectorResult, surface
-from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopTrial
-from fingertip.lab.plan import REPORTED_SEPARATELY
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial
+from fingertip.lab.campaign.plan import REPORTED_SEPARATELY
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, surface
 from fingertip.lab.report.numbers import format_milli, format_mn, format_ms
 from fingertip.lab.report.robustness import LEVELS_ARE_ASSUMED
 from fingertip.lab.report.tables import STATED, StudyResults

@@ -18,7 +18,7 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
-from fingertip.lab.campaign import CampaignResult, speed_m_s, surface
+from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.lab.studies.article import Spectrum, WindowResult
 from fingertip.slip.traces.origin import ENCODER_HZ, encoder_delay_band_s
 

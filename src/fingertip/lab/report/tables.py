@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from fingertip.documents.template import lay_out_page, render
-from fingertip.lab.campaign import CampaignResult, DetectorResult, speed_m_s, surface
-from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopSummary
-from fingertip.lab.mix import MixSummary
-from fingertip.lab.plan import REPORTED_SEPARATELY, TUNING_SEEDS
-from fingertip.lab.report import protocol_table, robustness
+from fingertip.documents.template import WIDTH, lay_out_page, render, render_rows
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
+from fingertip.lab.campaign.mix import MixSummary
+from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
+from fingertip.lab.report import robustness
 from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
-from fingertip.lab.studies.article import ProtocolStudy, Spectrum, WindowResult
+from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, Spectrum, WindowResult
 from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
@@ -28,6 +29,8 @@ BOUND_LABEL = (
 """Label of Lorden's bound (`fingertip.lab.studies.bounds`) in the tables."""
 MATCHED_ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms at which detectors are compared [1/min]."""
+PROTOCOL_COLUMNS = tuple(device for device in DEVICES if device != "fft")
+"""Devices that have a column in the table of the article's protocol."""
 STATED: Mapping[str, Any] = {
     "onsets": ONSETS,
     "incipient_s": INCIPIENT_S,
@@ -105,7 +108,7 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         "sampling_rates": list(map(to_data, studies.rates)),
         "board_variants": list(map(to_data, studies.boards)),
         "article_board": list(map(to_data, studies.article)),
-        "article_protocol": protocol_table.as_data(studies.protocol),
+        "article_protocol": protocol_as_data(studies.protocol),
         "motor_discrimination": list(map(to_data, studies.motor)),
         "knock_rejection": list(map(to_data, studies.knocks)),
         "closed_loop": [
@@ -262,7 +265,7 @@ def _study_tables(studies: StudyResults) -> list[str]:
         f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
         for a in studies.article
     ]
-    lines += protocol_table.as_lines(studies.protocol)
+    lines += protocol_as_lines(studies.protocol)
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
     lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
     lines.append(f"bound: {BOUND_LABEL}:")
@@ -308,3 +311,62 @@ def _study_tables(studies: StudyResults) -> list[str]:
 
 def _short_ms(seconds: float) -> str:
     return f"{1000 * seconds:7.1f}" if math.isfinite(seconds) else " missed"
+
+
+@dataclass(frozen=True)
+class ProtocolRow:
+    """One figure of the article, ours beside it."""
+
+    figure: str
+    article: str
+    ours: dict[str, str]
+    """Device -> value; a device that the figure does not apply to is left out."""
+    differs: str
+    """Difference between the two, and its reason."""
+
+
+def list_protocol_rows(study: ProtocolStudy) -> list[ProtocolRow]:
+    """List the article's figures (sections IV.A, IV.B and V) beside ours."""
+    data = {
+        "columns": PROTOCOL_COLUMNS,
+        "devices": [study.find(name) for name in PROTOCOL_COLUMNS],
+        "later": [(moved_m, [study.find(name, moved_m) for name in PROTOCOL_COLUMNS]) for moved_m in MOVED_M[1:]],
+        "fft": study.find("fft"),
+        "boards": list(study.manipulations.values()),
+        "motion_ms": ONSETS["motion_ms"],
+        "encoders_ms": [1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)],
+        "ms": lambda seconds: format_ms(seconds, "none found"),
+    }
+    return [
+        ProtocolRow(
+            row["figure"], row["article"], {name: row[name] for name in PROTOCOL_COLUMNS if row[name]}, row["differs"]
+        )
+        for row in render_rows("validation/protocol.md", data)
+    ]
+
+
+def protocol_as_lines(study: ProtocolStudy) -> list[str]:
+    """Format the table as text; what differs stands below each row."""
+    head = "".join(f"{name:>18}" for name in PROTOCOL_COLUMNS)
+    lines = [
+        "",
+        "the article's own protocol beside its figures. Zero: first reading of encoders at "
+        f"{ENCODER_HZ:g} Hz that shows the",
+        "robot's motion. Window and converter: those of the design article. Threshold: what the noise of each board's",
+        "output allows. Nothing was tuned to the article's figures:",
+        f"{'':34} {'article':>29}{head}",
+    ]
+    for row in list_protocol_rows(study):
+        cells = "".join(f"{row.ours.get(name, ''):>18}" for name in PROTOCOL_COLUMNS)
+        lines.append(f"{row.figure:34} {row.article:>29}{cells}".rstrip())
+        lines += textwrap.wrap(row.differs, WIDTH, initial_indent="    ", subsequent_indent="    ")
+    return lines
+
+
+def protocol_as_data(study: ProtocolStudy) -> dict[str, Any]:
+    """Return the table and the numbers behind it for JSON; what is not known is null."""
+    return {
+        "encoder_hz": ENCODER_HZ,
+        "rows": [asdict(row) for row in list_protocol_rows(study)],
+        "results": list(map(to_data, study.results)),
+    }

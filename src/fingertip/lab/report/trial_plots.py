@@ -25,9 +25,9 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
-from fingertip.lab.campaign import scene_surface, simulate_trace
-from fingertip.lab.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
-from fingertip.lab.plan import HELD_OUT_FROM, Case
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
+from fingertip.lab.campaign.run import scene_surface, simulate_trace
 from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
 from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile

@@ -17,9 +17,9 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign import DetectorResult, TrialResult, evaluate, run_detector_on, simulate_trace, surface
-from fingertip.lab.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
-from fingertip.lab.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
+from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
+from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_detector_on, simulate_trace, surface
 from fingertip.lab.studies.boards import with_article_board, with_variant
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials

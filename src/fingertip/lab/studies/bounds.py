@@ -36,8 +36,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign import run_cases, simulate_trace
-from fingertip.lab.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
+from fingertip.lab.campaign.run import run_cases, simulate_trace
 from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.noise import input_noise_v, mean_quantised_noise_v

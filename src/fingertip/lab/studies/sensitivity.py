@@ -20,7 +20,15 @@ from typing import Any, TypeAlias
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign import (
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    Case,
+    generate_cases,
+    generate_trials,
+)
+from fingertip.lab.campaign.run import (
     DetectorResult,
     TrialResult,
     evaluate,
@@ -31,7 +39,6 @@ from fingertip.lab.campaign import (
     run_cases,
     simulate_trace,
 )
-from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneFile
 from fingertip.slip import DETECTORS

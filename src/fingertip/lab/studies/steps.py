@@ -20,8 +20,15 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign import evaluate, quantile_s, run_detector_on, select_board_outputs
-from fingertip.lab.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases, generate_trials
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    Case,
+    generate_cases,
+    generate_trials,
+)
+from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneResult, run_scene
 from fingertip.sim.scene.run import SceneRun

@@ -26,8 +26,8 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign import select_board_outputs
-from fingertip.lab.plan import HELD_OUT_FROM
+from fingertip.lab.campaign.plan import HELD_OUT_FROM
+from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import (
     ManipulationFile,
     ManipulationResult,
@@ -60,7 +60,7 @@ _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 3
 
 @dataclass(frozen=True)
 class GripSettings:
-    """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.lab.plan`."""
+    """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`."""
 
     detector: str = "fast"
     max_growth_n_s: float = 8.0

@@ -16,8 +16,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.design.formulas.supply import filtered_range_v
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign import select_board_outputs
-from fingertip.lab.closed_loop import GripController, GripSettings
+from fingertip.lab.campaign.closed_loop import GripController, GripSettings
+from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.article import MANIPULATED_OBJECTS
 from fingertip.sim.contact.pad import Pad

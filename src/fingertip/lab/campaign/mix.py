@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab import mix_signals
-from fingertip.lab.campaign import needs_board, quantile_s, separate_events
-from fingertip.lab.mix_signals import REACTION_S, LabelledSignal
-from fingertip.lab.plan import NEGATIVE_SCENES
+from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES
+from fingertip.lab.campaign.run import needs_board, quantile_s, separate_events
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.sim.signal.board_output import SimulatedBoardDetector
@@ -40,7 +40,7 @@ class MixSize:
     events: int = 100
     """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
     noisy: int = 48
-    """Trials in each condition of `fingertip.lab.mix_signals.NOISES`."""
+    """Trials in each condition of `fingertip.lab.campaign.mix_signals.NOISES`."""
 
     @classmethod
     def for_trials(cls, trials: int) -> MixSize:
@@ -122,7 +122,7 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
 
     A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An alarm is a transition to
     ON outside the slips, their creep, and the detector's memory after them. Alarms closer together than
-    `fingertip.lab.campaign.SAME_EVENT_S` count once.
+    `fingertip.lab.campaign.run.SAME_EVENT_S` count once.
     """
     time_s = np.arange(len(on)) / signal.rate_hz
     found = intervals(time_s, on)
@@ -240,7 +240,7 @@ class MixSummary:
 
 
 def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
-    """Pool outcomes by kind, and those in all conditions of `fingertip.lab.mix_signals.NOISES` together."""
+    """Pool outcomes by kind, and those in all conditions of `fingertip.lab.campaign.mix_signals.NOISES` together."""
     groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.kind, []).append(outcome)

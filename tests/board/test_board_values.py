@@ -14,7 +14,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.errata import ENVELOPE, ERRATA, INPUT_RANGE, OFFSET, RECTIFIER
 from fingertip.board.analysis.interference import DEAD_ZONE_V
 from fingertip.board.analysis.response import decibel
-from fingertip.board.components.filter import compute_deviation_db
+from fingertip.board.components.selection import compute_deviation_db
 from fingertip.board.kicad.placement import fingerprint
 from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit, parse_component_value

@@ -24,7 +24,7 @@ from fingertip.board.analysis.response import (
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, sensor_conductance_s
-from fingertip.board.components.filter import FilterSelection
+from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.supplies import SUPPLIES
 from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols

@@ -41,7 +41,7 @@ from fingertip.board.analysis.thresholds import (
 )
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
 from fingertip.board.circuits.signal_paths import board_circuit
-from fingertip.board.components.filter import FilterSelection, select_filter
+from fingertip.board.components.selection import FilterSelection, select_filter
 from fingertip.board.components.supplies import SUPPLIES
 from fingertip.board.components.values import ComponentValues, select_components
 from fingertip.board.parts.circuit import GND, VCC, VEE

@@ -24,7 +24,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from fingertip.board.components.preferred_values import neighbouring_values, values_around
+from fingertip.board.components.selection import neighbouring_values, values_around
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design.parameters.finger import TURN_ON_N
 

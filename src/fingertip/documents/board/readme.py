@@ -62,7 +62,6 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
     text = render(
         "board/readme.md",
         **collect_board(values, design),
-        kind=configuration,
         supply_name=configuration.supply.description.replace("buffered mid-supply", "VMID (buffered mid-supply)"),
         response=values.achieved_response,
         size_mm=f"{placement.width:g} x {placement.height:g}",

@@ -34,4 +34,6 @@ def test_readme_is_the_approved_one(name: str) -> None:
 @pytest.mark.full
 @pytest.mark.parametrize("name", ["article_single", "precision_split", "comparator_split", "comparator_single_3v3"])
 def test_bring_up_sheet_is_the_approved_one(name: str) -> None:
-    check_approved(f"{name}_bringup.md", bring_up_files(load_article(BOARD_CONFIGURATIONS[name].changes))["bringup.md"])
+    check_approved(
+        f"{name}_bringup.md", bring_up_files(load_article(BOARD_CONFIGURATIONS[name].changes))["bringup.md"]
+    )

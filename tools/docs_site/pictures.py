@@ -51,7 +51,7 @@ def _draw_steps() -> dict[str, tuple[str, bytes]]:
     design = Design()
     data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), select_silicone(design))
     listed = steps(data)
-    drawn = draw_steps(design, data, listed)
+    drawn = draw_steps(design, data, [step.picture for step in listed])
     return {name: (" ".join(step.text.split()), png) for (name, png), step in zip(drawn.items(), listed, strict=True)}
 
 

@@ -101,6 +101,10 @@ def _find_plug(design: Design) -> PlugWire | None:
     return find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
 
 
+OPEN_OHM = 1e6
+"""Resistance above which an untouched sensor must stay [ohm]."""
+PRESSED_OHM = 30e3
+"""Resistance below which a pressed head must fall [ohm]: some 0.2 N by the data sheet's curve."""
 WEIGHTS_G = (100.0, 500.0)
 """Weights laid on the pad of the finished finger [g]."""
 _MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 2.5

@@ -116,7 +116,7 @@ def sheet(
     if pictures:
         from fingertip.pictures.steps.pictures import draw_steps
 
-        drawn = draw_steps(loaded, data, steps(data), console.progress)
+        drawn = draw_steps(loaded, data, [step.picture for step in steps(data)], console.progress)
         steps_writer(loaded, path.parent, force).write(drawn)
     page = render_sheet(data, [f"{STEPS_FOLDER}/{name}" for name in drawn]).encode()
     if out is None:

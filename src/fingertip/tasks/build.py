@@ -227,7 +227,7 @@ def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[
     from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps
 
-    return draw_steps(design, casting, steps(casting), progress)
+    return draw_steps(design, casting, [step.picture for step in steps(casting)], progress)
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
@@ -15,7 +16,8 @@ from fingertip.cad.printing.print_files import LAYER_MM, PRINT_FOLDER
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.filling import PUSH_S
-from fingertip.casting.hardware import bill_of_materials, mounting_data
+from fingertip.casting.consumables import cover_tape_data, seat_tape_data, uses_adhesive, uses_primer
+from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, bill_of_materials, mounting_data
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
     SCALE_G,
@@ -33,8 +35,6 @@ from fingertip.casting.quantities import (
     volumes_data,
 )
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, print_settings
-from fingertip.casting.tapes import cover_tape_data, seat_tape_data
-from fingertip.casting.uses import Step, sensor_limits_data, uses_adhesive, uses_primer
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
 from fingertip.catalogues.syringes import NOZZLE_DEPTH_MM, find_needle
@@ -94,7 +94,7 @@ def casting_sheet_data(
         "fit": _fit_data(design),
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
         "skin_held_by": name_retention(design),
-        "sensor_limits": sensor_limits_data(),
+        "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
         "mounting": mounting_data(design),
@@ -308,6 +308,15 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             "filament_cm3": round(sum(volumes.values()), 1),
         }
     return data
+
+
+@dataclass(frozen=True)
+class Step:
+    """Step of the procedure."""
+
+    picture: str
+    """Name of the scene in `fingertip.pictures.steps` that shows the step."""
+    text: str
 
 
 def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:

@@ -12,7 +12,7 @@ from fingertip.cad.kernel.solids import Box, Cone, Solid, cylinder, union
 from fingertip.cad.shapes.insert import axis_z
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.shapes.seals import tape
-from fingertip.casting.uses import uses_adhesive, uses_primer
+from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design import Design
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera

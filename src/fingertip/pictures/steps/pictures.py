@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from fingertip.casting.uses import Step
 from fingertip.design import Design
 from fingertip.pictures.steps import filling_scenes as filling
 from fingertip.pictures.steps import filling_scenes as mixing
@@ -37,12 +36,12 @@ SCENES: Mapping[str, Callable[[Bench, Mapping[str, Any]], Scene]] = {
 def draw_steps(
     design: Design,
     data: Mapping[str, Any],
-    steps: Sequence[Step],
+    names: Sequence[str],
     progress: Callable[[str], None] = lambda message: None,
 ) -> dict[str, bytes]:
-    """Draw the picture of each step."""
+    """Draw the picture of each step, by the names of their scenes."""
     bench, pictures = Bench(design), {}
-    for number, step in enumerate(steps, 1):
-        progress(f"drawing step {number} of {len(steps)}")
-        pictures[f"{number:02}-{step.picture}.png"] = draw_scene(SCENES[step.picture](bench, data))
+    for number, name in enumerate(names, 1):
+        progress(f"drawing step {number} of {len(names)}")
+        pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, data))
     return pictures

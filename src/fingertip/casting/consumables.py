@@ -1,8 +1,12 @@
-"""Tapes to buy and cut: over the sensor, around the seat, and the paper between the seat's tape and a bare film."""
+"""Consumables of a casting: what a design needs primer and adhesive for, and the tapes to buy and cut.
+
+One tape lies over the sensor, the other one around the seat of bone or core.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from fingertip.cad.shapes.seals import TAPE_RIM_MM, tape_outline_mm
@@ -86,3 +90,14 @@ def flat_width_mm(design: Design, z: float) -> float:
     """Width of the bone's palmar flat at a height z [mm], where a retention groove narrows it too."""
     dims = design.dimensions
     return 2.0 * add_groove(design.bone, dims.bone_outline).half_width_at(-dims.flat_depth, z)
+
+
+def uses_primer(data: Mapping[str, Any]) -> bool:
+    """Tell from the data of a sheet whether a step primes the bone: for the skin cast around it, or for the patch."""
+    return data["insert"] == "bone" or data["chaplet"] is not None
+
+
+def uses_adhesive(data: Mapping[str, Any]) -> bool:
+    """Tell from the data of a sheet whether silicone adhesive seals a passage or a lid."""
+    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
+    return bool(passes or data["sensor_tail"] == "folded")

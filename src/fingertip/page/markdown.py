@@ -54,7 +54,9 @@ def _render(node: SyntaxTreeNode, pictures: Mapping[str, str]) -> str:
         case "heading":
             return element(f"h{min(int(node.tag[1]) + 1, 6)}", *inner)
         case "table":
-            head, *rows = ([_render(cell, pictures) for cell in row.children] for row in node.walk() if row.type == "tr")
+            head, *rows = (
+                [_render(cell, pictures) for cell in row.children] for row in node.walk() if row.type == "tr"
+            )
             return table(head, rows)
         case "list_item":  # a picture stands below its text
             return element("li", *[piece for paragraph in inner for piece in (" ", paragraph)][1:])

@@ -10,6 +10,7 @@ from fingertip.catalogues.syringes import LUER_MOUTH_MM
 from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.chaplet import Chaplet
+from fingertip.pictures.drawing.primitives import ViewName
 from fingertip.pictures.drawing.sizes import (
     BEHIND_FACE,
     FINISHED,
@@ -28,7 +29,6 @@ from fingertip.pictures.drawing.sizes import (
     shared_clearance,
     symmetric,
 )
-from fingertip.pictures.drawing.views import ViewName
 
 _MATERIAL = "any print material that the silicone tolerates"
 

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 from fingertip.cad.kernel.solids import Axis, Point3
 from fingertip.catalogues.threads import MAX_TRAP_RATIO, Thread
 from fingertip.design import Design
-from fingertip.pictures.drawing.views import ViewName
+from fingertip.pictures.drawing.primitives import ViewName
 
 # Tolerances of printed sizes: general ones, and those that follow from a fit of the design.
 

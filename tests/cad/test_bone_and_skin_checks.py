@@ -8,7 +8,6 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.printing import orientations
 from fingertip.cad.printing.orientations import Orientation
 from fingertip.cad.shapes import bone, parts
@@ -18,8 +17,8 @@ from fingertip.cad.verification import bone as bone_checks
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification.skin import check_skin
 from fingertip.design import Design
-from fingertip.design.geometry.seat import find_losses, worst
-from fingertip.design.geometry.skin_thickness import min_skin_thickness
+from fingertip.design.geometry.seat import find_losses, min_skin_thickness, worst
+from fingertip.design.geometry.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.foundation.errors import DesignError
 from tests.cad.part_checks import SLEEVE, SOCKET, TOLERANCE, failed_checks, run_checks
 

@@ -11,18 +11,18 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Solid, union
 from fingertip.cad.shapes import interface
 from fingertip.cad.shapes import interface as clevis
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.strength.assess import assess_strength
 from fingertip.cad.strength.stress import stress_joint, tendon_force_per_n
-from fingertip.cad.verification import joint as joint_checks
+from fingertip.cad.verification import assembly as joint_checks
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.solids import Solid, union
 from fingertip.design.new_design import PRESETS
 from fingertip.design.rules import joint as joint_rules
 from fingertip.design.rules.ruleset import find_violations

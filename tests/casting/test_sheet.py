@@ -22,15 +22,14 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.strength.assess import assess_strength
 from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
 from fingertip.cad.verification.check import list_warnings
-from fingertip.cad.verification.filling import check_filling
+from fingertip.cad.verification.mold import check_filling
 from fingertip.casting.hardware import size_wires
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg, volumes_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
 from fingertip.casting.tapes import flat_width_mm
 from fingertip.casting.uses import uses_adhesive
+from fingertip.catalogues.hardware import find_needle, select_thread
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty
-from fingertip.catalogues.syringes import find_needle
-from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.seat import find_losses
 from fingertip.design.new_design import PRESETS

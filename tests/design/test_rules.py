@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fingertip.design import Design, rules
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import RecordingTables, find_violations
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file

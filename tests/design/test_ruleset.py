@@ -7,7 +7,7 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import (
     SLACK,
     InvalidParameterError,

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad.kernel.solids import Axis, Point3
 from fingertip.cad.report import Build
+from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.sizes import AXES, Circle, Length, Size
 from fingertip.tasks.build import build

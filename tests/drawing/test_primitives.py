@@ -117,7 +117,7 @@ def test_general_tolerances_are_those_of_class_m() -> None:
 
 
 def test_nut_goes_into_the_narrowest_trap_and_does_not_turn_in_the_widest() -> None:
-    from fingertip.catalogues.threads import MAX_TRAP_RATIO, THREADS
+    from fingertip.catalogues.hardware import MAX_TRAP_RATIO, THREADS
 
     thread = THREADS[3]
     tolerance = nut_trap(thread, 5.8)

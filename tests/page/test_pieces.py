@@ -16,7 +16,7 @@ from fingertip import Design
 from fingertip.board.analysis.report import bode_table
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.design.parameters.tables import PARAMETERS
+from fingertip.design.parameters import PARAMETERS
 from fingertip.page import markdown
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.kicad_drawing import first, lists, numbers, parse, points, turn, word, words

@@ -13,7 +13,7 @@ from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.mating import PlugWire, find_plug_wire, list_mating_parts
-from fingertip.catalogues.threads import select_thread
+from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts, standard_length_mm
 

@@ -126,8 +126,8 @@ def params(
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.cli.options import load_design
-    from fingertip.design import export
-    from fingertip.design.export import format_parameter_table, format_value
+    from fingertip.design import files as export
+    from fingertip.design.files import format_parameter_table, format_value
     from fingertip.foundation.errors import OutputError
 
     console = Console(as_json, quiet)
@@ -184,11 +184,11 @@ def format_schema(kind: str) -> str:
 
 def make_schema(kind: str) -> dict[str, Any]:
     """Make the JSON schema of a kind of TOML file. Raises DesignError."""
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.parameters.declaration import suggest_name
     from fingertip.foundation.errors import DesignError, Issue
 
     if kind == "design":
-        from fingertip.design.export import json_schema
+        from fingertip.design.files import json_schema
 
         found = json_schema()
     elif kind == "scene":

@@ -13,11 +13,11 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.rules import PART_RULES
-from fingertip.design.rules.remedies import find_remedies
+from fingertip.design.all_rules import PART_RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.refusal import cheapest_first
+from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, find_violations
-from fingertip.design.rules.search import cheapest_first
 from fingertip.foundation.errors import DesignError
 
 FREE: Mapping[str, tuple[float, float]] = {

@@ -6,7 +6,7 @@ import base64
 
 from fingertip.cad.report import SHEET, STEPS_FOLDER
 from fingertip.design import Design
-from fingertip.design.export import list_parameters
+from fingertip.design.files import list_parameters
 from fingertip.design.silicone import describe_force_curve
 from fingertip.page.html import Markup, code, element, figure, join, table
 from fingertip.page.markdown import list_steps, render, split_sections

@@ -7,7 +7,7 @@ from typing import cast
 
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.design import Design
-from fingertip.design.export import Parameter, format_value, list_parameters
+from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.design.rules.ruleset import RecordingTables
 from fingertip.page.html import Markup, code, element, join, table
 from fingertip.page.scene import label_item

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, intersection, union
 from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.mold import luer_cone, runners
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.shapes.runners import luer_cone, runners
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, intersection, union
 from fingertip.filling.mold_filling import place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Colour

@@ -233,7 +233,7 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 def compute_filling(context: PointContext) -> OutputValues:
     """Predict how the mold fills with the silicone of the design."""
-    from fingertip.cad.verification.filling import PUSH_S, leak_mm
+    from fingertip.cad.verification.mold import PUSH_S, leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
@@ -269,8 +269,8 @@ def compute_thickness(context: PointContext) -> OutputValues:
 
 def compute_walls(context: PointContext) -> OutputValues:
     """Compute the thinnest wall of the bone and its lid."""
+    from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
-    from fingertip.cad.verification.joint import check_joint
 
     checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
     walls = [check.value for check in checks if check.name.startswith(("bone.wall.", "lid.wall"))]

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, difference, scaled
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, bed_pose, find_ceilings
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import facet_cut
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, difference, scaled
 
 LID_UPRIGHT_DEG, LID_ON_FEET_DEG = 0.0, 90.0
 """Rotations of the lid about x [degrees]: on its proximal end, or on its feet. In others, supports touch the skin."""

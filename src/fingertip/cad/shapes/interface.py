@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fingertip.cad.kernel.solids import Box, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
-from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
+from fingertip.design.geometry.features import NOTCH_WIDTH_MM, Joint, TendonAnchor
+from fingertip.design.geometry.solids import Box, Prism, Solid, cylinder, difference, intersection, union
 
 # Clevis: the eyes of the bone about the joint's pin, their hard stops, and the anchor of the tendon.
 

@@ -33,7 +33,7 @@ from fingertip.cad.strength.stress import (
 )
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.features import Joint
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 

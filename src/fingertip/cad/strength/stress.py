@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint, TendonAnchor
+from fingertip.design.geometry.features import Joint, TendonAnchor
 from fingertip.foundation.numerics import Array
 
 MIN_RATIO, MAX_RATIO = 0.25, 20.0

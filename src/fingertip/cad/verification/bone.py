@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import union
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.interface import interface
@@ -28,7 +27,8 @@ from fingertip.cad.verification.check import (
 )
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import SLIDING_MM, TailFold
+from fingertip.design.geometry.features import SLIDING_MM, TailFold
+from fingertip.design.geometry.solids import union
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

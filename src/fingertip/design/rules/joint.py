@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.tail_fold import SLIDING_MM
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.features import SLIDING_MM, Joint, TendonAnchor
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from pydantic import BaseModel
 
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.mold_layout import MoldLayout
 from fingertip.design.geometry.seat import Loss, find_losses
@@ -43,7 +43,7 @@ class Violation:
     passing: tuple[Interval, ...] = ()
     """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell.
 
-    They may lie outside the field's own bounds, or break another rule. `fingertip.design.rules.remedies` recommends
+    They may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends
     none of them unchecked.
     """
     note: str = ""

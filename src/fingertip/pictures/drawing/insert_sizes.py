@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.cad.kernel.solids import Point3
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.cad.shapes.insert import axis_z, contact_y
+from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.solids import Point3
 from fingertip.pictures.drawing.sizes import (
     BEFORE_FACE,
     BEHIND_FACE,

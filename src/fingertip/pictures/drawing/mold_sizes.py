@@ -6,10 +6,9 @@ import math
 
 from fingertip.cad.shapes.insert import axis_z, contact_y, head_y
 from fingertip.cad.shapes.mold import recess_half_width
-from fingertip.catalogues.syringes import LUER_MOUTH_MM
-from fingertip.catalogues.threads import select_thread
+from fingertip.catalogues.hardware import LUER_MOUTH_MM, select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.chaplet import Chaplet
+from fingertip.design.geometry.features import Chaplet
 from fingertip.pictures.drawing.sizes import (
     BEHIND_FACE,
     FINISHED,

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from fingertip.cad.kernel.solids import Solid
+from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import errors
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder

@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.cad.kernel.solids import Axis, Point3
-from fingertip.catalogues.threads import MAX_TRAP_RATIO, Thread
+from fingertip.catalogues.hardware import MAX_TRAP_RATIO, Thread
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.pictures.drawing.views import ViewName
 
 # Tolerances of printed sizes: general ones, and those that follow from a fit of the design.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.cad.kernel.solids import Point3
+from fingertip.design.geometry.solids import Point3
 from fingertip.pictures.drawing.primitives import Point
 
 ViewName = Literal["front", "dorsal", "palmar", "end", "section"]

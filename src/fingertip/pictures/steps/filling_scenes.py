@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.kernel.solids import Box, cylinder, difference
+from fingertip.design.geometry.solids import Box, cylinder, difference
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.bench import GLASS, PRODUCT, STEEL, Bench

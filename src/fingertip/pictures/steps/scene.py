@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.kernel.solids import Point3
+from fingertip.design.geometry.solids import Point3
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
 

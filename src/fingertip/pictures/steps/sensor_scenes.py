@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.kernel.solids import Box, Point3, Solid, cylinder, intersection, union
-from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.seals import passage_seal, tape
+from fingertip.cad.shapes.bone import passage_seal, sensor_body, tape
+from fingertip.design.geometry.features import TailFold
 from fingertip.design.geometry.seat import tape_span_mm
-from fingertip.design.geometry.tail_fold import TailFold
+from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, intersection, union
 from fingertip.pictures.picture import HAND, place_on_hand
 from fingertip.pictures.raster import Camera, Colour
 from fingertip.pictures.steps.bench import HAND_COLOUR, SEAL, SENSOR, STEEL, TAPE, WIRE, Bench

@@ -1,0 +1,17 @@
+"""Rules between parameters: a design that cannot be made is refused, with a remedy that passes.
+
+A rule checks parameters that are each within their own bounds. Which parameters it reads is recorded, not declared: if
+one of them is not valid by itself, the rule is skipped, so that one mistake gives one message and all other rules are
+still checked.
+"""
+
+from __future__ import annotations
+
+from fingertip.design.rules import amplifiers, board, bone, fold, joint, mold, skin
+
+PART_RULES = (*skin.RULES, *bone.RULES, *fold.RULES, *joint.RULES, *mold.RULES)
+"""Rules of the printed parts and the skin. They read no electronic table."""
+ELECTRONIC_RULES = (*board.RULES, *amplifiers.RULES, *board.SIGNAL_RULES, *skin.FORCE_CURVE_RULES)
+"""Rules of the board and of slip detection. They read only the electronic tables."""
+RULES = (*PART_RULES, *ELECTRONIC_RULES)
+"""All rules, in the order in which they are checked."""

@@ -8,6 +8,17 @@ from xml.etree import ElementTree
 
 import pytest
 
+from fingertip.design.geometry.sizes import (
+    INNER,
+    OUTER,
+    Circle,
+    Length,
+    Tolerance,
+    general,
+    nut_trap,
+    size_text,
+    symmetric,
+)
 from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
 from fingertip.pictures.drawing.pdf import render_pdf
 from fingertip.pictures.drawing.primitives import (
@@ -23,17 +34,6 @@ from fingertip.pictures.drawing.primitives import (
     line,
     rectangle,
     text_width,
-)
-from fingertip.pictures.drawing.sizes import (
-    INNER,
-    OUTER,
-    Circle,
-    Length,
-    Tolerance,
-    general,
-    nut_trap,
-    size_text,
-    symmetric,
 )
 from fingertip.pictures.drawing.svg import render_svg
 from fingertip.pictures.drawing.views import PROJECTIONS

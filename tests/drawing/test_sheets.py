@@ -12,11 +12,11 @@ import pytest
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
+from fingertip.design.geometry.sizes import general
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.primitives import EDGE, HIDDEN, Arc, Arrow, Hatch, Point, Polyline, Sheet, Text, line
-from fingertip.pictures.drawing.sizes import general
 from tests.conftest import design_file, run_fingertip, run_python
 from tests.drawing.conftest import FILES, load_variant
 from tests.tools import require_module

@@ -92,9 +92,9 @@ def new(
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     if preset or hand:
         from fingertip.cad.kernel.mesh import MeshEvaluator
-        from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data
         from fingertip.cad.verification.bone import check_strength
         from fingertip.cad.verification.check import list_warnings
+        from fingertip.cad.verification.strength import assess_strength, describe_strength, strength_data
 
         strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
         data["strength"] = strength_data(strength)

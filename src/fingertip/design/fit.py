@@ -177,7 +177,7 @@ def _list_repairs(
 def _is_used(tables: DesignTables, name: str) -> bool:
     """Return whether a free parameter matters: those of the joint do so in a clevis with tendon and stops only."""
     if name.startswith("hand."):
-        return tables.bone.interface == "clevis" and bool(tables.value(name))
+        return tables.dimensions.joint is not None and bool(tables.value(name))
     return True
 
 

@@ -180,7 +180,7 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
     """Yield the lines of the file."""
     parameters = {parameter.path: parameter for parameter in list_parameters()}
     name = parameters.pop("name")
-    joint = _JOINT_PARAMETERS if design.bone.interface == "clevis" else ()
+    joint = _JOINT_PARAMETERS if design.dimensions.joint else ()
     main = [parameters.pop(path) for path in (*_MAIN_PARAMETERS, *joint)]
     if design.sensor.model == "custom":
         main[1:1] = [parameters.pop(path) for path in list(parameters) if path.startswith("custom_sensor.")]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fingertip.cad.strength.assess import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.cad.verification.check import list_causes
+from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.page.html import Markup, code, element, join, table
 
 Check = Mapping[str, Any]

@@ -199,8 +199,8 @@ def compute_bone(context: PointContext) -> OutputValues:
 
 def compute_strength(context: PointContext) -> OutputValues:
     """Compute the safety factors of the bone."""
-    from fingertip.cad.strength.assess import assess_strength
     from fingertip.cad.verification.bone import filament_grip_factor
+    from fingertip.cad.verification.strength import assess_strength
 
     found = assess_strength(context.design, context.evaluator())
     return {

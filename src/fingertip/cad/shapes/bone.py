@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from fingertip.cad.shapes.insert import filled_bone, pilot_hole
-from fingertip.cad.shapes.interface import interface, interface_genus
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.features import END_ROOM_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
+from fingertip.design.interfaces import interface_of
 
 FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
@@ -17,7 +17,7 @@ _OVERLAP_MM = 0.2
 
 def bone(design: Design) -> Solid:
     """Build the printable bone."""
-    added, removed = interface(design)
+    added, removed = interface_of(design).shapes(design)
     cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design), tie_hole(design))
     hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
     return difference(union(filled_bone(design), *added), *hollows)
@@ -170,9 +170,10 @@ def genus(design: Design) -> int:
     that breaks through a wall.
     """
     dims = design.dimensions
+    of_interface = interface_of(design).genus(design)
     if dims.fold:
-        return (1 if dims.window_opens_into_gap else 3) + interface_genus(design)
-    return 2 + dims.tail_passes_collar + interface_genus(design)
+        return (1 if dims.window_opens_into_gap else 3) + of_interface
+    return 2 + dims.tail_passes_collar + of_interface
 
 
 # Seals of an overmolding: what keeps silicone out of the bone's hollows while the skin is cast around it.

@@ -27,7 +27,6 @@ from fingertip.cad.shapes.insert import (
     hexagon_slot_area_mm2,
     mold_insert,
 )
-from fingertip.cad.shapes.interface import eye_profile, knuckle, pin_bore, space
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
     VOLUME_TOLERANCE_MM3,
@@ -50,6 +49,7 @@ from fingertip.design.geometry.solids import (
     scaled,
     union,
 )
+from fingertip.design.interfaces.clevis import eye_profile, knuckle, pin_bore, space
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

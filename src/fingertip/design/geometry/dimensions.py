@@ -283,15 +283,6 @@ class Dimensions:
         return self.bone_outline.section.dorsal - covered - bone.wall_mm - bone.tie_hole_diameter_mm / 2
 
     @cached_property
-    def cross_bolt_z(self) -> float:
-        """Axis of the cross bolt: near the end of a post, where bending is least, or halfway up a socket."""
-        bone = self._design.bone
-        end, hole = -bone.base_length_mm, bone.cross_bolt_diameter_mm
-        if bone.interface == "socket":
-            return end + bone.socket_depth_mm / 2
-        return end - bone.post_length_mm + min(hole / 2 + max(bone.wall_mm, hole / 2), bone.post_length_mm / 2)
-
-    @cached_property
     def cheek_top_y(self) -> float:
         """Height above which the base is cut off beside the window of a folded tail: its cheeks are a wall thick there.
 

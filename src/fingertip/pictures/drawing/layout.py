@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.pictures.drawing.dimensioning import (
     FIRST_LANE_MM,
@@ -34,9 +35,8 @@ from fingertip.pictures.drawing.primitives import (
     Text,
     line,
 )
-from fingertip.pictures.drawing.sizes import Circle, Length, PartDrawing, Side
 from fingertip.pictures.drawing.title_block import Heading, Paper, draw_frame
-from fingertip.pictures.drawing.views import PROJECTIONS, ProjectedView, Projection, ViewName
+from fingertip.pictures.drawing.views import PROJECTIONS, ProjectedView, Projection
 
 A4, A3 = Paper("A4", 297.0, 210.0), Paper("A3", 420.0, 297.0)
 A2, A1 = Paper("A2", 594.0, 420.0), Paper("A1", 841.0, 594.0)

@@ -7,12 +7,12 @@ and dorsal up.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
+from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Point3
 from fingertip.pictures.drawing.primitives import Point
 
-ViewName = Literal["front", "dorsal", "palmar", "end", "section"]
 Line2: TypeAlias = tuple[Point, ...]
 
 

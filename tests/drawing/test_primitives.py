@@ -8,6 +8,17 @@ from xml.etree import ElementTree
 
 import pytest
 
+from fingertip.design.geometry.sizes import (
+    INNER,
+    OUTER,
+    Circle,
+    Length,
+    Tolerance,
+    general,
+    nut_trap,
+    size_text,
+    symmetric,
+)
 from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
 from fingertip.pictures.drawing.primitives import (
     PROJECTIONS,
@@ -24,17 +35,6 @@ from fingertip.pictures.drawing.primitives import (
     text_width,
 )
 from fingertip.pictures.drawing.render import render_pdf, render_svg
-from fingertip.pictures.drawing.sizes import (
-    INNER,
-    OUTER,
-    Circle,
-    Length,
-    Tolerance,
-    general,
-    nut_trap,
-    size_text,
-    symmetric,
-)
 from tests.tools import require_module
 
 SQUARE = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0))
@@ -115,7 +115,7 @@ def test_general_tolerances_are_those_of_class_m() -> None:
 
 
 def test_nut_goes_into_the_narrowest_trap_and_does_not_turn_in_the_widest() -> None:
-    from fingertip.catalogues.threads import MAX_TRAP_RATIO, THREADS
+    from fingertip.catalogues.hardware import MAX_TRAP_RATIO, THREADS
 
     thread = THREADS[3]
     tolerance = nut_trap(thread, 5.8)

@@ -12,11 +12,11 @@ import pytest
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
+from fingertip.design.geometry.sizes import general
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Styles, Text, line
-from fingertip.pictures.drawing.sizes import general
 from tests.conftest import design_file, run_fingertip, run_python
 from tests.drawing.conftest import FILES, load_variant
 from tests.tools import require_module
@@ -207,7 +207,7 @@ def test_parts_have_few_sizes_to_check(name: str) -> None:
 
 @pytest.mark.full
 def test_errors_of_the_process_are_raised_here() -> None:
-    from fingertip.cad.kernel.solids import Box, difference
+    from fingertip.design.geometry.solids import Box, difference
     from fingertip.foundation.errors import GeometryError
     from fingertip.pictures.drawing.projection import project_parts
 
@@ -220,7 +220,7 @@ def test_errors_of_the_process_are_raised_here() -> None:
 
 @pytest.mark.full
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
-    from fingertip.cad.kernel.solids import Box, cylinder, difference
+    from fingertip.design.geometry.solids import Box, cylinder, difference
     from fingertip.pictures.drawing.projection import project_parts
 
     box = difference(Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)), cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5))

@@ -12,7 +12,7 @@ from fingertip.board import board_circuit
 from fingertip.board.components.values import select_components
 from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.load import load_tables
+from fingertip.design.files import load_tables
 from fingertip.documents.board.signals import POWER_UP_S
 from fingertip.documents.firmware import (
     BOARDS,

@@ -17,7 +17,7 @@ import pytest
 from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.design.export import format_value, list_parameters
+from fingertip.design.files import format_value, list_parameters
 from fingertip.foundation.errors import OutputError
 from fingertip.page import MAX_BYTES, PAGE
 from fingertip.page.parameters_and_checks import render_verdict

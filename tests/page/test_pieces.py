@@ -17,7 +17,7 @@ from fingertip.board.analysis.report import bode_table
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.design.parameters.tables import PARAMETERS
+from fingertip.design.parameters import PARAMETERS
 from fingertip.page import markdown
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table

@@ -11,10 +11,10 @@ import pytest
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.shapes import bone
+from fingertip.cad.shapes.mold import openings
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.shapes.runners import openings
+from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.section import Section, draw_section, is_near, list_sections, slice_solid, spread
 from fingertip.pictures.steps.scene import View

@@ -11,7 +11,7 @@ from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.casting.hardware import WEIGHTS_G, describe_plug_wires, size_wires
 from fingertip.casting.uses import OPEN_OHM, PRESSED_OHM
 from fingertip.design import Design
-from fingertip.design.formulas.supply import signal_ground_ratio
+from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, INTERVAL

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.design.export import Parameter, format_value
-from fingertip.design.parameters import ParameterTable
+from fingertip.design.files import Parameter, format_value
+from fingertip.design.geometry.solids import Solid
+from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
-from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, code, element, embed, read_asset, render_document

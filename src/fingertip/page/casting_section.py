@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fingertip.cad.report import SHEET, STEPS_FOLDER
 from fingertip.design import Design
-from fingertip.design.export import list_parameters
+from fingertip.design.files import list_parameters
 from fingertip.design.silicone import describe_force_curve
 from fingertip.page.html import Markup, element, embed, figure, join, note, table
 from fingertip.page.markdown import list_steps, render, split_sections

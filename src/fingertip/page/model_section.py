@@ -17,9 +17,9 @@ import numpy as np
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Solid
 from fingertip.page.html import Markup, element, join
 
 Offset = tuple[float, float, float]

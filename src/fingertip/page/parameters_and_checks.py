@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
 
 from fingertip.cad.shapes.parts import hardware, parts_by_name
-from fingertip.cad.strength.assess import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.cad.verification.check import list_causes
+from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.design import Design
-from fingertip.design.export import Parameter, format_value, list_parameters
+from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.design.rules.ruleset import RecordingTables
 from fingertip.page.html import Markup, code, element, join, note, quantity, table
 from fingertip.page.model_section import label_item

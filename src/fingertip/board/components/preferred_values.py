@@ -9,8 +9,7 @@ import math
 from bisect import bisect_left
 from functools import lru_cache
 
-from fingertip.catalogues.preferred_series import MANTISSAS
-from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM
+from fingertip.design.formulas.filter import MANTISSAS, MAX_OHM, MIN_OHM
 from fingertip.foundation.errors import BoardError, Issue
 
 

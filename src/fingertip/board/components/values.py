@@ -19,8 +19,7 @@ from fingertip.board.components.preferred_values import nearest_value, neighbour
 from fingertip.board.components.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
-from fingertip.design.formulas.filter import FilterComponents
-from fingertip.design.formulas.supply import AVERAGING_OHM, MAX_AVERAGING_F
+from fingertip.design.formulas.filter import AVERAGING_OHM, MAX_AVERAGING_F, FilterComponents
 
 # Component values of variant `comparator`: the article's threshold on the windowed mean, in hardware.
 #

@@ -17,7 +17,7 @@ from fingertip.board.components.values import CLAMP_A, LOW_LEAKAGE_CLAMP, MAX_CL
 from fingertip.catalogues.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
-from fingertip.design.formulas.supply import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
+from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 from fingertip.documents.board.connectors import capitalize, has_mid_supply, paragraph, slip_pin
 from fingertip.foundation.files import format_figure

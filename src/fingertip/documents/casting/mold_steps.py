@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fingertip.casting.uses import Step, join, uses_adhesive, uses_primer
+from fingertip.design.interfaces import INTERFACES
 from fingertip.documents.casting.supplies import VENT_WIRE
 
 Data = Mapping[str, Any]
@@ -349,15 +350,9 @@ def _describe_pushing(data: Data) -> str:
     """Write where to push finger or core out of the mold: where it is thick, not at its interface."""
     if data["insert"] == "core":
         return "Push the core with the skin on it out of the second half at its bare base, never at the skin."
-    weakest = {
-        "post": "the post, its weakest section",
-        "socket": "the thin wall of the socket",
-        "flange": "the flange, whose root is its weakest section",
-        "clevis": "the eyes of the joint",
-    }[data["interface"]]
     return (
         "Push the finger out of the second half: push on the thick base close to the mold, never on "
-        f"{weakest}, and never at the skin."
+        f"{INTERFACES[data['interface']].weakest}, and never at the skin."
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import filtered_range_v
+from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.evaluate import separate_events
 from fingertip.sim.signal.board_output import compute_bridge_v

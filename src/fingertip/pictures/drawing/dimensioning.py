@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from fingertip.design.geometry.sizes import Circle, Length
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.drawing.primitives import (
     Arc,
@@ -26,7 +27,6 @@ from fingertip.pictures.drawing.primitives import (
     line,
     text_width,
 )
-from fingertip.pictures.drawing.sizes import Circle, Length
 
 # Raster of a sheet that tells what is drawn where, so that no text covers anything else.
 

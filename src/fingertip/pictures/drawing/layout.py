@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.pictures.drawing.dimensioning import (
     FIRST_LANE_MM,
@@ -33,10 +34,8 @@ from fingertip.pictures.drawing.primitives import (
     Sheet,
     Styles,
     Text,
-    ViewName,
     line,
 )
-from fingertip.pictures.drawing.sizes import Circle, Length, PartDrawing, Side
 from fingertip.pictures.drawing.title_block import Heading, Paper, draw_frame
 
 A4, A3 = Paper("A4", 297.0, 210.0), Paper("A3", 420.0, 297.0)

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
-from fingertip.cad.kernel.solids import Point3
+from fingertip.design.geometry.sizes import ViewName
+from fingertip.design.geometry.solids import Point3
 
 Point: TypeAlias = tuple[float, float]
 Anchor = Literal["start", "middle", "end"]
@@ -204,7 +205,6 @@ _WIDTHS = {
 """Width of characters in thousandths of the size of the font (Adobe's metrics of Helvetica)."""
 
 
-ViewName = Literal["front", "dorsal", "palmar", "end", "section"]
 Line2: TypeAlias = tuple[Point, ...]
 
 

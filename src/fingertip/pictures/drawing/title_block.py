@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fingertip.design.geometry.sizes import GENERAL, PartDrawing, general
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.dimensioning import TEXT_MM
 from fingertip.pictures.drawing.primitives import Arc, Polyline, Primitive, Styles, Text, line, rectangle, text_width
-from fingertip.pictures.drawing.sizes import GENERAL, PartDrawing, general
 
 BORDER_MM, FILING_MM = 10.0, 20.0
 """Width of the border, and on the left, where the sheet is filed."""

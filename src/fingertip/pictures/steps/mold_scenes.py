@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.kernel.solids import Box, Cone, Solid, cylinder, union
+from fingertip.cad.shapes.bone import tape
 from fingertip.cad.shapes.insert import axis_z
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.shapes.seals import tape
 from fingertip.casting.uses import uses_adhesive, uses_primer
+from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given

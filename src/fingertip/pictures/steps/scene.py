@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.kernel.solids import (
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.insert import cavity, filled_bone
+from fingertip.cad.shapes.mold import runners, vents
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
+from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
+from fingertip.design import Design
+from fingertip.design.geometry.conic import ConicBody, offset_section
+from fingertip.design.geometry.seat import tape_span_mm
+from fingertip.design.geometry.solids import (
     Box,
     Cone,
     Point3,
@@ -26,15 +34,6 @@ from fingertip.cad.kernel.solids import (
     intersection,
     union,
 )
-from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.insert import cavity, filled_bone
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
-from fingertip.cad.shapes.runners import runners, vents
-from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
-from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.insert_body import offset_section
-from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from fingertip.cad.kernel.solids import Box, ElbowTube, Point3, Solid, cylinder, intersection, union
-from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.seals import passage_seal, tape
+from fingertip.cad.shapes.bone import passage_seal, sensor_body, tape
 from fingertip.design.geometry.seat import tape_span_mm
+from fingertip.design.geometry.solids import Box, ElbowTube, Point3, Solid, cylinder, intersection, union
 from fingertip.pictures.picture import HAND, place_on_hand
 from fingertip.pictures.raster import Camera, Colour
 from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given

@@ -1,15 +1,16 @@
 """Safety factor of the bone, by beam theory on cross-sections of its mesh.
 
-The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. A post is held along its
-length: the bending moment falls there from its root, in proportion to the distance, to nothing at its end. So it does
-along the bore of a socket, from its bottom to its mouth. A flange is a plate that bends between base and bolts. The
-eyes of a clevis carry all of it as far as the pin, and the joint beyond has a module of its own.
+The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. Its interface brings its own
+stresses, and the share of the bending moment that it carries (`fingertip.design.interfaces`).
 
 At each cross-section all load distal to it gives a normal force and two bending moments, and these a stress at every
 corner of the section. The stress is linear in the load, so its largest value over all directions of the load is the
 length of a vector: no direction is missed, and none is assumed.
 
 Not included: shear and torsion, the skin (too soft to carry anything), creep, fatigue, defects of the print.
+
+Areas, first and second moments of polygons follow from Green's theorem (C. Steger, On the calculation of arbitrary
+moments of polygons, TU Munich FGBV-96-05, 1996).
 """
 
 from __future__ import annotations
@@ -17,23 +18,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.strength.stress import (
-    Section,
-    hole_in_tension,
-    measure_section,
-    shoulder_in_bending,
-    stress_joint,
-    tendon_force_per_n,
-)
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.formulas.stress import StressFactors, at_shoulder
+from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 
@@ -41,6 +37,49 @@ STATIONS = 160
 """Number of cross-sections."""
 WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
 """Safety factors below which a build warns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Cross-section of a beam along z; second moments are about its centroid."""
+
+    area_mm2: float
+    centroid_mm: tuple[float, float]
+    """x and y of the centroid [mm]."""
+    second_xx_mm4: float
+    """Integral of y^2 [mm4], which resists bending about x."""
+    second_yy_mm4: float
+    """Integral of x^2 [mm4], which resists bending about y."""
+    second_xy_mm4: float
+    """Integral of x y [mm4]; 0 for a section that is symmetric to an axis."""
+    edge_mm: Array
+    """Corners of the outline, (corners, 2), from the centroid [mm]. Bending stress is largest at one of them."""
+
+    @cached_property
+    def inverse_second_per_mm4(self) -> Array:
+        """Inverse of the matrix of second moments, (2, 2) [1/mm4]."""
+        xx, yy, xy = self.second_xx_mm4, self.second_yy_mm4, self.second_xy_mm4
+        return np.array([[xx, -xy], [-xy, yy]]) / (xx * yy - xy * xy)
+
+
+def measure_section(polygons: Sequence[Array]) -> Section | None:
+    """Measure a section bounded by polygons: outlines counter-clockwise, holes clockwise. None if it has no area."""
+    area = sx = sy = xx = yy = xy = 0.0
+    for polygon in polygons:
+        x, y = polygon[:, 0], polygon[:, 1]
+        u, v = np.roll(x, -1), np.roll(y, -1)
+        cross = x * v - u * y
+        area += float(cross.sum()) / 2
+        sx += float(((x + u) * cross).sum()) / 6
+        sy += float(((y + v) * cross).sum()) / 6
+        xx += float(((y * y + y * v + v * v) * cross).sum()) / 12
+        yy += float(((x * x + x * u + u * u) * cross).sum()) / 12
+        xy += float(((x * v + 2 * x * y + 2 * u * v + u * y) * cross).sum()) / 24
+    if area <= 0.0:
+        return None
+    cx, cy = sx / area, sy / area
+    corners = np.concatenate([np.asarray(polygon, dtype=np.float64) for polygon in polygons]) - [cx, cy]
+    return Section(area, (cx, cy), xx - area * cy * cy, yy - area * cx * cx, xy - area * cx * cy, corners)
 
 
 @dataclass(frozen=True)
@@ -107,11 +146,14 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     places = [
         [
             *_find_weakest_section(design, point, [cut for cut in sections if cut[0] < point.position_mm[2]]),
-            *((_bend_flange(design, point),) if design.bone.interface == "flange" else ()),
-            *_load_joint(design, point),
+            *(
+                Weakness(point.name, found.z_mm, found.place, found.stress_per_n, found.concentration, found.direction,
+                         found.at_shock)
+                for found in interface_of(design).local_stresses(design, point.position_mm[2])
+            ),
         ]
         for point in list_load_points(design)
-    ]
+    ]  # fmt: skip
     by_load = tuple(_find_weakest(found) for found in places)
     weakest = _find_weakest(by_load)
     at_shock = _find_weakest(place for found in places for place in found if place.at_shock)
@@ -129,29 +171,11 @@ def _find_weakest(places: Iterable[Weakness]) -> Weakness:
     return max(places, key=lambda weakness: weakness.stress_per_n)
 
 
-def _load_joint(design: Design, point: LoadPoint) -> Iterator[Weakness]:
-    """List the places of a clevis that a load at a point stresses, in the plane in which the finger bends."""
-    for found in stress_joint(design, point.position_mm[2]):
-        yield Weakness(
-            point.name,
-            found.z_mm,
-            found.place,
-            found.stress_per_n,
-            found.concentration,
-            (0.0, 1.0, 0.0),
-            found.at_shock,
-        )
-
-
 def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
     """Cut the bone from its proximal end to the rounded tip, which the skin around it loads as a whole."""
     solid = evaluator.manifold(PARTS["bone"].solid(design))
     low, high = solid.bounding_box()[2], design.dimensions.taper_end_z
-    if design.bone.interface == "flange":
-        low += design.bone.flange_thickness_mm  # the flange itself is a plate, no beam
-    if design.dimensions.joint:
-        # Past the pin only the joint's own forces act, which are assessed for themselves.
-        low = design.dimensions.joint.axis_z + design.dimensions.joint.pin_radius
+    low = interface_of(design).beam_begin_z(design, low)
     for i in range(STATIONS):
         z = low + (i + 0.5) * (high - low) / STATIONS
         section = measure_section([np.asarray(polygon) for polygon in solid.slice(z).to_polygons()])
@@ -169,7 +193,7 @@ def _find_weakest_section(design: Design, point: LoadPoint, cuts: Sequence[_CutP
         yield _find_stress(design, point, *max(cuts, key=largest))
 
 
-def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, factors: _Factors) -> Weakness:
+def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, factors: StressFactors) -> Weakness:
     """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
     plain, gradients = _raise_gradients(design, point, z, section, factors)
     sizes = np.linalg.norm(gradients, axis=1)
@@ -181,10 +205,10 @@ def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, f
 
 
 def _raise_gradients(
-    design: Design, point: LoadPoint, z: float, section: Section, factors: _Factors
+    design: Design, point: LoadPoint, z: float, section: Section, factors: StressFactors
 ) -> tuple[Array, Array]:
     """Stress at each corner of a section per newton in x, y and z, without and with stress concentration [MPa/N]."""
-    plain = stress_gradients(section, np.array(point.position_mm), z, _find_moment_share(design, z))
+    plain = stress_gradients(section, np.array(point.position_mm), z, interface_of(design).moment_share(design, z))
     # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
     return plain, plain * [factors.width, factors.height, max(factors.width, factors.height)]
 
@@ -199,103 +223,24 @@ def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_shar
     return gradients
 
 
-def _find_moment_share(design: Design, z: float) -> float:
-    """Fraction of the bending moment that a section of the interface carries, because the phalanx holds it."""
-    bone = design.bone
-    end = -bone.base_length_mm
-    if bone.interface == "post":
-        return min(1.0, max(0.0, (z - end) / bone.post_length_mm + 1.0))
-    if bone.interface == "socket":
-        return min(1.0, max(0.0, (z - end) / bone.socket_depth_mm))
-    return 1.0
-
-
-@dataclass(frozen=True)
-class _Factors:
-    """Stress concentration factors of a section that is bent in its width and in its height."""
-
-    width: float = 1.0
-    height: float = 1.0
-
-    def combined_with(self, other: _Factors) -> _Factors:
-        return _Factors(max(self.width, other.width), max(self.height, other.height))
-
-
-_CutPlane: TypeAlias = tuple[float, Section, _Factors]
+_CutPlane: TypeAlias = tuple[float, Section, StressFactors]
 """Height of a section [mm], the section, and the stress concentration there."""
 
 
-def _find_concentration(design: Design, z: float) -> _Factors:
+def _find_concentration(design: Design, z: float) -> StressFactors:
     """Find the stress concentration factors of the bone at a height.
 
     A shoulder acts about half the height of the thinner side far. The collar is one on both sides.
     """
-    dims, bone = design.dimensions, design.bone
-    end, fillet = -bone.base_length_mm, design.strength.root_fillet_mm
+    dims, fillet, foot = design.dimensions, design.strength.root_fillet_mm, -design.bone.collar_length_mm
     section, collar = dims.bone_outline.section, dims.collar.section
     base, body = ((2 * section.half_width, section.dorsal + flat) for flat in (dims.base_flat_depth, dims.flat_depth))
-    factors, step = _Factors(), (2 * collar.half_width, collar.palmar + collar.dorsal)
+    factors, step = StressFactors(), (2 * collar.half_width, collar.palmar + collar.dorsal)
     if 0.0 <= z <= min(body) / 2:
-        factors = _at_shoulder(step, body, fillet)
-    reach = min(base) / 2
-    if -bone.collar_length_mm - reach <= z <= -bone.collar_length_mm:
-        factors = _at_shoulder(step, base, fillet)
-    if bone.interface == "flange":
-        root = end + bone.flange_thickness_mm
-        if root <= z <= root + reach:
-            factors = factors.combined_with(_at_shoulder((bone.flange_width_mm, bone.flange_height_mm), base, fillet))
-        return factors
-    if joint := dims.joint:
-        if joint.shoulder_z - joint.eye_radius / 2 <= z <= joint.shoulder_z:
-            factors = factors.combined_with(_at_shoulder(base, _eye_sizes(design, joint), fillet))
-        return factors
-    if bone.interface == "post":
-        across = min(bone.post_height_mm, bone.post_width_mm)
-        if end - across / 2 <= z <= end:
-            factors = factors.combined_with(_at_shoulder(base, (bone.post_width_mm, across), fillet))
-    else:
-        across = bone.socket_diameter_mm + 2 * bone.wall_mm
-    if abs(z - dims.cross_bolt_z) <= bone.cross_bolt_diameter_mm / 2:
-        hole = hole_in_tension(bone.cross_bolt_diameter_mm, across)
-        factors = factors.combined_with(_Factors(hole, hole))
-    return factors
-
-
-def _eye_sizes(design: Design, joint: Joint) -> tuple[float, float]:
-    """Width and height of the eyes at their root [mm]: as high as the base if they have stops."""
-    dims = design.dimensions
-    section = dims.bone_outline.section
-    height = section.dorsal + dims.base_flat_depth if joint.travel_deg else 2 * joint.eye_radius
-    return (2 * section.half_width if joint.is_fork else 2 * joint.half_width), height
-
-
-def _at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> _Factors:
-    """Find the factors of a shoulder, each with the sizes in the direction in which the shaft bends."""
-    return _Factors(*(shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True)))
-
-
-def _bend_flange(design: Design, point: LoadPoint) -> Weakness:
-    """Find the bending stress of the flange where the base stands on it, which its bolts pull off the phalanx.
-
-    A load from the side or from above is held by a couple: bolts on one side, and bolts or the flange's edge on the
-    other. The plate is a cantilever between the couple's line and the base.
-    """
-    dims, bone = design.dimensions, design.bone
-    section = dims.bone_outline.section
-    arm = point.position_mm[2] + bone.base_length_mm
-    modulus = bone.flange_thickness_mm**2 / 6
-    per_n = []
-    for spacing, size, base, across in (
-        (bone.flange_spacing_x_mm, bone.flange_width_mm, 2 * section.half_width, bone.flange_height_mm),
-        (bone.flange_spacing_y_mm, bone.flange_height_mm, section.dorsal + dims.base_flat_depth, bone.flange_width_mm),
-    ):
-        # Without a second row the flange turns about its edge, and the bolts pull in its middle.
-        couple = arm / (spacing if spacing else size / 2)
-        lever = max((spacing if spacing else size) - base, 0.0) / 2
-        per_n.append(couple * lever / (across * modulus))
-    stress = math.hypot(*per_n)
-    direction = (round(per_n[0] / stress, 6), round(per_n[1] / stress, 6), 0.0) if stress else (0.0, 1.0, 0.0)
-    return Weakness(point.name, -bone.base_length_mm + bone.flange_thickness_mm, "flange", stress, 1.0, direction)
+        factors = at_shoulder(step, body, fillet)
+    if foot - min(base) / 2 <= z <= foot:
+        factors = at_shoulder(step, base, fillet)
+    return factors.combined_with(interface_of(design).stress_factors(design, z))
 
 
 def describe_strength(strength: BoneStrength) -> list[str]:

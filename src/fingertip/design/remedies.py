@@ -23,15 +23,22 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.parameters import ParameterTable
-from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
-from fingertip.design.parameters.issues import issues_from_pydantic
-from fingertip.design.parameters.tables import PARAMETERS
-from fingertip.design.rules import RULES
-from fingertip.design.rules.refusal import PassingRange, Refusal, Values, describe_refusal
+from fingertip.design.all_rules import RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS, ParameterTable
+from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
+from fingertip.design.refusal import (
+    PassingRange,
+    Refusal,
+    Search,
+    Values,
+    cheapest_first,
+    describe_refusal,
+    find_parameter_bounds,
+    is_number,
+    round_inwards,
+)
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
-from fingertip.design.rules.search import Search, cheapest_first, find_parameter_bounds, is_number, round_inwards
 from fingertip.foundation.errors import Issue
 
 _MAX_STEPS = 8
@@ -249,7 +256,7 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
 
 # Explanation of why a design is refused: parameters that are not valid by themselves, and broken rules between them.
 #
-# `fingertip.design.rules.remedies` is imported only for a refusal, which keeps the loading of designs fast.
+# `fingertip.design.remedies` is imported only for a refusal, which keeps the loading of designs fast.
 
 
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
@@ -305,7 +312,7 @@ def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTab
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
     """Add to a violated bound the value that the rules require, if the bound itself would break them."""
-    from fingertip.design.rules.search import Search, cheapest_first, format_value, round_digits
+    from fingertip.design.refusal import Search, cheapest_first, format_value, round_digits
 
     name = issue.field
     table, _, key = name.partition(".")

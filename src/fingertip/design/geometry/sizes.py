@@ -1,4 +1,4 @@
-"""Sizes on a drawing: what is dimensioned, in which view, with which tolerance, and what to do if it is out.
+"""Sizes on a part's drawing: what is dimensioned, in which view, with which tolerance, and what to do if it is out.
 
 Both ends of a length are points in the frame of the part, taken from the dimensions of the design. The number on the
 sheet is what calipers read on the print: the distance between them, and what the printer adds to it.
@@ -10,10 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.cad.kernel.solids import Axis, Point3
-from fingertip.catalogues.threads import MAX_TRAP_RATIO, Thread
-from fingertip.design import Design
-from fingertip.pictures.drawing.primitives import ViewName
+from fingertip.catalogues.hardware import MAX_TRAP_RATIO, Thread
+from fingertip.design.geometry.solids import Axis, Point3
+from fingertip.design.parameters import Tables
 
 # Tolerances of printed sizes: general ones, and those that follow from a fit of the design.
 
@@ -68,7 +67,7 @@ def general(size: float) -> Tolerance:
     return symmetric(next((deviation for limit, deviation in _GENERAL_MM if size <= limit), _GENERAL_MM[-1][1]))
 
 
-def located(design: Design, size: float) -> Tolerance:
+def located(design: Tables, size: float) -> Tolerance:
     """Tolerance of a size between two surfaces that locate bone or core: the play in the mold counts on it."""
     error = 2.0 * design.printer.surface_error_mm
     return symmetric(max(error, MIN_TOLERANCE_MM)) if error else general(size)
@@ -84,7 +83,7 @@ def shared_clearance(gap: float) -> Tolerance:
     return clearance(gap / 2.0)
 
 
-def bore(design: Design) -> Tolerance:
+def bore(design: Tables) -> Tolerance:
     """Tolerance of a bore that is reamed to its pin: never wider than the print's error on both sides."""
     return Tolerance(-2.0 * design.printer.surface_error_mm, 0.0) if design.printer.surface_error_mm else symmetric(0.1)
 
@@ -94,7 +93,11 @@ def nut_trap(thread: Thread, width: float) -> Tolerance:
     return Tolerance(thread.nut_flats_mm - width, MAX_TRAP_RATIO * thread.nut_flats_mm - width)
 
 
+ViewName = Literal["front", "dorsal", "palmar", "end", "section"]
+"""View of a drawing."""
 Side = Literal["above", "below", "left", "right"]
+ARROW_DEG = 5.0
+"""Angle between the end of an arc and the arrow that points to it."""
 AXES: dict[Axis, int] = {"x": 0, "y": 1, "z": 2}
 OUTER, INNER, STEP = 1.0, -1.0, 0.0
 """Growth of a length between two faces that look outwards, inwards, or the same way; of one between two axes, 0."""

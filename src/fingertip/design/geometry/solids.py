@@ -11,8 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.insert_body import DraftedSection
+from fingertip.design.geometry.conic import ConicBody, DraftedSection
 
 Axis = Literal["x", "y", "z"]
 Point3: TypeAlias = tuple[float, float, float]

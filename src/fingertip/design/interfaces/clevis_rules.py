@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.tail_fold import SLIDING_MM
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.features import SLIDING_MM, Joint, TendonAnchor
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
 
-RULES = Ruleset()
+LENGTH_RULES, RULES = Ruleset(), Ruleset()
 
+_MIN_SHOULDER = 0.1
+"""Minimum distance of the hand's knuckle from the collar [mm]."""
 _BELOW_SEAL_MM = 0.2
 """Gap between the anchor and the sealing part of the collar at a folded tail [mm]."""
 _MIN_SLOPE = 0.05
@@ -22,6 +23,25 @@ _DIRECTIONS, _ANGLES = 16, 120
 """Directions in which walls are measured, and angles of the joint that are tried."""
 
 _SOUND_BASE = (bone_left_at_sides, bone_left_dorsally)
+
+
+@LENGTH_RULES.rule("bone.base_length_mm")
+def joint_clear_of_collar_and_tail(design: DesignTables) -> Violation | None:
+    """The hand's knuckle is clear of the collar, and of a tail that is folded in the gap of a fork."""
+    dims, bone = design.dimensions, design.bone
+    joint, fold = dims.joint, dims.fold
+    if joint is None:
+        return None
+    above, what = bone.collar_length_mm + _MIN_SHOULDER, "collar"
+    if fold and dims.window_opens_into_gap:
+        film = -fold.nose_z + fold.radius + dims.sensor.thickness_mm + SLIDING_MM
+        above, what = max((above, what), (film, "folded tail"))
+    minimum = above + joint.radius + joint.clearance
+    if bone.base_length_mm >= minimum - SLACK:
+        return None
+    return Violation(
+        f"{bone.base_length_mm:g} mm brings the hand's knuckle into the {what} of the finger", at_least(minimum)
+    )
 
 
 @RULES.rule("skin.length_mm")

@@ -49,7 +49,7 @@ def test_default_circuit_is_the_articles() -> None:
 
 
 def test_configurations_are_those_that_the_design_file_accepts() -> None:
-    assert BOARD_VARIANTS == get_args(Board.model_fields["variant"].annotation)
+    assert get_args(Board.model_fields["variant"].annotation) == BOARD_VARIANTS
     assert tuple(SUPPLIES) == get_args(Board.model_fields["supply"].annotation)
     assert len(BOARD_CONFIGURATIONS) == len(BOARD_VARIANTS) * len(SUPPLIES)
 

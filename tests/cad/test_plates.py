@@ -20,7 +20,6 @@ import pytest
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import scaled
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import (
@@ -36,6 +35,7 @@ from fingertip.cad.printing.print_files import (
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.design import Design
+from fingertip.design.geometry.solids import scaled
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import verify_sets

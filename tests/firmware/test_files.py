@@ -7,12 +7,10 @@ import re
 from pathlib import Path
 
 import pytest
+from fingertip.design.load import load_tables
 from fingertip.firmware.wiring import (
-    READ_NETS,
     controller_changes,
     find_warnings,
-    wiring_notes,
-    wiring_table,
 )
 
 from fingertip.board import board_circuit
@@ -20,7 +18,7 @@ from fingertip.board.bringup.wiring import SKETCH_PINS
 from fingertip.board.components.values import select_components
 from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.load import load_tables
+from fingertip.design.files import load_tables
 from fingertip.documents.board.readme import POWER_UP_S
 from fingertip.documents.firmware import BOARDS, BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION
 from fingertip.firmware import packaging as costs

@@ -15,9 +15,9 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.parameters.tables import ELECTRONIC_TABLES
-from fingertip.design.rules import PART_RULES, RULES
+from fingertip.design.all_rules import PART_RULES, RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import SweepError
 from fingertip.lab.campaign.plan import Case

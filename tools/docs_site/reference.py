@@ -9,7 +9,7 @@ import typer.main
 
 from fingertip.cli import app
 from fingertip.cli.help_page import format_command, format_group
-from fingertip.design.export import Parameter, format_value, list_parameters
+from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.design.model import Design
 
 WIDTH = 80

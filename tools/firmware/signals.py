@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import filtered_range_v, signal_ground_ratio
+from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import simulate_trace

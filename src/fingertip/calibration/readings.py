@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from fingertip.cad.shapes.coupon_layout import AROUND_MM, RIB_MM, WALLS_MM, Spot, lay_out
 from fingertip.design import Design
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.foundation.toml_files import read_toml

@@ -80,7 +80,7 @@ def format_build(result: Build) -> list[str]:
 
     failed = [check for check in result.checks if not check.passed]
     if result.strength:
-        from fingertip.cad.strength.assess import describe_strength
+        from fingertip.cad.verification.strength import describe_strength
 
         lines += describe_strength(result.strength)
     for check in failed:

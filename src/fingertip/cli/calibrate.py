@@ -73,8 +73,8 @@ def printer(
     from fingertip.calibration.readings import read_readings
     from fingertip.cli.check import describe_cause
     from fingertip.cli.options import load_design
-    from fingertip.design.export import to_toml
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.files import to_toml
+    from fingertip.design.parameters.declaration import suggest_name
     from fingertip.foundation.errors import DesignError, FingertipError, Issue
     from fingertip.foundation.files import write_file
 
@@ -250,7 +250,7 @@ def sensor(
     from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
     from fingertip.calibration.weighings import read_weighings
     from fingertip.cli.options import load_design
-    from fingertip.design.export import to_toml
+    from fingertip.design.files import to_toml
     from fingertip.foundation.errors import FingertipError
     from fingertip.foundation.files import write_file
 

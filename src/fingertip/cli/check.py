@@ -138,7 +138,7 @@ def _check_designs(
 def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
     from fingertip.cli.options import load_design
-    from fingertip.design.load import load_tables
+    from fingertip.design.files import load_tables
     from fingertip.foundation.errors import DesignError, Issue
 
     load_tables((), changes)  # reports invalid changes once instead of once per file

@@ -43,7 +43,7 @@ def completion(
     For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion
     zsh)" to ~/.zshrc, after compinit. For fish, write the script to ~/.config/fish/completions/fingertip.fish.
     """
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.parameters.declaration import suggest_name
     from fingertip.foundation.errors import DesignError, Issue
 
     if shell not in SHELLS:
@@ -80,8 +80,8 @@ def option_values() -> dict[str, tuple[str, ...]]:
     """Values of the options that take a word of a list."""
     from fingertip.catalogues.bundled import PARAMS, list_bundled_files
     from fingertip.catalogues.silicones import SILICONES
+    from fingertip.design.parameters import PARAMETERS
     from fingertip.design.parameters.declaration import list_choices
-    from fingertip.design.parameters.tables import PARAMETERS
     from fingertip.foundation.toml_files import DESIGN
 
     parameters: list[str] = []

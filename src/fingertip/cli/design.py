@@ -92,9 +92,9 @@ def new(
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     if preset or hand:
         from fingertip.cad.kernel.mesh import MeshEvaluator
-        from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data
         from fingertip.cad.verification.bone import check_strength
         from fingertip.cad.verification.check import list_warnings
+        from fingertip.cad.verification.strength import assess_strength, describe_strength, strength_data
 
         strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
         data["strength"] = strength_data(strength)
@@ -126,8 +126,8 @@ def params(
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.cli.options import load_design
-    from fingertip.design import export
-    from fingertip.design.export import format_parameter_table, format_value
+    from fingertip.design import files as export
+    from fingertip.design.files import format_parameter_table, format_value
     from fingertip.foundation.errors import OutputError
 
     console = Console(as_json, quiet)
@@ -184,11 +184,11 @@ def format_schema(kind: str) -> str:
 
 def make_schema(kind: str) -> dict[str, Any]:
     """Make the JSON schema of a kind of TOML file. Raises DesignError."""
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.parameters.declaration import suggest_name
     from fingertip.foundation.errors import DesignError, Issue
 
     if kind == "design":
-        from fingertip.design.export import json_schema
+        from fingertip.design.files import json_schema
 
         found = json_schema()
     elif kind == "scene":

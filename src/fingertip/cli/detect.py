@@ -78,7 +78,7 @@ def detect(
     the design's board, simulated for the voltage.
     """
     from fingertip.cli.options import load_design
-    from fingertip.design.load import load_tables
+    from fingertip.design.files import load_tables
     from fingertip.detection.files import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.errors import TraceError

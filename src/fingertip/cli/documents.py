@@ -73,9 +73,9 @@ def sheet(
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.print_files import FDM
     from fingertip.cad.report import SHEET, STEPS_FOLDER
-    from fingertip.cad.strength.assess import assess_strength
     from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
+    from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cli.options import load_design

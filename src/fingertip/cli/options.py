@@ -50,7 +50,7 @@ def load_design(
 ) -> tuple[Design, dict[str, Any]]:
     """Load the design of a file, or the default design, with changes. Raises DesignError."""
     from fingertip.design import Design
-    from fingertip.design.load import load_tables
+    from fingertip.design.files import load_tables
 
     loaded = load_tables([file] if file else [], changes or ())
     if file and not loaded.before and progress:

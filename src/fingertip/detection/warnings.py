@@ -12,9 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import signal_ground_ratio
+from fingertip.design.formulas.filter import signal_ground_ratio
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.noise import COARSE_RATIO, noise_level

@@ -6,7 +6,6 @@ before is coloured. A parameter that a design does not use is shown on another d
 
 from __future__ import annotations
 
-import base64
 import io
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -17,17 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.design.export import Parameter, format_value
-from fingertip.design.parameters import ParameterTable
+from fingertip.design.files import Parameter, format_value
+from fingertip.design.geometry.solids import Solid
+from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
-from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.numerics import Array
-from fingertip.page.html import Markup, code, element, read_asset, render_document
-from fingertip.page.parameters_section import (
+from fingertip.page.html import Markup, code, element, embed, read_asset, render_document
+from fingertip.page.parameters_and_checks import (
     describe_effect,
     group_parameters,
     parameters_of_shapes,
@@ -313,6 +311,5 @@ def _render_entry(
 
 
 def _render_picture(picture: AtlasPicture) -> Markup:
-    source = f"data:image/png;base64,{base64.b64encode(picture.png).decode('ascii')}"
-    image = element("img", src=source, alt=f"{picture.path}: {picture.caption}")
+    image = element("img", src=embed(picture.png, "image/png"), alt=f"{picture.path}: {picture.caption}")
     return element("figure", image, element("figcaption", picture.caption))

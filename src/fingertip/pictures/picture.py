@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.interface import knuckle
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.strength.assess import assess_strength
+from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.solids import Solid
+from fingertip.design.interfaces.clevis import knuckle
 from fingertip.foundation.display import Picture
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, bounds

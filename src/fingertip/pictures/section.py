@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, intersection, union
 from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.mold import luer_cone, runners
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.shapes.runners import luer_cone, runners
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, intersection, union
+from fingertip.design.interfaces import interface_of
 from fingertip.filling.mold_filling import place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Colour
@@ -253,12 +254,8 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
     else:
         yield Feature("relief of the solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6))
         yield Feature("cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2))
-    if dims.joint:
-        yield Feature("joint", (dims.joint.axis_z, dims.joint.axis_y))
-        if dims.anchor:
-            yield Feature("tendon's anchor", (dims.anchor.z, dims.anchor.y))
-    elif bone.interface == "post":
-        yield Feature("cross bolt", (dims.cross_bolt_z, (section.dorsal - dims.base_flat_depth) / 2))
+    for name, at in interface_of(design).features(design):
+        yield Feature(name, at)
 
 
 @dataclass(frozen=True)

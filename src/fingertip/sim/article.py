@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.design import Design
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.sim.contact.surface_profile import SURFACES
 from fingertip.sim.hand.manipulation_file import ManipulationFile

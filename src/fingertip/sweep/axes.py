@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
-from fingertip.design.parameters.issues import find_similar_name, issues_from_pydantic, suggest_name
+from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import Issue, quote_value
 
 Value: TypeAlias = float | int | bool | str

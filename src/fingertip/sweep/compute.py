@@ -199,8 +199,8 @@ def compute_bone(context: PointContext) -> OutputValues:
 
 def compute_strength(context: PointContext) -> OutputValues:
     """Compute the safety factors of the bone."""
-    from fingertip.cad.strength.assess import assess_strength
     from fingertip.cad.verification.bone import filament_grip_factor
+    from fingertip.cad.verification.strength import assess_strength
 
     found = assess_strength(context.design, context.evaluator())
     return {
@@ -233,7 +233,7 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 def compute_filling(context: PointContext) -> OutputValues:
     """Predict how the mold fills with the silicone of the design."""
-    from fingertip.cad.verification.filling import PUSH_S, leak_mm
+    from fingertip.cad.verification.mold import PUSH_S, leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
@@ -269,8 +269,8 @@ def compute_thickness(context: PointContext) -> OutputValues:
 
 def compute_walls(context: PointContext) -> OutputValues:
     """Compute the thinnest wall of the bone and its lid."""
+    from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
-    from fingertip.cad.verification.joint import check_joint
 
     checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
     walls = [check.value for check in checks if check.name.startswith(("bone.wall.", "lid.wall"))]

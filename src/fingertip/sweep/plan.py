@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.rules import RULES
-from fingertip.design.rules.remedies import find_remedies
+from fingertip.design.all_rules import RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, SweepError

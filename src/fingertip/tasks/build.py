@@ -35,8 +35,8 @@ from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
-from fingertip.design.export import to_toml
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.files import to_toml
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras

@@ -1,7 +1,7 @@
 """The supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
 
 On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply of
-5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.formulas.supply`). Bridge, filters, rectifier, envelope
+5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.formulas.filter`). Bridge, filters, rectifier, envelope
 and threshold refer to it, and the amplifiers need rail-to-rail inputs and outputs (`fingertip.catalogues.amplifiers`).
 
 The board for 3.3 V is made for the controller of a hand: its outputs stay within the supply, its connectors are keyed
@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.board.parts.circuit import GND, VCC, VEE, VMID, VREF
-from fingertip.design.formulas.supply import CONTROLLER_SUPPLIES, signal_ground_ratio
+from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES, signal_ground_ratio
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from fingertip.board.components.selection import (
 from fingertip.board.components.supplies import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
-from fingertip.design.formulas.filter import FilterComponents
-from fingertip.design.formulas.supply import AVERAGING_OHM, MAX_AVERAGING_F
+from fingertip.design.formulas.filter import AVERAGING_OHM, MAX_AVERAGING_F, FilterComponents
 from fingertip.design.parameters import Board
 
 

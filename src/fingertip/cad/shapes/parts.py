@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from fingertip.cad.kernel.solids import Solid, cylinder, difference, hexagon, union
 from fingertip.cad.shapes import bone, insert, mold
 from fingertip.cad.shapes import insert as skin
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.insert import axis_z, head_y
-from fingertip.catalogues.threads import Thread
+from fingertip.catalogues.hardware import Thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
+from fingertip.design.geometry.solids import Solid, cylinder, difference, hexagon, union
 from fingertip.filling.mold_filling import place_vents
 
 

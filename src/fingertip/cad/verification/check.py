@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, Literal
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, difference
+from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.foundation.files import round_for_output
 
 if TYPE_CHECKING:

@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays
-from fingertip.cad.kernel.solids import SuperconicSolid
 from fingertip.cad.kernel.tessellate import Triangles
 from fingertip.cad.shapes.insert import filled_bone, skin_interior
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.seat import Loss, Motion, worst
-from fingertip.design.rules.chaplet import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
+from fingertip.design.geometry.solids import SuperconicSolid
+from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 from fingertip.foundation.numerics import Array
 
 if TYPE_CHECKING:

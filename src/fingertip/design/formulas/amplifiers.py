@@ -16,8 +16,7 @@ from fingertip.catalogues.amplifiers import (
     Amplifier,
 )
 from fingertip.design.formulas import filter as filter_components
-from fingertip.design.formulas.filter import to_farads
-from fingertip.design.formulas.supply import smaller_headroom_v
+from fingertip.design.formulas.filter import smaller_headroom_v, to_farads
 from fingertip.design.parameters import Board
 
 

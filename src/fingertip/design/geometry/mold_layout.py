@@ -14,13 +14,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe
-from fingertip.catalogues.threads import Thread, select_thread
+from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe, Thread, select_thread
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
+    from fingertip.design.parameters import Tables
     from fingertip.design.parameters.mold import Mold
-    from fingertip.design.parameters.tables import Tables
 
 
 _GATE_TO_VENT_MM = 1.2

@@ -18,16 +18,16 @@ from fingertip.design.formulas.amplifiers import (
     total_supply_v,
     works_on_supply,
 )
-from fingertip.design.formulas.filter import to_farads
-from fingertip.design.formulas.supply import (
+from fingertip.design.formulas.filter import (
     MAX_AVERAGING_F,
     MAX_BIAS_A,
     MAX_COMPARATOR_V,
     MIN_COMPARATOR_V,
     max_window_s,
+    to_farads,
     upper_headroom_v,
 )
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import Board
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import math
 
-from fingertip.catalogues.preferred_series import CAPACITOR_SERIES, find_preferred_neighbours
 from fingertip.design.formulas import filter as filter_components
 from fingertip.design.formulas.amplifiers import (
     BAND_CUTOFFS,
 )
-from fingertip.design.formulas.filter import MAX_1206_F, MAX_OHM, MIN_CUTOFF_RATIO, MIN_OHM, to_farads
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.formulas.filter import (
+    CAPACITOR_SERIES,
+    MAX_1206_F,
+    MAX_OHM,
+    MIN_CUTOFF_RATIO,
+    MIN_OHM,
+    find_preferred_neighbours,
+    to_farads,
+    upper_headroom_v,
+)
+from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()
@@ -223,3 +231,60 @@ def _at_least_preferred(minimum_uf: float) -> tuple[Interval, ...]:
 
 def _out_of_range(ohm: float) -> str:
     return f"below {MIN_OHM:g} ohm" if ohm < MIN_OHM else f"above {MAX_OHM / 1e6:g} Mohm"
+
+
+# Rules between sampling, filters and detector: signals that cannot be sampled, averaged or reached are refused.
+
+
+SIGNAL_RULES = Ruleset()
+
+SAMPLES_PER_CYCLE = 4.0
+"""Minimum samples per cycle of a cutoff: twice Nyquist's, which leaves an octave of passband above the cutoff."""
+MAX_WINDOW_S = 1.0
+"""Maximum length of the averaging window [s]: a whole slide of the article's. The article's own limit for a useful
+reaction is 0.1 s."""
+_MAX_THRESHOLD_SHARE = 0.99
+"""Maximum threshold that is recommended, as a share of what the supply lets the signal reach."""
+
+
+@SIGNAL_RULES.rule("detector.sample_rate_hz")
+def rate_above_cutoffs(design: DesignTables) -> Violation | None:
+    """The sampling rate resolves the cutoffs of filter and envelope."""
+    name, cutoff = max(
+        ("board.cutoff_hz", design.board.cutoff_hz),
+        ("board.envelope_cutoff_hz", design.board.envelope_cutoff_hz),
+        key=lambda pair: pair[1],
+    )
+    minimum = SAMPLES_PER_CYCLE * cutoff
+    if design.detector.sample_rate_hz >= minimum:
+        return None
+    return Violation(
+        f"{design.detector.sample_rate_hz:g} Hz is too slow for {name} of {cutoff:g} Hz", at_least(minimum)
+    )
+
+
+@SIGNAL_RULES.rule("detector.window_samples")
+def window_not_too_long(design: DesignTables) -> Violation | None:
+    """The averaging window is not longer than a slide."""
+    maximum = math.floor(MAX_WINDOW_S * design.detector.sample_rate_hz)
+    if design.detector.window_samples <= maximum:
+        return None
+    return Violation(
+        f"{design.detector.window_samples} samples at {design.detector.sample_rate_hz:g} Hz last longer than "
+        f"{MAX_WINDOW_S:g} s",
+        at_most(maximum),
+    )
+
+
+@SIGNAL_RULES.rule("detector.threshold_v")
+def threshold_within_supply(design: DesignTables) -> Violation | None:
+    """The signal can reach the threshold."""
+    reach = upper_headroom_v(design.board)
+    if design.detector.threshold_v < reach:
+        return None
+    signals = "" if reach == design.board.supply_v else f", whose signals have a quiescent level of {reach:g} V"
+    return Violation(
+        f"{design.detector.threshold_v:g} V is never reached by a board supplied with "
+        f"{design.board.supply_v:g} V{signals}",
+        at_most(_MAX_THRESHOLD_SHARE * reach),
+    )

@@ -1,13 +1,42 @@
-"""Rules between skin, bone and sensor: the sensor fits the bone, and the bone fits the skin."""
+"""Rules of a custom sensor: an outline that no sensor can have is refused."""
 
 from __future__ import annotations
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.geometry.seat import sleeve_inset_mm
-from fingertip.design.geometry.skin_thickness import min_skin_thickness
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
+from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()
+
+
+@RULES.rule("custom_sensor.active_diameter_mm")
+def active_area_within_head(design: DesignTables) -> Violation | None:
+    """The active area is not wider than the sensor's head."""
+    if design.sensor.model != "custom":
+        return None
+    active, head = design.custom_sensor.active_diameter_mm, design.custom_sensor.head_diameter_mm
+    if active <= head + SLACK:
+        return None
+    return Violation(f"{active:g} mm is wider than the sensor's head", at_most(head))
+
+
+@RULES.rule("custom_sensor.tail_width_mm")
+def tail_holds_its_tabs(design: DesignTables) -> Violation | None:
+    """The tail is wide enough for two solder tabs."""
+    if design.sensor.model != "custom":
+        return None
+    width, pitch = design.custom_sensor.tail_width_mm, design.dimensions.sensor.tab_pitch_mm
+    minimum = pitch + TAB_WIDTH_MM
+    if width >= minimum - SLACK:
+        return None
+    return Violation(
+        f"{width:g} mm does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart", at_least(minimum)
+    )
+
+
+# Rules between skin, bone and sensor: the sensor fits the bone, and the bone fits the skin.
+
 
 _EDGE_THICKNESS = 0.5
 """Minimum silicone beside the edges of the bone's flat, along x [mm]: the edges cut through thinner skin."""
@@ -219,4 +248,32 @@ def bend_wider_than_channel(design: DesignTables) -> Violation | None:
         f"{design.bone.channel_bend_radius_mm:g} mm folds a channel of {design.bone.channel_diameter_mm:g} mm into "
         "itself",
         at_least(minimum),
+    )
+
+
+# Rules of a calibrated force curve: its forces are in order.
+
+
+FORCE_CURVE_RULES = Ruleset()
+
+
+@FORCE_CURVE_RULES.rule("force_curve.turn_on_n")
+def turn_on_below_calibration(design: DesignTables) -> Violation | None:
+    """The sensor conducts at the smallest force of the calibration."""
+    curve = design.force_curve
+    if curve.turn_on_n <= curve.min_force_n + SLACK:
+        return None
+    return Violation(
+        f"{curve.turn_on_n:g} N is above the smallest force of the calibration", at_most(curve.min_force_n)
+    )
+
+
+@FORCE_CURVE_RULES.rule("force_curve.max_force_n")
+def calibration_spans_forces(design: DesignTables) -> Violation | None:
+    """The largest force of the calibration is not below the smallest."""
+    curve = design.force_curve
+    if curve.max_force_n >= curve.min_force_n - SLACK:
+        return None
+    return Violation(
+        f"{curve.max_force_n:g} N is below the smallest force of the calibration", at_least(curve.min_force_n)
     )

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.cad.kernel.solids import Point3
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.cad.shapes.insert import axis_z, contact_y
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
-from fingertip.pictures.drawing.sizes import (
+from fingertip.design.geometry.sizes import (
+    ARROW_DEG,
     BEFORE_FACE,
-    BEHIND_FACE,
     FINISHED,
     INNER,
     OUTER,
@@ -25,29 +22,28 @@ from fingertip.pictures.drawing.sizes import (
     Length,
     PartDrawing,
     Size,
-    Tolerance,
-    bore,
     clearance,
     located,
     symmetric,
 )
+from fingertip.design.geometry.solids import Point3
+from fingertip.design.interfaces import interface_of
 
-_ARROW_DEG = 5.0
-"""Angle between the end of an arc and the arrow that points to it."""
 _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or print again"
 
 
 def bone_drawing(design: Design) -> PartDrawing:
     """List what the sheet of the bone shows."""
     dims, section, pilot = design.dimensions, design.dimensions.bone_outline.section, _pilot_of_bone(design)
-    tip = dims.bone_outline.tip
+    tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
+    low = (0.0, 0.0, interface.low_z(design))
     sizes = [
-        Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, _low_z(design)), (0.0, 0.0, tip.z)),
+        Length("overall length", OUTER, "front", "below", "z", low, (0.0, 0.0, tip.z)),
         *_base_sizes(design),
         *_pocket_sizes(design),
         *_chaplet_sizes(design, pilot, "bone", _distal_end_of_pocket(design)),
-        *_interface_sizes(design),
+        *interface.sizes(design),
     ]
     if not dims.window_opens_into_gap:
         tie = (section.half_width, dims.tie_hole_y, dims.tie_hole_z)
@@ -105,15 +101,6 @@ def _material(design: Design) -> str:
     return PRINT_MATERIALS[design.strength.print_material].label
 
 
-def _low_z(design: Design) -> float:
-    """Proximal end of the bone."""
-    joint = design.dimensions.joint
-    if joint:
-        return joint.low_z if joint.travel_deg else joint.axis_z - joint.eye_radius
-    post = design.bone.post_length_mm if design.bone.interface == "post" else 0.0
-    return -design.bone.base_length_mm - post
-
-
 def _base_sizes(design: Design) -> list[Size]:
     """List the sizes that locate bone and core in the recess of the mold."""
     dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
@@ -144,7 +131,7 @@ def _pocket_sizes(design: Design) -> list[Size]:
     flat, half = -dims.flat_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
     begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
-    opening = math.degrees(math.asin(min(1.0, half / head))) + _ARROW_DEG  # in which the slot meets the pocket
+    opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
     return [
         Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
                (-dims.collar.section.half_width, 0.0, 0.0), (0.0, flat, z)),
@@ -210,111 +197,6 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: P
                symmetric(bite), _PILOT, is_diameter=True),
         Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
     ]  # fmt: skip
-
-
-def _interface_sizes(design: Design) -> list[Size]:
-    """List the sizes of the interface to the proximal phalanx."""
-    dims, bone = design.dimensions, design.bone
-    section = dims.bone_outline.section
-    y, end = (section.dorsal - dims.base_flat_depth) / 2, -bone.base_length_mm
-    if dims.joint:
-        return _joint_sizes(design, dims.joint)
-    base = Length("length of the base", OUTER, "front", "below", "z", (0.0, y, end), (0.0, y, 0.0))
-    cross = Circle(
-        "hole of the cross bolt", INNER, "front", "x", (section.half_width, y, dims.cross_bolt_z),
-        bone.cross_bolt_diameter_mm / 2, _bolt_clearance(design, bone.cross_bolt_diameter_mm),
-    )  # fmt: skip
-    if bone.interface == "post":
-        half, foot = bone.post_height_mm / 2, end - bone.post_length_mm
-        return [
-            base,
-            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(design)),
-            Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
-                   (0.0, y + half, foot)),
-            Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (0.0, y, foot),
-                   (0.0, y, dims.cross_bolt_z)),
-            cross,
-        ]  # fmt: skip
-    if bone.interface == "socket":
-        return [
-            base,
-            Circle("socket", INNER, "end", "z", (0.0, y, end), bone.socket_diameter_mm / 2),
-            Length("depth of the socket", STEP, "section", "below", "z", (0.0, y, end),
-                   (0.0, y, end + bone.socket_depth_mm)),
-            Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (0.0, y, end),
-                   (0.0, y, dims.cross_bolt_z)),
-            cross,
-        ]  # fmt: skip
-    return [base, *_flange_sizes(design, y, end)]
-
-
-def _flats_deg(design: Design) -> tuple[tuple[float, float], ...]:
-    """Directions in the end view in which the post has its flats."""
-    height, width = design.bone.post_height_mm, design.bone.post_width_mm
-    if height >= width:
-        return ()
-    begin = math.degrees(math.asin(height / width)) - _ARROW_DEG
-    return (begin, 180.0 - begin), (180.0 + begin, 360.0 - begin)
-
-
-def _flange_sizes(design: Design, y: float, end: float) -> list[Size]:
-    bone = design.bone
-    x, half, rows = bone.flange_width_mm / 2, bone.flange_height_mm / 2, bone.flange_spacing_y_mm / 2
-    hole_x, top = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm
-    sizes: list[Size] = [
-        Length("width of the flange", OUTER, "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
-        Length("height of the flange", OUTER, "end", "left", "y", (x, y - half, end), (x, y + half, end)),
-        Length("thickness of the flange", OUTER, "front", "above", "z", (0.0, y + half, end), (0.0, y + half, top)),
-        Length("spacing of the bolt holes", STEP, "end", "above", "x", (hole_x, y + rows, end),
-               (-hole_x, y + rows, end)),
-        Circle("bolt holes of the flange", INNER, "end", "z", (hole_x, y + rows, end), bone.flange_hole_diameter_mm / 2,
-               _bolt_clearance(design, bone.flange_hole_diameter_mm),
-               count=4 if rows else 2),
-    ]  # fmt: skip
-    if rows:
-        sizes.append(
-            Length("spacing of the rows", STEP, "end", "right", "y", (-hole_x, y - rows, end), (-hole_x, y + rows, end))
-        )
-    return sizes
-
-
-def _bolt_clearance(design: Design, hole_mm: float) -> Tolerance:
-    """Tolerance of a printed hole that a bolt passes."""
-    return clearance(hole_mm - design.printer.offset_mm - select_thread(hole_mm).diameter_mm)
-
-
-def _joint_sizes(design: Design, joint: Joint) -> list[Size]:
-    """List the sizes of a clevis."""
-    y, z, half = joint.axis_y, joint.axis_z, joint.half_width
-    across = design.dimensions.bone_outline.section.half_width
-    place = "gap between the cheeks" if joint.is_fork else "width of the tongue"
-    remedy = "narrow: file it until the hand's tongue turns" if joint.is_fork else "wide: sand it until it turns"
-    pin: Point3 = (across, y, z)
-    sizes: list[Size] = [
-        Length("skin's end to the joint axis", BEHIND_FACE, "front", "below", "z", (across, 0.0, 0.0), pin),
-        Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
-               "narrow: ream it to the pin; wide: take a thicker pin, or a bush"),
-        Circle("eyes of the joint", BEHIND_FACE, "front", "x", pin, joint.eye_radius, is_radius=True,
-               hidden_deg=_beside_stops_deg(joint)),
-        Length(place, INNER if joint.is_fork else OUTER, "end", "below", "x", (half, y, z), (-half, y, z),
-               clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
-    ]  # fmt: skip
-    if abs(y) > 1e-6:
-        sizes.append(
-            Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
-        )
-    if anchor := design.dimensions.anchor:
-        at = (across, anchor.y, anchor.z)
-        sizes += [
-            Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius),
-            Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
-        ]
-    return sizes
-
-
-def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
-    """Directions in the front view in which the eyes are not round: all but those between the stops."""
-    return ((180.0 + joint.travel_deg - _ARROW_DEG, 540.0 + _ARROW_DEG),) if joint.travel_deg else ((-90.0, 90.0),)
 
 
 def _axes(pilot: _Pilot | None) -> tuple[AxisLine, ...]:

@@ -6,11 +6,10 @@ import math
 
 from fingertip.cad.shapes.insert import axis_z, contact_y, head_y
 from fingertip.cad.shapes.mold import recess_half_width
-from fingertip.catalogues.syringes import LUER_MOUTH_MM
-from fingertip.catalogues.threads import select_thread
+from fingertip.catalogues.hardware import LUER_MOUTH_MM, select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.chaplet import Chaplet
-from fingertip.pictures.drawing.sizes import (
+from fingertip.design.geometry.features import Chaplet
+from fingertip.design.geometry.sizes import (
     BEHIND_FACE,
     FINISHED,
     INNER,
@@ -22,13 +21,13 @@ from fingertip.pictures.drawing.sizes import (
     Length,
     PartDrawing,
     Size,
+    ViewName,
     clearance,
     located,
     nut_trap,
     shared_clearance,
     symmetric,
 )
-from fingertip.pictures.drawing.views import ViewName
 
 _MATERIAL = "any print material that the silicone tolerates"
 

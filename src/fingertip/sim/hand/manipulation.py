@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import find_bounds, suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict, Field
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import CONTROLLER_SUPPLIES
+from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.toml_files import SCENE, FileKind

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import filtered_range_v
+from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.detector import DetectorOutput, as_samples

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import filtered_range_v
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.formulas.filter import filtered_range_v
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog import AnalogDetector

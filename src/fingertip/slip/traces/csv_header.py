@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.traces.columns import (
     DELIMITERS,

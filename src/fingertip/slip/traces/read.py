@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError
 from fingertip.foundation.input_files import check_archive
 from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind

@@ -83,6 +83,7 @@ def option_values() -> dict[str, tuple[str, ...]]:
     from fingertip.design.parameters.declaration import list_choices
     from fingertip.design.parameters.tables import PARAMETERS
     from fingertip.foundation.toml_files import DESIGN
+    from fingertip.slip.detectors.registry import DETECTORS, list_names
 
     parameters: list[str] = []
     for path, field in PARAMETERS.items():
@@ -97,8 +98,8 @@ def option_values() -> dict[str, tuple[str, ...]]:
         "--formats": ("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
         "--parts": ("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core"),
         "--material": (*SILICONES, "own"),
-        "--detector": ("digital", "analog", "fft", "fast"),
-        "--grip": ("fast", "digital", "analog"),
+        "--detector": tuple(list_names()),
+        "--grip": tuple(name for name in reversed(DETECTORS) if not DETECTORS[name].is_baseline),
         "--surface": ("smooth", "medium", "gross", "wood", "paper", "plastic"),
         "--time-scale": ("s", "ms", "us", "ns"),
     }

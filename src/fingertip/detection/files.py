@@ -27,10 +27,11 @@ from fingertip.detection.live import CsvStream, Transition, follow, open_stream
 from fingertip.detection.warnings import StepWatch, envelope_warnings, filtered_warnings, step_warnings
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
+from fingertip.slip.detectors.analog import measure_noise_level
 from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.detectors.fast import min_noise_v
-from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
+from fingertip.slip.detectors.noise import NoiseLevel, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import (
+    DEFAULT,
     UsedSignals,
     find_detector_type,
     find_second_column,
@@ -77,7 +78,7 @@ class StreamDetection:
 def detect_file(
     path: str | Path,
     design: Design | None = None,
-    detector: str = "digital",
+    detector: str = DEFAULT,
     *,
     rate_hz: float | None = None,
     calibrate_s: tuple[float, float] | None = None,
@@ -136,7 +137,7 @@ def detect_file(
     """
     path, report = Path(path), progress or _ignore
     design = design or Design()
-    find_detector_type(detector)
+    kind = find_detector_type(detector)
     adapt = _RateAdapter(
         detector, _keeps_threshold(design, keep_threshold), keep_window, calibrate_s is not None, report
     )
@@ -146,7 +147,7 @@ def detect_file(
         _check_finite(rate_hz)
         design = adapt(design, rate_hz)
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
-    if not column_map.in_volts and calibrate_s is None and detector != "analog":
+    if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
         message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
         raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
     raw = read_raw_trace(path, column_map)
@@ -165,7 +166,7 @@ def detect_file(
 
     quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
     noise_v, level = None, None
-    if detector == "analog":
+    if kind.takes_envelope:
         is_replayed = trace.envelope_v is None
         warnings += envelope_warnings(trace, design)
         if is_replayed:
@@ -177,13 +178,13 @@ def detect_file(
             design = Design(**tables)
     elif calibrate_s is not None:
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
-        if detector == "fast" and column_map.in_volts:
-            noise_v = max(noise_v, min_noise_v(design))
+        if column_map.in_volts:
+            noise_v = max(noise_v, kind.implementation.least_noise_v(design))
 
     detection = detect(trace, design, detector, noise_v)
     level = level or detection.noise
     if level:
-        may_be_lower = detector != "analog" or calibrate_s is not None
+        may_be_lower = not kind.takes_envelope or calibrate_s is not None
         warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
     if calibrate_s and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
         within = f"within {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
@@ -201,7 +202,7 @@ def detect_file(
 def detect_stream(
     lines: Iterable[str],
     design: Design | None = None,
-    detector: str = "digital",
+    detector: str = DEFAULT,
     *,
     rate_hz: float | None = None,
     scale: float = 1.0,
@@ -230,7 +231,7 @@ def detect_stream(
     """
     report = progress or _ignore
     design = design or Design()
-    find_detector_type(detector)
+    kind = find_detector_type(detector)
     if rate_hz is not None:
         _check_finite(rate_hz)
         adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
@@ -241,8 +242,7 @@ def detect_stream(
             "names a force, whose thresholds require --calibrate and the whole recording; save the lines in a file."
         )
         raise TraceError(Issue("--column", message))
-    reads_envelope = find_detector_type(detector).input_column == "envelope_v"
-    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if reads_envelope else []))
+    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
     voltage = voltage.with_simulated_names(stream.header.names)
     envelope = _map_envelope(voltage)
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
@@ -338,7 +338,7 @@ def _select_stream_detector(
     stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
 ) -> tuple[Detector, ColumnMap]:
     """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
-    if find_detector_type(detector).input_column != "envelope_v":
+    if not find_detector_type(detector).takes_envelope:
         return make_detector(detector, design), voltage
     if envelope.name_in_file("voltage_v") in stream.header.names:
         return make_detector(detector, design), envelope

@@ -17,7 +17,9 @@ from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.noise import COARSE_RATIO, noise_level
+from fingertip.slip.detectors.digital import noise_level
+from fingertip.slip.detectors.noise import COARSE_RATIO
+from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
@@ -95,7 +97,8 @@ def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[s
     changes: dict[str, float] = {"detector.adc_bits": bits, "detector.adc_range_v": step * 2.0 ** (bits - sign_bits)}
     try:
         changed = Design.without_remedies(**design.with_values(changes).model_dump())
-        if detector == "digital":
+        kind = find_detector_type(detector)
+        if kind.has_design_threshold and not kind.takes_envelope:
             changes["detector.threshold_v"] = noise_level(changed).rounded_threshold_v
             Design.without_remedies(**design.with_values(changes).model_dump())
     except DesignError:

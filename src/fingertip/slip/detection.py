@@ -11,9 +11,11 @@ from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.detectors.detector import DetectorOutput
+from fingertip.slip.detectors.digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.noise import NoiseLevel, noise_level
+from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import (
+    DEFAULT,
     UsedSignals,
     find_detector_type,
     find_signals,
@@ -161,7 +163,7 @@ class Detection:
         return to_dataframe(columns, "Detection.to_dataframe")
 
 
-def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: float | None = None) -> Detection:
+def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float | None = None) -> Detection:
     """Detect slip in a trace.
 
     Parameters
@@ -185,7 +187,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     issues = find_issues(trace, design.detector, in_volts=noise_v is None)
     inputs = select_inputs(trace, detector)
     if not inputs:
-        remedy = "record it, or use --detector digital, which works without a board"
+        remedy = f"record it, or use --detector {DEFAULT}, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
     if issues:
@@ -196,7 +198,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     scored = None
     if trace.slip is not None:
         scored = score(detected, intervals(trace.time_s, trace.slip), instance.memory_s)
-    level = noise_level(design, noise_v) if detector == "digital" else None
+    level = noise_level(design, noise_v) if isinstance(instance, SlipChain) else None
     incipient = intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None
     learned_v = instance.noise_v if isinstance(instance, FastDetector) else None
     confidences = _confidences(output, trace, detected)

@@ -23,7 +23,7 @@ from fingertip.lab.studies.variants import with_variant
 from fingertip.sim.scene.timeline import TrapezoidalMove
 from fingertip.sim.signal.board_output import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream
-from fingertip.slip.detectors.noise import noise_level
+from fingertip.slip.detectors.digital import noise_level
 from fingertip.slip.traces.origin import ENCODER_HZ, encoder_band_s
 
 # The same finger on the article's board and converter: what the article built, beside what the design builds.

@@ -15,7 +15,7 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_ca
 from fingertip.lab.campaign.run import DetectorResult
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
-from fingertip.slip.detectors.noise import noise_level
+from fingertip.slip.detectors.digital import noise_level
 
 SEGMENT_S = 0.512
 """Length of the segments whose spectra are computed [s]."""

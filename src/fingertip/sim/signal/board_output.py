@@ -23,9 +23,9 @@ from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, sample_v
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from fingertip.sim.signal.grid import BASE_HZ, Grid, SampleClock, count_samples, draw_noise, open_stream
-from fingertip.slip.detectors.analog import AnalogDetector
-from fingertip.slip.detectors.detector import DetectorOutput
-from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v, measure_noise_level
+from fingertip.slip.detectors.analog import AnalogDetector, measure_noise_level
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
+from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v
 
 # Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
 #
@@ -97,7 +97,7 @@ class EnvelopeStream:
         return np.stack([sample_v(self._design, poles.process(row), None) for row, poles in pairs])
 
 
-class SimulatedBoardDetector:
+class SimulatedBoardDetector(Detector):
     """Detector `analog` behind the design's simulated board: raw voltage in, ON or OFF out.
 
     It is a detector like those of `fingertip.slip`: any chunks give the same bits, and it is causal.

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 
 
@@ -24,30 +25,48 @@ class DetectorOutput:
     """True if slip is detected."""
 
 
-class Detector(Protocol):
+class Detector(ABC):
     """Causal detector that keeps its state between chunks of samples.
 
     The output has the same bits however the input is divided into chunks. The state can be pickled between any two
     chunks.
     """
 
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
+        """Create the detector for a design and the noise of the input [V] (None: the design's).
+
+        The threshold is multiplied by a factor. Raises TraceError.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
+        """Compute the white noise for which its threshold exceeds a quiet signal as its rule requires [V]."""
+        raise NotImplementedError
+
+    @staticmethod
+    def least_noise_v(design: Design) -> float:
+        """Smallest noise of a voltage that is taken for stated [V]."""
+        return 0.0
+
     @property
+    @abstractmethod
     def threshold_v(self) -> float:
         """Threshold in noise alone, while the force is constant [V]."""
-        ...
 
     @property
+    @abstractmethod
     def memory_s(self) -> float:
         """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
-        ...
 
+    @abstractmethod
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Process the next samples, any number of them, and return one output per sample."""
-        ...
 
+    @abstractmethod
     def step(self, voltage_v: float) -> bool:
         """Process one sample and return whether slip is ON; same result as `process`, without its arrays."""
-        ...
 
 
 def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:

@@ -11,13 +11,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, bisect
-from fingertip.slip.detectors.detector import DetectorOutput
+from fingertip.slip.detectors.detector import Detector, DetectorOutput
 from fingertip.slip.detectors.noise import input_noise_v
 
 # Thresholds for an energy detector in Gaussian noise, from a permitted false alarm rate.
@@ -103,7 +103,7 @@ def _unit_noise_threshold(weights: tuple[float, ...]) -> float:
     return math.sqrt(solve_threshold(np.array(weights), _EXCURSION_S))
 
 
-class FftDetector:
+class FftDetector(Detector):
     """FFT detector with its state. It starts as if the input had always had the value of the first sample."""
 
     def __init__(self, settings: FftSettings) -> None:
@@ -123,6 +123,18 @@ class FftDetector:
         self._past = np.zeros(0)
         self._until_next = 0
         self._rms_v = 0.0
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FftDetector:
+        """Create the detector for a design and, by default, its noise."""
+        return cls(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
+
+    @classmethod
+    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
+        """Compute the white noise of the same mean energy in the band [V]."""
+        fft = cls(FftSettings.from_design(design, 1.0))
+        rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
+        return math.sqrt(float(np.mean(rms_v**2))) / fft.unit_noise_rms
 
     @property
     def threshold_v(self) -> float:

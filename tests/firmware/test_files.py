@@ -31,10 +31,10 @@ from fingertip.firmware.wiring import (
     wiring_notes,
     wiring_table,
 )
-from fingertip.foundation.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, load_model
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}

@@ -20,13 +20,13 @@ from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.design.export import to_toml
 from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import FingertipError
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sweep.outputs import OUTPUTS
 from tools.fuzz.cases import Case

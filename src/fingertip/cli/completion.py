@@ -79,10 +79,10 @@ def list_commands(group: Any, context: Any, prefix: str = "") -> Iterator[Comman
 def option_values() -> dict[str, tuple[str, ...]]:
     """Values of the options that take a word of a list."""
     from fingertip.catalogues.bundled import PARAMS, list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN
     from fingertip.catalogues.silicones import SILICONES
     from fingertip.design.parameters.declaration import list_choices
     from fingertip.design.parameters.tables import PARAMETERS
-    from fingertip.foundation.toml_files import DESIGN
     from fingertip.slip.detectors.registry import DETECTORS, list_names
 
     parameters: list[str] = []
@@ -113,8 +113,8 @@ def format_script(shell: str, commands: list[CommandWords]) -> str:
 def _argument_names(command_name: str, argument: str) -> list[str]:
     """Names that an argument may take, beside files."""
     from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
     from fingertip.cli.design import KINDS
-    from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 
     if command_name == "schema":
         return [*KINDS]

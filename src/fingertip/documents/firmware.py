@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from fingertip.board.components.supplies import SUPPLIES
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.board.connectors import bullet_list, paragraph
 from fingertip.documents.board.signals import POWER_UP_S
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import NAME
 from fingertip.firmware.wiring import find_warnings, wiring_notes, wiring_table
-from fingertip.foundation.toml_files import DESIGN
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
 

@@ -1,7 +1,6 @@
 """Display of results in Python and Jupyter: tables in HTML, pictures, and data frames where pandas is installed.
 
-A design cannot import what draws it, which builds on it. `PLOTS` names such functions, and `plot` finds them when they
-are called.
+A design cannot import what draws it, which builds on it. `plot` therefore finds it by the name of its module.
 """
 
 from __future__ import annotations
@@ -17,12 +16,6 @@ from fingertip.foundation.extras import load
 
 if TYPE_CHECKING:
     import pandas
-
-PLOTS = {
-    "design": ("fingertip.pictures.picture", "draw"),
-    "detection": ("fingertip.slip.report", "draw"),
-}
-"""Subject of a picture -> module and function that draw it as PNG."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +50,9 @@ class Picture:
         return Path(path)
 
 
-def plot(what: str, *arguments: Any) -> Picture:
-    """Draw something with the function that `PLOTS` names for it."""
-    module, function = PLOTS[what]
-    return Picture(getattr(import_module(module), function)(*arguments))
+def plot(module: str, *arguments: Any) -> Picture:
+    """Draw something with the function `draw` of a module, which returns a PNG."""
+    return Picture(import_module(module).draw(*arguments))
 
 
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

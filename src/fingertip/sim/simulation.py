@@ -16,9 +16,9 @@ from typing import BinaryIO
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.limits import adc_range_warnings
 from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.sim.article import Trial
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile

@@ -7,7 +7,6 @@ removed unless that is asked for.
 """
 
 from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, hash_parameters, read_manifest
-from fingertip.foundation.output_set.verification import verify_sets
 from fingertip.foundation.output_set.writer import Revision, SetWriter, add_to_set, check_set, finish_interrupted
 
 __all__ = [
@@ -20,5 +19,4 @@ __all__ = [
     "finish_interrupted",
     "hash_parameters",
     "read_manifest",
-    "verify_sets",
 ]

@@ -11,13 +11,14 @@ from pathlib import Path
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.files import write_file
 from fingertip.foundation.input_files import find_link, find_unsafe_names
-from fingertip.foundation.output_set.lock import lock, output_errors
 from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, has_hash, read_manifest
 from fingertip.foundation.output_set.replacement import (
     Content,
     find_unfinished,
     hash_content,
     is_folder,
+    lock,
+    output_errors,
     recover,
     replace_files,
     try_to_write,

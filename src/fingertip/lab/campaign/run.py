@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.evaluate import TrialResult, evaluate, needs_board, simulate_trace
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
 from fingertip.sim import SceneFile

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.run import DetectorResult
 from fingertip.lab.wider_mix.mix import MixSummary
 from fingertip.slip.traces.origin import ENCODER_NOTE

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.evaluate import needs_board
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.lab.campaign.run import quantile_s

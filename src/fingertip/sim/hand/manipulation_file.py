@@ -12,9 +12,9 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from fingertip.catalogues.file_kinds import MANIPULATION, FileKind
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
-from fingertip.foundation.toml_files import MANIPULATION, FileKind
 from fingertip.foundation.validation import round_up
 from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.sim.scene.timeline import ACCELERATION_M_S2

@@ -13,11 +13,11 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from fingertip.catalogues.file_kinds import SCENE, FileKind
 from fingertip.design import Design
 from fingertip.design.formulas.supply import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
-from fingertip.foundation.toml_files import SCENE, FileKind
 from fingertip.foundation.validation import round_down
 from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.sim.signal.comparator import describe_missing_comparator

@@ -29,9 +29,8 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import (
-    find_negative_values,
+    find_negative,
     find_not_positive,
-    find_values_not_positive,
     raise_issues,
 )
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
@@ -115,12 +114,12 @@ class AnalogBoard:
         issues = []
         for name, value in self.components.items():
             unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues.extend(find_values_not_positive(f"board.{name}", value, unit, example))
+            issues.extend(find_not_positive(f"board.{name}", value, unit, example))
         d = self.diode
-        issues.extend(find_values_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
-        issues.extend(find_values_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
-        issues.extend(find_negative_values("diode.series_ohm", d.series_ohm, "ohm"))
-        issues.extend(find_values_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
+        issues.extend(find_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
+        issues.extend(find_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
+        issues.extend(find_negative("diode.series_ohm", d.series_ohm, "ohm"))
+        issues.extend(find_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
         if self.rail_v is not None:
             issues.extend(find_not_positive("board.rail_v", self.rail_v, "V", "3.5"))
             if any(term.equation == term.net == FILTERED for term in self.network.terms if term.order):
@@ -166,7 +165,7 @@ class AnalogBoard:
         ]
         for name, value in values.items():
             unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues += find_values_not_positive(f"board.{name}", value, unit, example)
+            issues += find_not_positive(f"board.{name}", value, unit, example)
         raise_issues(issues)
         quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
         return replace(self, network=self.network.with_values(quantities))

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.design import Design
 from fingertip.design.parameters.issues import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError
 from fingertip.foundation.input_files import check_archive
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.slip.traces.array_files import RATE, load_arrays
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv

@@ -14,7 +14,7 @@ from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.run import SceneRun
 from fingertip.sim.scene.timeline import build_timeline
-from fingertip.sim.signal.board_output import compute_bridge_v
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import detect
 from fingertip.slip.traces.csv_file import to_csv
 from tests.designs import ARTICLE, article_design

@@ -22,9 +22,8 @@ from fingertip.sim.bench.contact import ContactProblem
 from fingertip.sim.bench.cvode import CvodeFailedError, CvodeLibrary, CvodeMissingError, compile_cvode
 from fingertip.sim.bench.spice import Spice
 from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision
-from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
-from fingertip.sim.signal.monte_carlo import draw_boards
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool

@@ -14,8 +14,7 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.errors import TraceError
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.sim.signal.comparator import Comparator, simulate_comparator
-from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.signal.filter_board import Comparator, simulate_board, simulate_comparator
 from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool
 

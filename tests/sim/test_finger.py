@@ -18,7 +18,7 @@ from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import average_over_patch, generate_profile
+from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.scene.scene_file import OUTPUTS
 from fingertip.sim.signal.converter import AdcRange
@@ -31,7 +31,7 @@ from fingertip.sim.signal.interference import (
     compute_cable_v,
     compute_hum_v,
 )
-from fingertip.sim.signal.parameters import Cable, Drift, Noise
+from fingertip.sim.simulation_file import Cable, Drift, Noise
 from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 

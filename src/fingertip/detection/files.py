@@ -310,7 +310,7 @@ def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress:
 
 def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
     """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
-    from fingertip.sim.signal import board_output
+    from fingertip.sim.signal import converter as board_output
 
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
@@ -328,7 +328,7 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
     if quiet.stop:
         assert trace.envelope_v is not None
         return measure_noise_level(trace.envelope_v[quiet], design, name)
-    from fingertip.sim.signal import board_output
+    from fingertip.sim.signal import converter as board_output
 
     simulate_level = board_output.simulate_replay_level if is_replayed else board_output.simulate_quiescent_level
     return simulate_level(design)
@@ -342,7 +342,7 @@ def _select_stream_detector(
         return make_detector(detector, design), voltage
     if envelope.name_in_file("voltage_v") in stream.header.names:
         return make_detector(detector, design), envelope
-    from fingertip.sim.signal.board_output import SimulatedBoardDetector
+    from fingertip.sim.signal.converter import SimulatedBoardDetector
 
     progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
     return SimulatedBoardDetector(design), voltage

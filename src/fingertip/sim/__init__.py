@@ -7,7 +7,7 @@ run them, and `fingertip.sim.report` summarises their results. `simulate` runs o
 
 from fingertip.foundation.jit import compiled
 from fingertip.sim.article import Trial, article_manipulations, article_trials, simulate
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion import Controller, FixedGrip, Observation

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fingertip.design import Design
 from fingertip.design.parameters.issues import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile

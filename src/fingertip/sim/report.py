@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.scene.run import SceneRecord, SceneResult
 from fingertip.slip.traces.intervals import STICK_S, intervals, merge

@@ -25,7 +25,7 @@ from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion import Controller
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.signal.parameters import find_converter_warnings
+from fingertip.sim.simulation_file import find_converter_warnings
 from fingertip.sim.trace_export import open_trace
 
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.output_set import SetWriter, hash_parameters
-from fingertip.foundation.output_set.manifest import has_hash
 from fingertip.foundation.output_set.replacement import hash_content
+from fingertip.foundation.output_set.writer import has_hash
 from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 
 SUFFIXES = (".csv", ".npz")

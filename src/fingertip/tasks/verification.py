@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
-from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, hash_file, read_manifest
 from fingertip.foundation.output_set.replacement import (
     find_output_folder,
     is_folder,
@@ -17,6 +16,7 @@ from fingertip.foundation.output_set.replacement import (
     read_plan,
     staging_folder,
 )
+from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""

@@ -15,7 +15,7 @@ from fingertip.lab.studies.sensitivity import (
     VariationResult,
 )
 from fingertip.lab.studies.step_sensitivity import GOAL_SHARE, SignalError, StepSensitivity
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
 
 LEVELS_ARE_ASSUMED = (
     "Levels of pink noise, hum, vibration of the hand and stick-slip are assumptions that nobody has verified."

@@ -21,7 +21,7 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_ca
 from fingertip.lab.campaign.run import run_campaign, surface
 from fingertip.lab.studies.variants import with_variant
 from fingertip.sim.scene.timeline import TrapezoidalMove
-from fingertip.sim.signal.board_output import simulate_quiescent_level
+from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream
 from fingertip.slip.detectors.digital import noise_level
 from fingertip.slip.traces.origin import ENCODER_HZ, encoder_band_s

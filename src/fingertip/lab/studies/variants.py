@@ -19,7 +19,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.evaluate import TrialResult, evaluate, simulate_trace
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import DetectorResult, surface
-from fingertip.sim.signal.board_output import simulate_quiescent_level
+from fingertip.sim.signal.converter import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")
 

@@ -15,7 +15,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.supply import filtered_range_v
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.evaluate import separate_events
-from fingertip.sim.signal.board_output import compute_bridge_v
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip.detectors.digital import ChainSettings, SlipChain
 from fingertip.slip.traces.intervals import Interval, intervals
 

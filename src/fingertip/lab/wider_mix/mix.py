@@ -18,7 +18,7 @@ from fingertip.lab.wider_mix import bursts, scenes
 from fingertip.lab.wider_mix.bursts import LabelledSignal, Outcome, assess
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
-from fingertip.sim.signal.board_output import SimulatedBoardDetector
+from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.slip import make_detector
 from fingertip.slip.detectors.registry import select_inputs
 

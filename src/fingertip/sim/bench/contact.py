@@ -24,10 +24,9 @@ from fingertip.sim.bench.cvode import CvodeLibrary
 from fingertip.sim.bench.peers import SOLVE_IVP, Segment, System, scipy_version, solve_with_scipy
 from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision
 from fingertip.sim.contact.coupled import NormalContact, integrate
-from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
+from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount, drag
-from fingertip.sim.contact.vibration import ContactResonance
 
 RATE_HZ = 2000.0
 LEVELS_N = (1e-5, 5e-6, 2.5e-6)

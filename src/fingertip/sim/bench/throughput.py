@@ -17,9 +17,8 @@ from fingertip.sim.hand.manipulation import run_manipulation
 from fingertip.sim.hand.motion import FixedGrip
 from fingertip.sim.scene.run import run_scene
 from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_boards
-from fingertip.sim.signal.monte_carlo import draw_boards
 
 CAMPAIGN_TARGET_S = 3.0
 MANIPULATION_TARGET_S = 1.0

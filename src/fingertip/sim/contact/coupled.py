@@ -2,7 +2,7 @@
 
 States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)], compression of the
 contact expressed as its force y [N], and its rate w [N/s]. The normal force is N = max(y, 0). With c = 1 / sqrt(N + N0)
-and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
+and the mean bristle deflection z = c s (`fingertip.sim.contact.surfaces`):
 
     L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha = 1
     ds/dt = N c L - r(N, z) s
@@ -29,7 +29,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 from fingertip.sim.contact import coupled_loop
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
 
 MAX_STEPS = 200_000

@@ -2,7 +2,7 @@
 
 States: position x [m] and velocity v [m/s] of the pad, and state s of its bristles [m sqrt(N)]. The carriage, the
 moving part of the linear stage that drags the pad, has position X and velocity V. N is the normal force. The equations
-cover stick, incipient slip and gross slip (`fingertip.sim.contact.friction`):
+cover stick, incipient slip and gross slip (`fingertip.sim.contact.surfaces`):
 
     z  = c s,   c = 1 / sqrt(N + N0),   L = v - sigma0 |v| z / g(v)
     ds/dt   = N c L - r(N, z) s
@@ -30,7 +30,7 @@ from fingertip.foundation.validation import (
     raise_issues,
     round_down,
 )
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
 
 MAX_PHASE = 0.5
 """Longest step, as the angle by which the stuck pad oscillates on its bristles in one step [rad].

@@ -32,7 +32,7 @@ from fingertip.sim.hand.manipulation_file import Hand, ManipulationFile
 from fingertip.sim.hand.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.scene.scene_file import find_filtered_issues
-from fingertip.sim.signal.comparator import describe_missing_comparator
+from fingertip.sim.signal.filter_board import describe_missing_comparator
 from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
 from fingertip.slip.traces.intervals import Interval, intervals
 from fingertip.slip.traces.origin import Origin

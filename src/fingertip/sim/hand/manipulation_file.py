@@ -16,9 +16,16 @@ from fingertip.catalogues.file_kinds import MANIPULATION, FileKind
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_up
-from fingertip.sim.scene.simulation_file import SimulationFile
 from fingertip.sim.scene.timeline import ACCELERATION_M_S2
-from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
+from fingertip.sim.simulation_file import (
+    Cable,
+    ConverterInput,
+    Drift,
+    Noise,
+    Sensing,
+    SimulationFile,
+    find_converter_issues,
+)
 
 OUTPUTS = (
     "voltage_v",

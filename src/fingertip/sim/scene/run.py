@@ -22,21 +22,21 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
-from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import SURFACES, SurfaceProfile
+from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.scene import sliding as disturbances
+from fingertip.sim.scene import timeline as disturbances
 from fingertip.sim.scene.scene_file import SceneFile, find_scene_issues
-from fingertip.sim.scene.sliding import (
+from fingertip.sim.scene.timeline import (
     CoupledPad,
     ErrorControlledPad,
     SlidingPad,
     SteppedPad,
+    Timeline,
+    build_timeline,
     make_elasto_plastic,
     mount_pad,
 )
-from fingertip.sim.scene.timeline import Timeline, build_timeline
 from fingertip.sim.signal.finger import (
     OF_BOARD,
     OF_BRIDGE,

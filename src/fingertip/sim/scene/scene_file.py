@@ -19,9 +19,16 @@ from fingertip.design.formulas.supply import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down
-from fingertip.sim.scene.simulation_file import SimulationFile
-from fingertip.sim.signal.comparator import describe_missing_comparator
-from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
+from fingertip.sim.signal.filter_board import describe_missing_comparator
+from fingertip.sim.simulation_file import (
+    Cable,
+    ConverterInput,
+    Drift,
+    Noise,
+    Sensing,
+    SimulationFile,
+    find_converter_issues,
+)
 
 MAX_TAPS_S = 3600.0
 """Longest time from the first knock to the last one [s]. A trace of it has 250 MB at 2 kHz."""

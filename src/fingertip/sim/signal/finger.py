@@ -16,16 +16,12 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.contact.surface_profile import Surface, SurfaceProfile, generate_profile
-from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
+from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
+from fingertip.sim.contact.surfaces import Friction, Surface, SurfaceProfile, generate_profile
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
-from fingertip.sim.signal.board_output import compute_input_noise_v
 from fingertip.sim.signal.bridge import Bridge, ForceSensor
-from fingertip.sim.signal.comparator import SlipPin
-from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter
-from fingertip.sim.signal.filter_board import AnalogStream
+from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
+from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
 from fingertip.sim.signal.grid import (
     CostMeter,
     Grid,
@@ -37,7 +33,7 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
-from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing
+from fingertip.sim.simulation_file import Cable, ConverterInput, Drift, Noise, Sensing
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""

@@ -21,7 +21,7 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces import lvm
+from fingertip.slip.traces import columns as lvm
 from fingertip.slip.traces.columns import count_decimals, parse_instant, split_cells, unquote
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
 from fingertip.slip.traces.limits import (

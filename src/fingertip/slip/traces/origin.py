@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set.writer import has_hash
 
 TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 """Names of the files of a simulated trial."""

@@ -6,8 +6,8 @@ import pytest
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
+from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.scene.run import run_scene
-from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer

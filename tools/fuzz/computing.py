@@ -186,7 +186,7 @@ class _Drawing:
         name = rng.choice(sorted(list_bundled_files(names)))
         board = self.design.board
         lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": board.supply != "single_3v3"}
-        outputs = [name for name in model.known_outputs if not lacking.get(name) and rng.random() < 0.4]
+        outputs = [name for name in model.known_outputs() if not lacking.get(name) and rng.random() < 0.4]
         outputs = ["voltage_v", *(name for name in outputs if name != "voltage_v")]
         changes = [*short, f"outputs={json.dumps(outputs)}", *draw_changes(rng, list_parameters(model), LONG_S)]
         with tempfile.TemporaryDirectory() as folder:

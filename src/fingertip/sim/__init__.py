@@ -8,11 +8,11 @@ run them, and `fingertip.sim.report` summarises their results. `simulate` runs o
 from fingertip.foundation.jit import compiled
 from fingertip.sim.article import Trial, article_manipulations, article_trials, simulate
 from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.files.manipulation import ManipulationFile
+from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
-from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion import Controller, FixedGrip, Observation
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, stream_scene
-from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Simulation, load_simulation

@@ -9,9 +9,9 @@ from fingertip.design import Design
 from fingertip.design.parameters.issues import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.files.manipulation import ManipulationFile
+from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.scene.run import run_scene
-from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.scene.timeline import SLIDE_M
 from fingertip.slip.traces.trace import Trace
 

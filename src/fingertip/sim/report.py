@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.files.schema import OUTPUTS
 from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.scene.run import SceneRecord, SceneResult
 from fingertip.slip.traces.intervals import STICK_S, intervals, merge
@@ -91,25 +92,6 @@ def _describe_surface(name: str) -> str:
 
 AnyArray = NDArray[Any]
 
-_LABELS = {
-    "voltage_v": ("sampled\nvoltage [V]", 1),
-    "force_n": ("normal\nforce [N]", 1),
-    "slip": ("true slip", 1),
-    "velocity_m_s": ("velocity\n[mm/s]", 1000),
-    "shear_m": ("pad shear\n[mm]", 1000),
-    "tactile_v": ("tactile\nvoltage [V]", 1),
-    "filtered_v": ("filtered\nvoltage [V]", 1),
-    "envelope_v": ("envelope\nvoltage [V]", 1),
-    "sampled_envelope_v": ("sampled\nenvelope [V]", 1),
-    "sampled_filtered_v": ("sampled filtered\nvoltage [V]", 1),
-    "closing_m": ("finger\nclosing [mm]", 1000),
-    "command_m": ("commanded\nclosing [mm]", 1000),
-    "object_m": ("object\nposition [mm]", 1000),
-    "pin_n": ("pin force\n[N]", 1),
-    "slip_pin_v": ("ON/OFF\noutput [V]", 1),
-}
-"""Axis label of each output, and the factor from its unit to the label's."""
-
 
 def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
     """Plot the outputs over a common time axis. Shading marks true slip."""
@@ -123,14 +105,16 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
         signal = result.output(name) if isinstance(result, ManipulationResult) else result.columns[name]
         rows = signal if signal.ndim == 2 else signal[None, :]
         style_axes(axes, "both")
-        label, factor = _LABELS[name]
+        output = OUTPUTS[name]
         if name == "slip":
             _draw_slip_bars(axes, result.time_s, rows, fingers)
         else:
             _shade_slip(axes, result)
             for i, row in enumerate(rows):
-                axes.plot(result.time_s, factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i)
-            axes.set_ylabel(label)
+                axes.plot(
+                    result.time_s, output.factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i
+                )
+            axes.set_ylabel(output.label)
     if isinstance(result, ManipulationResult):
         _add_legend(panels, names, fingers)
         _mark_events(panels, result)

@@ -20,12 +20,12 @@ from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identif
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.sim.article import Trial
+from fingertip.sim.files.manipulation import ManipulationFile
+from fingertip.sim.files.scene import SceneFile
+from fingertip.sim.files.schema import find_converter_warnings
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
-from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion import Controller
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
-from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.simulation_file import find_converter_warnings
 from fingertip.sim.trace_export import open_trace
 
 

@@ -14,8 +14,9 @@ from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.contact.surfaces import SURFACES, Friction
-from fingertip.sim.hand.manipulation_file import Hand, ManipulationFile
-from fingertip.sim.scene.timeline import ACCELERATION_M_S2, OPEN_S, TrapezoidalMove, smoothstep
+from fingertip.sim.files.manipulation import Hand, ManipulationFile
+from fingertip.sim.files.schema import ACCELERATION_M_S2
+from fingertip.sim.scene.timeline import OPEN_S, TrapezoidalMove, smoothstep
 
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of gravity [m/s2]."""

@@ -25,8 +25,8 @@ from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
+from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.scene import timeline as disturbances
-from fingertip.sim.scene.scene_file import SceneFile, find_scene_issues
 from fingertip.sim.scene.timeline import (
     CoupledPad,
     ErrorControlledPad,
@@ -163,7 +163,7 @@ class SceneRun:
         check_type("scene", self.scene, SceneFile, 'SceneFile.load("sliding_finger")')
         if self.grid is not None:
             check_type("grid", self.grid, Grid, "Grid(16)")
-        raise_issues(find_scene_issues(self.design, self.scene, self.seed))
+        raise_issues(self.scene.find_design_issues(self.design, self.seed))
         self.grid = self.grid or self._choose_grid()
 
     @functools.cached_property

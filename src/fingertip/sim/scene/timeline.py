@@ -19,7 +19,8 @@ from fingertip.sim.contact import coupled
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.scene.scene_file import Motor, SceneFile, Tap
+from fingertip.sim.files.scene import Motor, SceneFile, Tap
+from fingertip.sim.files.schema import ACCELERATION_M_S2
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
 
@@ -29,9 +30,6 @@ LIFT_M = 0.05
 """Height by which the finger lifts at the end [m]."""
 LIFT_S = 2.0
 """Duration of that lift [s]."""
-ACCELERATION_M_S2 = 1.0
-"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
-second. This value gives 1.04 s."""
 APPROACH_M = 0.01
 """Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
 OPEN_S = 0.3

@@ -21,6 +21,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_not_positive, raise_issues
+from fingertip.sim.files.schema import describe_missing_comparator
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
@@ -231,7 +232,7 @@ class Comparator:
         """Comparator with the components that are fitted and the trimmer in its middle. Raises TraceError."""
         values = board_values(design)
         if values.comparator_levels is None:
-            raise TraceError(Issue("outputs", describe_missing_comparator(design)))
+            raise TraceError(Issue("outputs", describe_missing_comparator(design.board.variant)))
         levels = values.comparator_levels
         return cls(levels.averaging_tau_s, levels.on_v, levels.off_v, design.board.supply_v)
 
@@ -246,14 +247,6 @@ class ComparatorSignals:
     """Output at the samples."""
     edges_s: Array
     """Moments at which the output changes [s]; the first edge is to ON unless the output begins ON."""
-
-
-def describe_missing_comparator(design: Design) -> str:
-    """Error message for a board without comparator."""
-    return (
-        f"'slip_pin_v' exists on boards of variant comparator only, and this design's variant is "
-        f"{design.board.variant}; use --set board.variant=comparator."
-    )
 
 
 class ComparatorStream:

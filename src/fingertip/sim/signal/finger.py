@@ -18,6 +18,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import Friction, Surface, SurfaceProfile, generate_profile
+from fingertip.sim.files.schema import Cable, ConverterInput, Drift, Noise, Sensing
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
@@ -33,7 +34,6 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
-from fingertip.sim.simulation_file import Cable, ConverterInput, Drift, Noise, Sensing
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""

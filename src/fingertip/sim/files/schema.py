@@ -1,20 +1,72 @@
-"""Base class of scene and manipulation files: strict tables, all issues reported at once, and a table of parameters."""
+"""Schema of scene and manipulation files: strict tables, all issues reported at once, and a table of parameters.
+
+Both kinds have the tables of the path from force to samples, and record outputs from one list.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from fingertip.catalogues.file_kinds import FileKind
+from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
+from fingertip.design import Design
 from fingertip.design.export import format_parameter_table, format_value
+from fingertip.design.formulas.supply import CONTROLLER_SUPPLIES
 from fingertip.design.load import load_tables
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.design.parameters.issues import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
+
+ACCELERATION_M_S2 = 1.0
+"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
+second. This value gives 1.04 s."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """Signal that a simulation can record."""
+
+    label: str
+    """Label of its axis in a plot."""
+    kinds: Collection[FileKind] = (SCENE, MANIPULATION)
+    factor: float = 1.0
+    """Factor from its unit to the label's."""
+
+
+OUTPUTS = {
+    "voltage_v": Output("sampled\nvoltage [V]"),
+    "force_n": Output("normal\nforce [N]"),
+    "slip": Output("true slip"),
+    "velocity_m_s": Output("velocity\n[mm/s]", factor=1000),
+    "shear_m": Output("pad shear\n[mm]", (SCENE,), 1000),
+    "tactile_v": Output("tactile\nvoltage [V]", (SCENE,)),
+    "filtered_v": Output("filtered\nvoltage [V]", (SCENE,)),
+    "closing_m": Output("finger\nclosing [mm]", (MANIPULATION,), 1000),
+    "command_m": Output("commanded\nclosing [mm]", (MANIPULATION,), 1000),
+    "object_m": Output("object\nposition [mm]", (MANIPULATION,), 1000),
+    "pin_n": Output("pin force\n[N]", (MANIPULATION,)),
+    "envelope_v": Output("envelope\nvoltage [V]"),
+    "sampled_envelope_v": Output("sampled\nenvelope [V]"),
+    "sampled_filtered_v": Output("sampled filtered\nvoltage [V]"),
+    "slip_pin_v": Output("ON/OFF\noutput [V]"),
+}
+"""Signals that a scene can record, and a manipulation of each finger.
+
+voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true gross slip; bristles that bend while
+the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending (a
+manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
+of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
+voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
+board, above its output offset. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by
+the ADC, above signal ground; the latter on boards with the supply single_3v3. slip_pin_v: voltage of the comparator's
+output, low while it reports slip. Of a manipulation also closing_m, closing; command_m, commanded closing; and of the
+object object_m, its position; pin_n, force of the pin.
+"""
 
 
 class SimulationFile(BaseModel):
@@ -26,8 +78,6 @@ class SimulationFile(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
     file_kind: ClassVar[FileKind]
     """Kind of TOML file that is read."""
-    known_outputs: ClassVar[tuple[str, ...]]
-    """Names that `outputs` may contain."""
 
     scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
     outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns to record beside the time.")
@@ -43,7 +93,33 @@ class SimulationFile(BaseModel):
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
-        yield from find_output_issues(self.outputs, self.known_outputs)
+        known = self.known_outputs()
+        if not self.outputs:
+            yield Issue("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
+        for name in dict.fromkeys(self.outputs):
+            if name not in known:
+                yield Issue("outputs", f"{name!r} is not an output; {suggest_name(name, known)}"), {"outputs"}
+            elif self.outputs.count(name) > 1:
+                times = self.outputs.count(name)
+                yield Issue("outputs", f"{name!r} is named {times} times; name it once."), {"outputs"}
+
+    def find_design_issues(self, design: Design, seed: int) -> Iterator[Issue]:
+        """Yield the reasons why this cannot be simulated with a design and a seed."""
+        if seed < 0:
+            yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
+        if "slip_pin_v" in self.outputs and design.board.variant != "comparator":
+            yield Issue("outputs", describe_missing_comparator(design.board.variant))
+        if "sampled_filtered_v" in self.outputs and design.board.supply not in CONTROLLER_SUPPLIES:
+            message = (
+                "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
+                f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
+            )
+            yield Issue("outputs", message)
+
+    @classmethod
+    def known_outputs(cls) -> tuple[str, ...]:
+        """Names that `outputs` may contain."""
+        return tuple(name for name, output in OUTPUTS.items() if cls.file_kind in output.kinds)
 
     @property
     def name(self) -> str:
@@ -64,15 +140,15 @@ class SimulationFile(BaseModel):
 
     def list_parameters(self) -> Iterator[dict[str, Any]]:
         """Yield name, value, default, unit, bounds and description of every parameter, in the order of the file."""
-        schema = type(self).model_json_schema()
+        schema, outputs = type(self).model_json_schema(), self.known_outputs()
         for name in type(self).model_fields:
             value = getattr(self, name)
             if isinstance(value, ParameterTable):
                 table = schema["$defs"][type(value).__name__]["properties"]
                 for key, field in table.items():
-                    yield _describe(f"{name}.{key}", getattr(value, key), field, self.known_outputs)
+                    yield _describe(f"{name}.{key}", getattr(value, key), field, outputs)
             else:
-                yield _describe(name, value, schema["properties"][name], self.known_outputs)
+                yield _describe(name, value, schema["properties"][name], outputs)
 
     def format_parameters(self) -> list[str]:
         """Return the parameters as lines of a table with a header."""
@@ -97,15 +173,12 @@ class SimulationFile(BaseModel):
         return [issue for issue, reads in cls.model_construct(**fields).find_rule_issues() if not reads & faulty]
 
 
-def find_output_issues(outputs: Sequence[str], known: Sequence[str]) -> Iterator[tuple[Issue, set[str]]]:
-    """Yield the issues of a list of outputs."""
-    if not outputs:
-        yield Issue("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
-    for name in dict.fromkeys(outputs):
-        if name not in known:
-            yield Issue("outputs", f"{name!r} is not an output; {suggest_name(name, known)}"), {"outputs"}
-        elif outputs.count(name) > 1:
-            yield Issue("outputs", f"{name!r} is named {outputs.count(name)} times; name it once."), {"outputs"}
+def describe_missing_comparator(variant: str) -> str:
+    """Error message for a board without comparator."""
+    return (
+        "'slip_pin_v' exists on boards of variant comparator only, and this design's variant is "
+        f"{variant}; use --set board.variant=comparator."
+    )
 
 
 def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[str]) -> dict[str, Any]:
@@ -125,7 +198,7 @@ def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[st
     }
 
 
-# MERGED: Tables of scene and manipulation files that describe the path from force to samples.
+# Tables that describe the path from force to samples, of scenes and manipulations alike.
 
 
 MIN_BITS = 8

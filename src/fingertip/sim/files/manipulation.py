@@ -16,8 +16,8 @@ from fingertip.catalogues.file_kinds import MANIPULATION, FileKind
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_up
-from fingertip.sim.scene.timeline import ACCELERATION_M_S2
-from fingertip.sim.simulation_file import (
+from fingertip.sim.files.schema import (
+    ACCELERATION_M_S2,
     Cable,
     ConverterInput,
     Drift,
@@ -26,28 +26,6 @@ from fingertip.sim.simulation_file import (
     SimulationFile,
     find_converter_issues,
 )
-
-OUTPUTS = (
-    "voltage_v",
-    "force_n",
-    "slip",
-    "velocity_m_s",
-    "closing_m",
-    "command_m",
-    "object_m",
-    "pin_n",
-    "envelope_v",
-    "sampled_envelope_v",
-    "sampled_filtered_v",
-    "slip_pin_v",
-)
-"""Signals that a manipulation can record.
-
-Of each finger: voltage_v, sampled by the ADC; force_n, true normal force; slip, true gross slip; velocity_m_s, velocity
-of the object over the pad (a scene records the opposite, that of the pad over the surface); closing_m, closing;
-command_m, commanded closing; envelope_v, sampled_envelope_v, sampled_filtered_v and slip_pin_v, outputs of its board as
-in a scene. Of the object: object_m, its position; pin_n, force of the pin.
-"""
 
 
 class GraspedObject(ParameterTable):
@@ -184,7 +162,6 @@ class ManipulationFile(SimulationFile):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
     file_kind: ClassVar[FileKind] = MANIPULATION
-    known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
 
     object: GraspedObject = GraspedObject()
     grasp: Grasp = Grasp()

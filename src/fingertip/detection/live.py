@@ -35,7 +35,6 @@ class Transition:
     """Transition between OFF and ON."""
 
     on: bool
-    """State after the transition."""
     time_s: float
     """Time of the first sample in that state [s]."""
 

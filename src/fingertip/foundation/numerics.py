@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Array: TypeAlias = "NDArray[np.float64]"
-"""Array of double-precision floats."""
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Inverse of the golden ratio: the share of the bracket that each golden-section step keeps."""
@@ -218,7 +217,6 @@ def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Ar
 
 
 _LARGEST = 1e4
-"""Upper end of the search for a quantile."""
 
 
 def t_quantile(two_sided: float, degrees: int) -> float:

@@ -49,9 +49,7 @@ class Trial:
     """
 
     surface: str = "medium"
-    """Name of the surface."""
     speed_m_s: float = 0.04
-    """Peak sliding speed [m/s]."""
     force_n: float | None = None
     """Holding force [N]. None lets the seed draw one between 0.2 and 2 N."""
     seed: int = 0

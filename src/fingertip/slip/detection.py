@@ -37,7 +37,6 @@ class UsedThreshold:
     """Threshold in use, by the detector and over time."""
 
     quantity: str
-    """Quantity of the detector that it applies to."""
     first_on_v: float | None
     """Threshold where the detector turns ON first [V]; None if it stays OFF."""
     last_v: float
@@ -78,7 +77,6 @@ class Detection:
     signals: UsedSignals
     """Columns of the trace that the detector took."""
     threshold: UsedThreshold
-    """Threshold that was used."""
     memory_s: float
     """Longest time that ON outlasts slip [s]."""
     noise: NoiseLevel | None
@@ -94,7 +92,6 @@ class Detection:
     learned_noise_v: float | None
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
     trace: Trace
-    """Trace that the detector was run on."""
 
     @property
     def threshold_v(self) -> float:

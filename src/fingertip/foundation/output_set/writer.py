@@ -292,7 +292,6 @@ class Manifest:
     kind: str
     """Kind of set, such as "parts" or "board"."""
     design: str
-    """Name of the design."""
     parameters: str
     """Hash of the parameters that the files depend on."""
     files: Mapping[str, str]

@@ -33,9 +33,7 @@ from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
 
 MAX_STEPS = 200_000
-"""Maximum number of steps between two samples."""
 STATES = 5
-"""Number of integrated states."""
 _MIN_LOAD_N = 1e-3
 """Smallest load for which errors are weighted [N]."""
 
@@ -47,7 +45,6 @@ class NormalContact:
     resonance_hz: float
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
-    """Damping ratio while touching."""
     hand_ratio: float = 0.02
     """Ratio of the hand's stiffness behind the pad to the contact's: 90 N/m to some 5 kN/m (`sim.contact.pad`)."""
 
@@ -66,17 +63,12 @@ class CoupledMotion:
     """Motion of the pad and normal force, one value per sample, and the number of steps."""
 
     position_m: Array
-    """Position along the surface [m]."""
     velocity_m_s: Array
-    """Velocity along the surface [m/s]."""
     bristle_m: Array
-    """Mean bristle deflection [m]."""
     force_n: Array
     """Normal force [N], exactly 0 in flight."""
     steps: int
-    """Accepted steps."""
     rejected: int
-    """Rejected steps."""
 
     @property
     def evaluations(self) -> int:

@@ -146,9 +146,7 @@ _ROUGH_OCTAVES = 5
 _WAVY_OCTAVES = 2
 """Octaves of waviness above the cutoff wavelength, where the self-affine spectrum is assumed to continue."""
 _PER_OCTAVE = 6
-"""Waves per octave."""
 _SPACING_M = 5e-6
-"""Spacing of the profile's points [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,11 +154,9 @@ class SurfaceProfile:
     """Heights [m] and slopes at equal distances along one line across a surface."""
 
     start_m: float
-    """Position of the first point [m]."""
     heights_m: Array
     slopes: Array
     spacing_m: float = _SPACING_M
-    """Distance between two points [m]."""
 
     def height_m(self, position_m: Array) -> Array:
         """Height under a pad [m]: the cubic through heights and slopes, constant beyond the ends."""
@@ -251,9 +247,7 @@ def _interpolate_loop(
 
 
 _sum_waves = CompiledLoop(_sum_waves_loop, outputs=2, samples="heights", plain_us=6.0)
-"""Fills heights and slopes at every point."""
 _interpolate = CompiledLoop(_interpolate_loop, outputs=1, samples="position", plain_us=0.5)
-"""Fills the height at every position."""
 
 
 # The article's six flat surfaces: friction per newton of normal force, and roughness.
@@ -269,11 +263,9 @@ class Surface:
     """One test surface."""
 
     label: str
-    """Name for reports."""
     roughness_um: float
     """Arithmetic mean deviation Ra of the profile [um]."""
     friction: Friction
-    """Friction between the pad and this surface."""
 
     @property
     def cutoff_wavelength_m(self) -> float:

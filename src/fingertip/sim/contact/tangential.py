@@ -44,11 +44,8 @@ class Mount:
     """Spring and damper between the pad and the carriage that drags it. Raises TraceError."""
 
     mass_kg: float
-    """Mass that moves with the pad [kg]."""
     stiffness_n_per_m: float
-    """Tangential stiffness [N/m]."""
     damping_n_s_per_m: float
-    """Tangential damping [N s/m]."""
 
     def __post_init__(self) -> None:
         raise_issues(
@@ -65,11 +62,8 @@ class PadMotion:
     """Motion of the pad at the points of the time grid."""
 
     position_m: Array
-    """Position [m]."""
     velocity_m_s: Array
-    """Velocity [m/s]."""
     bristle_m: Array
-    """Mean bristle deflection [m]."""
 
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:

@@ -32,7 +32,6 @@ class Output:
     """Signal that a simulation can record."""
 
     label: str
-    """Label of its axis in a plot."""
     kinds: Collection[FileKind] = (SCENE, MANIPULATION)
     factor: float = 1.0
     """Factor from its unit to the label's."""
@@ -77,7 +76,6 @@ class SimulationFile(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
     file_kind: ClassVar[FileKind]
-    """Kind of TOML file that is read."""
 
     scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
     outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns to record beside the time.")
@@ -202,9 +200,7 @@ def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[st
 
 
 MIN_BITS = 8
-"""Smallest resolution of a converter."""
 MIN_RANGE_V = 0.01
-"""Smallest range of a converter [V]."""
 
 
 class Drift(ParameterTable):

@@ -33,7 +33,6 @@ OBJECT_STATES = 3
 _A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1, _KX1, _KV1, _KS1, _S, _E, _RX, _RS2 = range(17)
 """Indices of the values kept for each finger between the parts of a step, named like the variables of the loop."""
 SCRATCH_SIZE = 17
-"""Number of these values."""
 
 
 def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) -> float:

@@ -51,11 +51,9 @@ class ManipulationResult:
     plan: MotionPlan
     """Moments and forces as drawn."""
     signals: HandSignals
-    """Signals of fingers and object."""
     lost_s: float | None
     """Moment at which the object left the fingers [s]. None: it was held to the end."""
     stages: tuple[StageCost, ...]
-    """Stages that ran, with their cost."""
 
     @property
     def time_s(self) -> Array:

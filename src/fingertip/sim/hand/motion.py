@@ -19,7 +19,6 @@ from fingertip.sim.files.schema import ACCELERATION_M_S2
 from fingertip.sim.scene.timeline import OPEN_S, TrapezoidalMove, smoothstep
 
 GRAVITY_M_S2 = 9.80665
-"""Standard acceleration of gravity [m/s2]."""
 CLEARANCE_M = 2e-3
 """Distance ahead of the object at which the pin has reached its velocity [m]. Assumption."""
 REACH_SPREAD_M = 2e-3
@@ -34,21 +33,17 @@ class MotionPlan:
     friction: Friction
     """Friction as drawn. The hand plans with the nominal friction of the surface."""
     force_n: Array
-    """Planned holding force of each finger [N]."""
     reach_m: Array
     """Closing at which each finger touches [m]."""
     goal_m: Array
     """Closing at which each finger presses with its force [m]."""
     closed_s: float
-    """Moment at which the hand has closed."""
     released_s: float
     """Moment from which only the hand holds the object."""
     knock_s: float
     """Moment at which the pin touches the object. Without a pin, the end of the recording."""
     pin: TrapezoidalMove | None
-    """Motion of the pin, if there is one."""
     duration_s: float
-    """End of the recording."""
 
     def planned_m(self, time_s: Array) -> Array:
         """Closing of each finger without control [m], (fingers, times)."""
@@ -166,7 +161,6 @@ class FixedGrip:
 
 
 SHARED_MOTOR = ("ring", "little")
-"""Fingers that one motor drives."""
 POSITION_TOLERANCE_M = 1e-9
 """Distance from its command at which a motor stops [m]."""
 
@@ -176,7 +170,6 @@ class MotorMotion:
     """Motion of the fingers at the next points, (fingers, points)."""
 
     closing_m: Array
-    """Closing [m]."""
     force_n: Array
     """Force with which the finger presses [N]."""
     vibration_n: Array
@@ -190,16 +183,12 @@ class Motors:
     """Closing of the fingers and the forces they press with, carried from chunk to chunk."""
 
     hand: Hand
-    """Parameters of the motors."""
     pad: Pad
     fingers: tuple[str, ...]
-    """Names of the fingers, the thumb first."""
     reach_m: Array
     """Closing at which each finger touches [m]."""
     step_s: float
-    """Time between samples [s]."""
     closing_m: Array = field(init=False)
-    """Present closing of each finger [m]."""
     _phase: Array = field(init=False)  # phase of each motor's vibration [rad]
     _shaking: Array = field(init=False)  # present force of each motor's vibration [N]
     _moved: Array = field(init=False)  # 1 if a finger has moved since the forces were balanced

@@ -32,17 +32,12 @@ class HandSignals:
     """Signals of a manipulation at the instants of the ADC: (fingers, samples), those of the object (samples,)."""
 
     time_s: Array
-    """Time [s]."""
     fingers: tuple[FingerSignals, ...]
     """Signals of each finger. Its velocity is that of the object over the pad, the opposite of a scene's."""
     closing_m: Array
-    """Closing of each finger [m]."""
     command_m: Array
-    """Commanded closing of each finger [m]."""
     object_m: Array
-    """Position of the object [m]."""
     pin_n: Array
-    """Force of the pin [N]."""
 
     @classmethod
     def join(cls, chunks: list[HandSignals]) -> HandSignals:
@@ -87,11 +82,9 @@ class ManipulationStepper:
     pad: Pad
     seed: int
     outputs: frozenset[str]
-    """Names of the outputs to compute."""
     grid: Grid
     meter: CostMeter = field(default_factory=CostMeter)
     chunks: list[HandSignals] = field(default_factory=list)
-    """Signals of the chunks so far."""
 
     def __post_init__(self) -> None:
         scene, plan, count = self.scene, self.plan, len(self.scene.fingers)

@@ -68,13 +68,10 @@ class SceneRecord:
     scene: SceneFile
     seed: int
     force_n: float
-    """Holding force on this finger [N]."""
     samples: int
-    """Number of samples."""
     slips: tuple[Interval, ...]
     """True slips; empty if the scene does not record them."""
     stages: tuple[StageCost, ...]
-    """Stages that ran, with their cost."""
     sample_rate_hz: float
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""

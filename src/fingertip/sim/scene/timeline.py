@@ -25,7 +25,6 @@ from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
 
 SLIDE_M = 0.04
-"""Length of the article's slide [m]."""
 LIFT_M = 0.05
 """Height by which the finger lifts at the end [m]."""
 LIFT_S = 2.0
@@ -45,13 +44,9 @@ class TrapezoidalMove:
     """
 
     start_s: float
-    """Start [s]."""
     distance_m: float
-    """Distance [m]."""
     acceleration_m_s2: float
-    """Acceleration and deceleration [m/s2]."""
     peak_m_s: float
-    """Peak velocity [m/s]."""
 
     @classmethod
     def with_speed(
@@ -102,15 +97,11 @@ class Timeline:
 
     scene: SceneFile
     force_n: float
-    """Holding force on this finger [N]."""
     held_s: float
     """Moment at which the holding force is reached."""
     release_s: float
-    """Moment at which the release begins."""
     duration_s: float
-    """End of the recording."""
     slide: TrapezoidalMove | None
-    """Move of the surface under the finger, if it slides."""
     approach: TrapezoidalMove | None
     """Approach of a finger that presses; None for a grasp."""
     lift: TrapezoidalMove | None

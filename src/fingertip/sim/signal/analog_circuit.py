@@ -269,9 +269,7 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
 
 
 RESISTOR_TOLERANCE = 0.01
-"""Relative tolerance of the resistors."""
 CAPACITOR_TOLERANCE = 0.05
-"""Relative tolerance of the capacitors."""
 SATURATION_FACTOR = 2.0
 """Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
 

@@ -125,9 +125,7 @@ class AdcRange:
 
     bits: int
     low_v: float
-    """Lower end of the range [V]."""
     high_v: float
-    """Upper end of the range [V]."""
 
     @classmethod
     def from_design(cls, design: Design) -> AdcRange:

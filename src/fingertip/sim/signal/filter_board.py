@@ -42,9 +42,7 @@ class BoardSignals:
     envelope_v: Array
     """Output of the rectifier."""
     steps: int
-    """Accepted steps."""
     rejected: int
-    """Rejected steps."""
     implicit: int
     """Steps in which the diode conducted; the others are closed forms."""
 
@@ -212,7 +210,6 @@ class Comparator:
     """Time constant and thresholds, relative to the signal ground. Raises TraceError."""
 
     averaging_tau_s: float
-    """Time constant of the mean [s]."""
     on_v: float
     """Mean above which the pin goes ON [V]."""
     off_v: float
@@ -242,9 +239,7 @@ class ComparatorSignals:
     """Signals of the comparator for one envelope."""
 
     mean_v: Array
-    """Mean at the samples [V]."""
     on: NDArray[np.bool_]
-    """Output at the samples."""
     edges_s: Array
     """Moments at which the output changes [s]; the first edge is to ON unless the output begins ON."""
 

@@ -65,43 +65,31 @@ class FingerDrive:
     path_m: Array | None = None
     """Position of the pad over the surface [m]."""
     velocity_m_s: Array | None = None
-    """Velocity of the pad over the surface [m/s]."""
     bristle_m: Array | None = None
-    """Mean deflection of the bristles [m]."""
     shear_m: Array | None = None
-    """Shear of the pad [m]."""
     contact_n: Array | None = None
     """Normal force of the contact, if it is known already [N]."""
 
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at the instants of its converter. A signal that no output needs is None."""
+    """Signals of one finger at the instants of its converter, named as the outputs in `sim.files.schema`.
+
+    A signal that no output needs is None.
+    """
 
     time_s: Array
-    """Time [s]."""
     voltage_v: Array | None = None
-    """Tactile voltage as sampled by the ADC [V]."""
     force_n: Array | None = None
-    """True normal force [N]."""
     slip: NDArray[np.bool_] | None = None
-    """True gross slip; bristles that bend while the contact sticks do not count."""
     velocity_m_s: Array | None = None
-    """Velocity of the pad over the surface, including that bending [m/s]."""
     shear_m: Array | None = None
-    """Shear of the pad [m]."""
     tactile_v: Array | None = None
-    """Voltage ahead of the filter board, with the noise of its amplifiers [V]."""
     filtered_v: Array | None = None
-    """Output of the board's filter [V]."""
     envelope_v: Array | None = None
-    """Output of the board's rectifier [V]."""
     sampled_envelope_v: Array | None = None
-    """Output of the board's rectifier as sampled by the ADC [V]."""
     sampled_filtered_v: Array | None = None
-    """Output of the board's filter as sampled by the ADC, above signal ground [V]."""
     slip_pin_v: Array | None = None
-    """Voltage of the comparator's output, low while it reports slip [V]."""
 
     @classmethod
     def join(cls, chunks: list[FingerSignals]) -> FingerSignals:
@@ -115,9 +103,7 @@ class FingerSetup:
     """Everything that one finger is made of, before it moves."""
 
     design: Design
-    """Gives the board, the ADC and its noise."""
     pad: Pad
-    """Pad of the finger."""
     held_n: float
     """Holding force, for which the resonance of the contact is computed [N]."""
     friction: Friction
@@ -129,9 +115,7 @@ class FingerSetup:
     surface: Surface | None = None
     """Surface on which the finger slides. None: it does not slide."""
     profile_start_m: float = 0.0
-    """Position at which the profile of the surface begins [m]."""
     profile_length_m: float = 0.0
-    """Length of the profile [m]."""
     patch_average: bool = False
     """True if the pad averages the profile over its contact patch."""
     sensing: Sensing = field(default_factory=Sensing)

@@ -77,7 +77,6 @@ class Instants:
     fraction: Array
     """Fraction of the step from there to the next point."""
     sample_rate_hz: float
-    """Sampling rate [Hz]."""
 
     @property
     def time_s(self) -> Array:
@@ -161,13 +160,9 @@ class StageCost:
     """Cost of one stage in one run."""
 
     name: str
-    """Name of the stage."""
     states: int
-    """Number of integrated states."""
     evaluations: int
-    """Number of evaluations of the right-hand side."""
     cpu_s: float
-    """CPU time [s]."""
 
 
 class CostMeter:

@@ -22,7 +22,6 @@ class DetectorOutput:
     threshold_v: Array
     """Threshold at each sample, in the same unit."""
     on: NDArray[np.bool_]
-    """True if slip is detected."""
 
 
 class Detector(ABC):

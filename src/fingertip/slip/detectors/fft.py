@@ -82,11 +82,8 @@ class FftSettings:
     window_samples: int
     hop_samples: int
     low_hz: float
-    """Lower edge of the band [Hz]."""
     high_hz: float
-    """Upper edge of the band [Hz]."""
     noise_v: float
-    """White RMS noise at the input [V]."""
     threshold_scale: float = 1.0
     """Factor of the threshold, to trade delay for false alarms."""
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from fingertip.slip.detectors.detector import Detector
 
 ENVELOPE_MEAN = "mean of the envelope"
-"""Quantity that the design's threshold applies to."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,7 @@ class DetectorType:
     code: str
     """Module of this folder and class in it, a subclass of `Detector`."""
     colour: str
-    """Colour in plots."""
     marker: str
-    """Symbol in plots."""
     second_column: str | None = None
     """Column that the detector takes beside it, where a recording has it."""
     is_baseline: bool = False
@@ -85,7 +82,6 @@ DETECTORS: dict[str, DetectorType] = {
         "voltage_v", "statistic of fast", "fast:FastDetector", RED, "D", second_column="filtered_v",
     ),
 }  # fmt: skip
-"""Types of detector by name."""
 DEFAULT = "digital"
 """Detector of `detect` and of its command, unless another one is named: the article's."""
 

@@ -37,7 +37,6 @@ _LEAD_IN = struct.Struct("<4sIIQQ")
 _UNFINISHED = 2**64 - 1
 """Length of the last segment of a recording that was interrupted."""
 _COMPRESSED = 15
-"""Type of a variable of a MATLAB file that is compressed."""
 _PIECE_BYTES = 2**20
 
 

@@ -20,7 +20,6 @@ STEP_TOLERANCE = 0.5
 MIN_RATE_HZ, MAX_RATE_HZ = 1000.0, 20000.0
 """Bounds of ``detector.sample_rate_hz`` [Hz]."""
 TIME_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-"""Units of times, and their length [s]."""
 _UNIT_NAMES = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 _MIN_REPEATS = 0.05
 """Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""

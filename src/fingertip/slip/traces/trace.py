@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
-"""Names of a trace's columns."""
 BOARD_COLUMNS = ("envelope_v", "filtered_v")
 """Columns that come from the board. A simulation calls them sampled_envelope_v and sampled_filtered_v."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
@@ -38,15 +37,12 @@ class Trace:
     voltage_v: Array
     """Raw tactile voltage [V]: bridge and instrumentation amplifier, before the filter board."""
     force_n: Array | None = None
-    """True normal force [N]."""
     slip: NDArray[np.bool_] | None = None
-    """True gross slip."""
     envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
     filtered_v: Array | None = None
     """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
     origin: Origin = UNKNOWN
-    """Origin: simulated or recorded, and the start of the robot's motion."""
 
     def __repr__(self) -> str:
         count = len(self.time_s)
@@ -183,7 +179,6 @@ class RawTrace:
     has_all_times: bool = True
     """True if every sample's time was read, so that the times can be validated."""
     in_volts: bool = True
-    """True if the signal is a voltage."""
     notes: tuple[str, ...] = ()
     """Sentences on what was passed over, or read in another way than it stands in the file."""
 

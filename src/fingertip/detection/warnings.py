@@ -144,5 +144,4 @@ def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 
 def _find_ground_v(design: Design) -> float:
-    """Find the voltage of the board's signal ground above ground [V]."""
     return signal_ground_ratio(design.board.supply) * design.board.supply_v

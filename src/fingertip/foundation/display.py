@@ -1,6 +1,6 @@
 """Display of results in Python and Jupyter: tables in HTML, pictures, and data frames where pandas is installed.
 
-A design cannot import what draws it, which builds on it. `plot` therefore finds it by the name of its module.
+A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name.
 """
 
 from __future__ import annotations
@@ -50,9 +50,10 @@ class Picture:
         return Path(path)
 
 
-def plot(module: str, *arguments: Any) -> Picture:
-    """Draw something with the function `draw` of a module, which returns a PNG."""
-    return Picture(import_module(module).draw(*arguments))
+def plot(where: str, *arguments: Any) -> Picture:
+    """Draw something with a function that returns a PNG, named as ``module:function``."""
+    module, function = where.split(":")
+    return Picture(getattr(import_module(module), function)(*arguments))
 
 
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -287,7 +287,6 @@ def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float,
 
 
 def _cumulative(count: int, mean: float) -> float:
-    """Probability of at most `count` events."""
     if mean <= 0.0:
         return 1.0
     return math.fsum(math.exp(k * math.log(mean) - mean - math.lgamma(k + 1)) for k in range(count + 1))

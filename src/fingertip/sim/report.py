@@ -145,7 +145,6 @@ def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
 
 
 def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:
-    """Add a legend to the first panel that has a line for each finger."""
     for axes, name in zip(panels, names, strict=True):
         if name not in ("slip", "object_m", "pin_n"):
             axes.legend(
@@ -163,7 +162,6 @@ def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) ->
 
 
 def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
-    """Mark the moments of a manipulation with dotted lines."""
     events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
     if result.plan.pin:
         events.append(("knock", result.plan.knock_s))

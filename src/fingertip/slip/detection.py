@@ -140,7 +140,7 @@ class Detection:
         MissingLibraryError
             If matplotlib is not installed.
         """
-        return plot("fingertip.slip.report", self.trace, self, title or f"detector {self.detector}")
+        return plot("fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}")
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the intervals as a data frame; `is_true` is missing where the true slip is not known.

@@ -59,7 +59,6 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
 
 
 def _find_existing(folder: Path) -> Path:
-    """Find a folder, or the nearest one above it that exists."""
     return next((path for path in (folder, *folder.parents) if os.path.lexists(path)), folder)
 
 

@@ -198,7 +198,6 @@ def _coupled_loop(
     ys: MutableSequence[float],
     stats: MutableSequence[float],
 ) -> None:
-    """Integrate the contact over a chunk by RODAS with adaptive steps."""
     # Parameters: mu_c, mu_s, inverse of the Stribeck velocity, and elastic fraction; bristle coefficients sigma, their
     # rate of relaxation, and the load N0; stiffness k and damping c_m of the mount per mass, and the inverse mass;
     # omega^2 and 2 zeta omega of the normal resonance, ratio of the hand's stiffness to the contact's, and damping in

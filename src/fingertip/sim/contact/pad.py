@@ -231,7 +231,6 @@ def _resonance_loop(
     state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Advance the damped resonance exactly under a piecewise linear drive."""
     a11, a12, a21, a22 = free
     y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]
     for i in range(len(drive)):

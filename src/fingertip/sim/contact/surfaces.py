@@ -230,7 +230,6 @@ def _interpolate_loop(
     position: Sequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Evaluate Hermite's cubic between the two points around each position."""
     last = len(heights) - 1
     for i in range(len(position)):
         at = (position[i] - start) / spacing

@@ -150,7 +150,6 @@ def _drag_loop(
     vs_out: MutableSequence[float],
     zs: MutableSequence[float],
 ) -> None:
-    """Integrate the pad's motion by ROS2."""
     mu_c, drop, vs = curve  # drop = mu_s - mu_c, vs = Stribeck velocity
     s0, s1, s2, relax_per_s, N0 = sigma
     m, k, d = mount

@@ -7,7 +7,7 @@ values are assumptions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -162,6 +162,11 @@ class ManipulationFile(SimulationFile):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
     file_kind: ClassVar[FileKind] = MANIPULATION
+    options: ClassVar[Mapping[str, Sequence[str]]] = {
+        "surface": ["object.surface"],
+        "speed_m_s": ["knock.speed_m_s"],
+        "force_n": ["grasp.force_n"],
+    }
 
     object: GraspedObject = GraspedObject()
     grasp: Grasp = Grasp()

@@ -8,7 +8,7 @@ as assumptions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -141,6 +141,11 @@ class SceneFile(SimulationFile):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
     file_kind: ClassVar[FileKind] = SCENE
+    options: ClassVar[Mapping[str, Sequence[str]]] = {
+        "surface": ["contact.surface"],
+        "speed_m_s": ["slide.speed_m_s"],
+        "force_n": ["hold.min_force_n", "hold.max_force_n"],
+    }
 
     contact: Contact = Contact()
     hold: Hold = Hold()

@@ -76,6 +76,8 @@ class SimulationFile(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
     file_kind: ClassVar[FileKind]
+    options: ClassVar[Mapping[str, Sequence[str]]]
+    """Parameters that the options surface, speed_m_s and force_n of a simulation set."""
 
     scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
     outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns to record beside the time.")

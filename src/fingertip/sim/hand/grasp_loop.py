@@ -78,7 +78,6 @@ def _grasp_loop(
     object_out: MutableSequence[float],
     pin_out: MutableSequence[float],
 ) -> None:
-    """Integrate object and pads by ROS2."""
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
     # relaxation, N0; stiffness and damping of the pin. Arrays hold one finger after the other: mount (mass, stiffness,
     # damping), state (x, v, s), load.

@@ -226,7 +226,6 @@ def _turn_velocity(finger: FingerSignals) -> FingerSignals:
 
 
 def _refine(values: Array, parts: int) -> Array:
-    """Insert points on the straight lines between the columns of an array."""
     if parts == 1:
         return values.copy()
     fraction = np.arange(1, parts + 1) / parts

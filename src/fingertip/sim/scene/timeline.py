@@ -268,7 +268,6 @@ def _describe(
     push_n: Array | None,
     contact_n: Array | None = None,
 ) -> FingerDrive:
-    """Describe a motion as the drive of a finger."""
     return FingerDrive(
         load_n=load_n,
         push_n=push_n,

@@ -118,7 +118,6 @@ def _convert_loop(
     forces: Sequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Convert each force to the voltage of `TactileResponse.tactile_v`."""
     turn_on, scale, exponent, width = curve
     open_v, sensor_v, source_ohm, transfer_ohm = response
     # A finger in the air or at rest shows the same force for long.
@@ -185,7 +184,6 @@ def _indicate_loop(
     state: MutableSequence[float],
     shown: MutableSequence[float],
 ) -> None:
-    """Apply the play operator, mixed in with its fraction, and creep."""
     p, loaded = state[_PLAY], state[_LOADED]
     for i in range(len(forces)):
         force = forces[i]

@@ -101,7 +101,6 @@ def _filter_loop(
     state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Follow the filter over samples between which the input is linear."""
     a11, a12, b1, d1, a21, a22, b2, d2 = matrix
     x, y, u = state[_FIRST], state[_SECOND], state[_INPUT]
     for i in range(len(samples)):
@@ -332,7 +331,6 @@ def simulate_replay_level(design: Design) -> NoiseLevel:
 
 
 def _noise_s(design: Design) -> float:
-    """Duration of the simulated noise [s]."""
     return _SETTLING_S + _WINDOWS * design.detector.window_samples / design.detector.sample_rate_hz
 
 

@@ -275,18 +275,6 @@ class ComparatorStream:
         return ComparatorSignals(mean[repeated:], on[repeated:] > 0.0, begin_s + edges[: int(found[0])])
 
 
-def simulate_comparator(
-    comparator: Comparator, board: AnalogBoard, step_s: float, filtered_v: Array, envelope_v: Array
-) -> ComparatorSignals:
-    """Simulate the comparator behind one board's outputs, as `filter_board.simulate_board` gives them.
-
-    Raises TraceError.
-    """
-    columns = find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v)
-    raise_issues([*columns, *_find_issues(board, step_s)])
-    return ComparatorStream(comparator, board, step_s).process(filtered_v, envelope_v)
-
-
 def _find_issues(board: AnalogBoard, step_s: float) -> Iterator[Issue]:
     if board.rectifier != "precision":
         yield Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'.")

@@ -133,14 +133,7 @@ class PinkNoise:
 class HandVibration:
     """Noise in the band of a hand's vibration, chunk by chunk: white noise behind two Butterworth filters of order 4.
 
-    Parameters
-    ----------
-    grid
-        Grid of the points.
-    deviation_v
-        RMS voltage [V].
-    stream
-        Source of random numbers.
+    Units: `deviation_v` is the RMS voltage [V].
     """
 
     def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
@@ -202,7 +195,6 @@ def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ..
 def _hum_loop(
     w: float, amplitude: float, third: float, fifth: float, time: Sequence[float], out: MutableSequence[float]
 ) -> None:
-    """Add up fundamental, third and fifth harmonic."""
     for i in range(len(time)):
         x = w * time[i]
         out[i] = amplitude * (math.sin(x) + third * math.sin(3 * x) + fifth * math.sin(5 * x))
@@ -215,7 +207,6 @@ def _pink_loop(
     state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Advance each first-order process, and add them up."""
     count = len(decays)
     for i in range(len(out)):
         total = 0.0

@@ -196,7 +196,6 @@ def noise_energies(sample_rate_hz: float) -> tuple[float, float]:
 
 
 def _third_order(sample_rate_hz: float, cutoff_hz: float) -> ThirdOrder:
-    """Design a Butterworth high-pass filter of third order by the bilinear transform."""
     K = math.tan(math.pi * cutoff_hz / sample_rate_hz)
     b, norm = 1 / (1 + K), 1 / (1 + K + K * K)
     return (

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
-from fingertip.slip.traces.limits import max_table_bytes, shape_message
-from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap
+from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap, max_table_bytes, shape_message
 
 # Claims of files of arrays: how much a library would unpack or list, found before it does so.
 #
@@ -113,12 +112,10 @@ def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
 
 
 def _wanted(columns: ColumnMap) -> set[str]:
-    """Return the names in the file of everything that a trace takes."""
     return {*map(columns.name_in_file, COLUMNS), *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
 def _skip_others(names: Collection[str], load: Callable[[str], Any], columns: ColumnMap) -> dict[str, Any]:
-    """Load the arrays that a trace takes; the others are None."""
     wanted = _wanted(columns)
     return {name: load(name) if name in wanted else None for name in names}
 
@@ -179,7 +176,6 @@ def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _read_npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Read shape and type of the array in a file or a member of an archive."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(file)
@@ -189,7 +185,6 @@ def _read_npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
 
 
 def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load variables of a MATLAB file (up to -v7) by scipy."""
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
         with path.open("rb") as file:
@@ -203,7 +198,6 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load columns of a Parquet file, batch by batch so that false counts in its header cannot fill the memory."""
     parquet = extras.load("pyarrow.parquet", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a Parquet file", "save it again, or as CSV"), parquet.ParquetFile(path) as file:
         _check_shape(path, "", (file.metadata.num_rows,))
@@ -223,7 +217,6 @@ def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load the channels of a WAV file by number, full scale as 1; a single one is the voltage."""
     with (
         _damage_reported(path, "a WAV file", "save it as PCM of 16 or 24 bits, or as CSV"),
         path.open("rb") as file,
@@ -242,7 +235,6 @@ def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _decode_pcm(data: bytes, width: int) -> NDArray[Any]:
-    """Decode samples of 1 (unsigned), 2, 3 or 4 bytes."""
     if width == 1:
         return np.frombuffer(data, np.uint8).astype(np.int16) - 128
     if width == 3:

@@ -200,7 +200,6 @@ def without_headers(rows: Iterable[tuple[int, str]], passed_over: PassedOver) ->
 
 
 def _read_rate(name: str, steps: Sequence[str]) -> float:
-    """Return the sampling rate that the step between samples gives [Hz]."""
     step = steps[0].replace(",", ".") if steps else ""
     step_s = float(step) if is_number(step) else 0.0
     if not 0.0 < step_s < float("inf"):

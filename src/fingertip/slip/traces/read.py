@@ -20,9 +20,8 @@ from fingertip.foundation.input_files import check_archive
 from fingertip.slip.traces.array_files import RATE, load_arrays
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
-from fingertip.slip.traces.limits import check_trace_file
 from fingertip.slip.traces.sampling import restore_even_times
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
+from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to convert it.
 
@@ -196,7 +195,6 @@ def _refuse_known_toml(path: Path) -> None:
 
 
 def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> RawTrace:
-    """Make a trace of named arrays."""
     issues, values, notes = list[Issue](), dict[str, Any](), list[str]()
     if not arrays:
         raise TraceError(Issue(name, f"contains no arrays; save {' and '.join(columns.required)}."))
@@ -263,7 +261,6 @@ def _parse_rate(stated: NDArray[Any]) -> float | None:
 
 
 def _describe(stated: NDArray[Any]) -> str:
-    """Describe an array that is not one number."""
     if stated.size != 1:
         return f"{stated.size} values" if stated.size else "no value"
     return repr(stated.ravel()[0].item())

@@ -135,7 +135,7 @@ def detect_file(
     MissingLibraryError
         If the file needs a package that is not installed.
     """
-    path, report = Path(path), progress or _ignore
+    path, report = Path(path), progress or (lambda message: None)
     design = design or Design()
     kind = find_detector_type(detector)
     adapt = _RateAdapter(
@@ -229,7 +229,7 @@ def detect_stream(
     DesignError
         If `rate_hz` is out of bounds, or too low for the design's filters.
     """
-    report = progress or _ignore
+    report = progress or (lambda message: None)
     design = design or Design()
     kind = find_detector_type(detector)
     if rate_hz is not None:
@@ -258,10 +258,6 @@ def _map_envelope(voltage: ColumnMap) -> ColumnMap:
     """Map the envelope, in volts, to where a detector finds its voltage."""
     names = {**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
     return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
-
-
-def _ignore(message: str) -> None:
-    pass
 
 
 def _check_finite(rate_hz: float) -> None:

@@ -48,10 +48,7 @@ def find_step_v(volts: Array) -> float | None:
 
 
 def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
-    """Warn of steps in a recording that hide the noise for which the design's thresholds are made.
-
-    Units: `volts` [V].
-    """
+    """Warn of steps in the voltages [V] of a recording that hide the noise that the thresholds assume."""
     settings, step = design.detector, find_step_v(volts)
     assumed = settings.adc_step_v
     if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
@@ -107,7 +104,6 @@ def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[s
 
 
 # Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the wrong ground.
-
 
 MAX_REST_V = 0.3
 """Largest deviation of the rest of a filtered signal from the signal ground [V]."""

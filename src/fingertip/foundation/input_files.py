@@ -144,10 +144,7 @@ def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | N
 def read_input(
     path: Path, limit: Limit, wanted: str = "a file", length: int | None = None, below: Path | None = None
 ) -> bytes:
-    """Read a regular file, whole or at most its first `length` bytes; the others are as for `check_regular`.
-
-    Raises InputFileError.
-    """
+    """Read a regular file or its first `length` bytes; else as `check_regular`. Raises InputFileError."""
     with open_input(path, limit, wanted, below) as file:
         data = file.read(limit.value + 1 if length is None else length)
     if len(data) > limit.value:  # it grows, or is one of the system's files that state no size

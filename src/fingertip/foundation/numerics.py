@@ -215,7 +215,6 @@ def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Ar
 # Finite sums: M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 26.7.3 and 26.7.4 (Student's t),
 # 26.4.4 and 26.4.5 (chi-square).
 
-
 _LARGEST = 1e4
 
 
@@ -269,16 +268,12 @@ def _invert(is_below: Callable[[float], bool]) -> float:
 
 # Confidence interval of a rate, from a count of independent events.
 
-
 CONFIDENCE = 0.95
 """Probability with which an interval contains the rate."""
 
 
 def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """Compute the exact interval of the mean of a Poisson variable that was drawn once.
-
-    Reference: F. Garwood, Biometrika 28, 1936, 437.
-    """
+    """Compute the interval of a Poisson variable's mean from one draw (F. Garwood, Biometrika 28, 1936, 437)."""
     tail = (1 - confidence) / 2
     top = count + 10 * math.sqrt(count + 1) + 10
     low = 0.0 if count == 0 else bisect(lambda mean: 1 - _cumulative(count - 1, mean) < tail, 0.0, top, halvings=80)[0]

@@ -56,10 +56,7 @@ def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
 
 
 def to_png(figure: Figure) -> bytes:
-    """Render a figure as PNG.
-
-    The file holds no date and no version, so the same data gives the same bytes.
-    """
+    """Render a figure as PNG without date and version, so that the same data gives the same bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     out = io.BytesIO()
@@ -68,10 +65,7 @@ def to_png(figure: Figure) -> bytes:
 
 
 def to_svg(figure: Figure) -> bytes:
-    """Render a figure as SVG, with its text as outlines.
-
-    The file holds no date, version or random identifier, so the same data gives the same bytes.
-    """
+    """Render a figure as SVG, its text as outlines, without date, version and random identifiers."""
     import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 

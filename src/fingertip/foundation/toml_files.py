@@ -22,10 +22,7 @@ class UnusableTomlError(Exception):
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Parse TOML whose values and tables are nested little, and whose whole numbers have 64 bits, as TOML 1.0 asks.
-
-    Raises TOMLDecodeError or UnusableTomlError.
-    """
+    """Parse TOML of few levels and numbers of 64 bits (TOML 1.0). Raises TOMLDecodeError or UnusableTomlError."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError:

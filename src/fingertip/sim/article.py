@@ -107,10 +107,7 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
 
 
 def article_trials() -> Iterator[tuple[SceneFile, int]]:
-    """Yield scene and seed of each of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5 repeats.
-
-    Every trial has its own seed.
-    """
+    """Yield scene and own seed of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5 repeats."""
     seed = 0
     for configuration, surfaces in (("sliding_finger", tuple(SURFACES)), ("sliding_surface", GRASPED_SURFACES)):
         for surface in surfaces:

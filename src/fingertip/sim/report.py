@@ -89,7 +89,6 @@ def _describe_surface(name: str) -> str:
 #
 # Beside the plots of the benchmarks, this is the only module of `fingertip.sim` that draws.
 
-
 AnyArray = NDArray[Any]
 
 

@@ -8,7 +8,7 @@ import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,24 +34,9 @@ def signal_writer(design: Design, folder: Path, force: bool = False, top: Path |
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
-    """Move a trace into the folder of a design's signals, and return the names of the files that were removed.
-
-    Plot and detection of the trial are removed if the trace is another one than they were made from.
-    """
+    """Move a trace into a design's signals, and remove plot and detection of another one; return their names."""
     is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
     return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
-
-
-class TraceWriter(Protocol):
-    """Writer of a trace, chunk by chunk."""
-
-    def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
-        """Add the next samples of all columns."""
-        ...
-
-    def close(self) -> None:
-        """Complete the file."""
-        ...
 
 
 class CsvTraceWriter:
@@ -106,21 +91,15 @@ class NpzTraceWriter:
                     shutil.copyfileobj(spool, out)
 
 
-def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> TraceWriter:
-    """Open a writer for the kind of file that a path names: CSV, or a numpy archive if it ends in .npz.
-
-    Raises TraceError.
-    """
+def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> CsvTraceWriter | NpzTraceWriter:
+    """Open a writer for the kind of file that a path names, CSV or NPZ. Raises TraceError."""
     if path.suffix.lower() not in SUFFIXES:
         raise TraceError(Issue(str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."))
     return NpzTraceWriter(file, names) if path.suffix.lower() == ".npz" else CsvTraceWriter(file, names)
 
 
 def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
-    """Encode columns as CSV or, for a path that ends in .npz, as numpy archive. The same numbers give the same bytes.
-
-    Raises TraceError.
-    """
+    """Encode columns as CSV or NPZ, by the path's ending; equal numbers give equal bytes. Raises TraceError."""
     out = io.BytesIO()
     writer = open_trace(out, path, [*columns])
     writer.write(time_s, columns)

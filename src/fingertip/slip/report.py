@@ -128,16 +128,12 @@ def _interval_data(interval: Interval) -> dict[str, float]:
 
 # Plot of a detection. This is the only module of `slip` that draws.
 
-
 _BEFORE_S, _AFTER_S = 0.06, 0.14
 """Time before and after an onset that is drawn larger [s]."""
 
 
 def draw(trace: Trace, detection: Detection, title: str) -> bytes:
-    """Draw the voltage, the statistic with its threshold, and ON/OFF over a common time axis.
-
-    Below them, the first onset is drawn again, so wide that its delay can be read.
-    """
+    """Draw voltage, statistic with threshold, and ON/OFF over one time axis; below, the first onset enlarged."""
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     onset = _find_onset(detection, slips)
     figure = new_figure(10, 7 if onset is None else 9.6)

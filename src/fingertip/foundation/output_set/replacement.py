@@ -28,7 +28,6 @@ from fingertip.foundation.input_files import PARSED_LIMIT, find_unsafe_names, is
 
 # Content of a file that is to be written: its bytes, or the path of a finished file that is too large for memory.
 
-
 Content = bytes | Path
 
 
@@ -98,10 +97,7 @@ def recover(folder: Path) -> None:
 
 
 def try_to_write(folder: Path, path: Path) -> None:
-    """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
-
-    Raises OSError.
-    """
+    """Write a file below a folder, whose parent the caller has locked, and remove it again. Raises OSError."""
     made = folder / _TRIAL
     if is_folder(made):  # a command was killed here
         _remove_folder(made)
@@ -115,10 +111,7 @@ def try_to_write(folder: Path, path: Path) -> None:
 
 
 def read_plan(commit: Path) -> tuple[list[str], list[str]]:
-    """Read a complete plan of renames: the names of files to put in place, and of files to remove; none without a plan.
-
-    Raises OutputError.
-    """
+    """Read which files a complete plan of renames puts in place and removes; none without it. Raises OutputError."""
     if not os.path.lexists(commit / _COMPLETE):
         return [], []
     try:
@@ -258,17 +251,13 @@ def _finish_renames(folder: Path) -> None:
 
 # Lock of a folder, and errors of the operating system as sentences.
 
-
 LOCK_S = 60.0
 """Time for which a command waits for another one that writes to the same place."""
 
 
 @contextlib.contextmanager
 def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
-    """Hold a lock on a folder while a set in it is replaced, or a shared one while it is read.
-
-    The lock ends with the process, however it ends.
-    """
+    """Hold a lock on a folder, shared while a set in it is only read; it ends with the process, however that ends."""
     try:
         import fcntl
     except ImportError:  # Windows: sets are not locked there

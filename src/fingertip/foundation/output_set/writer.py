@@ -36,7 +36,6 @@ from fingertip.foundation.version import __version__
 
 # Trial of a place: whether a file can be written there is found out by writing one, before any work starts.
 
-
 _NAME = "trial"
 
 
@@ -188,10 +187,7 @@ class SetWriter:
             raise
 
     def add(self, contents: Mapping[str, Content]) -> None:
-        """Write some files of a set to a folder that holds no set, or one of the same parameters.
-
-        Raises OutputError.
-        """
+        """Write files of a set to a folder without a set, or with one of the same parameters. Raises OutputError."""
         self.check_addition(contents)
         self.write(contents)
 
@@ -255,10 +251,7 @@ def check_set(path: Path) -> None:
 
 
 def finish_interrupted(folder: Path) -> None:
-    """Complete or undo what a command that was killed has left in or beside a folder that a command is to write.
-
-    Raises OutputError.
-    """
+    """Complete or undo what a killed command has left in or beside an output folder. Raises OutputError."""
     folder = Path(os.path.realpath(folder))
     with output_errors(folder):
         if any(find_unfinished(folder)):
@@ -276,7 +269,6 @@ def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
 
 
 # Manifest of a set of files: what they are, and what they were made from.
-
 
 MANIFEST = "manifest.json"
 _SHA256 = re.compile("[0-9a-f]{64}")

@@ -63,10 +63,7 @@ def bristle_rate(
     v: float,
     s: float,
 ) -> float:
-    """Return ds/dt: LuGre friction, and relaxation of bristles that hardly touch or are bent beyond breakaway.
-
-    `scale` is c.
-    """
+    """Return ds/dt, with relaxation of bristles that hardly touch or are bent beyond breakaway; `scale` is c."""
     mu_c, mu_s, per_vs, elastic = curve
     s0, _, _, relax_per_s, n0 = sigma
     pull = s0 * scale * s

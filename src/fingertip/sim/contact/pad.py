@@ -124,7 +124,6 @@ def cube_root(values: Array) -> Array:
 #
 # All inputs are taken as linear between the points of the grid, and both filters are exact for such inputs.
 
-
 _HAND, _HEIGHT = range(2)
 """Indices of the state of the hand that follows a surface: its height, and the previous height of the surface [m]."""
 _FORCE, _RATE, _DRIVE = range(3)

@@ -138,7 +138,6 @@ class Friction:
 # The profile is a sum of waves with random phases and amplitudes proportional to lambda^H. Its scale makes the waves up
 # to the cutoff wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``.
 
-
 HURST = 0.8
 """Hurst exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
 _ROUGH_OCTAVES = 5

@@ -107,10 +107,7 @@ class DraggedPad:
         self._last: tuple[Array, ...] = (np.zeros(0),) * 3
 
     def process(self, carriage_m: Array, carriage_m_s: Array, normal_n: Array) -> PadMotion:
-        """Follow the pad over the next points of the grid; the first chunk begins with the initial point.
-
-        Raises TraceError.
-        """
+        """Follow the pad over the next points; the first chunk begins with the initial point. Raises TraceError."""
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
         friction, mount = self._friction, self._mount
         raise_issues(find_step_issues(friction, mount, self._step_s, float(np.max(normal_n, initial=0.0))))

@@ -69,10 +69,7 @@ object object_m, its position; pin_n, force of the pin.
 
 
 class SimulationFile(BaseModel):
-    """Frozen file of tables that refuses unknown names, values out of bounds and broken rules between parameters.
-
-    Raises TraceError.
-    """
+    """Frozen file of tables that refuses unknown names, values out of bounds and broken rules. Raises TraceError."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
     file_kind: ClassVar[FileKind]
@@ -128,10 +125,7 @@ class SimulationFile(BaseModel):
 
     @classmethod
     def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
-        """Read a file or a bundled one: defaults first, then each file, then changes such as ``"tap.force_n=5"``.
-
-        Raises TraceError.
-        """
+        """Read files or bundled ones, later ones win, then changes such as ``"tap.force_n=5"``. Raises TraceError."""
         try:
             tables = load_tables(files, changes, cls.file_kind).tables
         except FingertipError as error:
@@ -199,7 +193,6 @@ def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[st
 
 
 # Tables that describe the path from force to samples, of scenes and manipulations alike.
-
 
 MIN_BITS = 8
 MIN_RANGE_V = 0.01

@@ -190,17 +190,16 @@ def run_manipulation(
 
 def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> Observation:
     """Collect what a controller sees: the samples since its last command."""
-    fingers = stepper.chunks[-1].fingers
-    voltages = [finger.voltage_v for finger in fingers if finger.voltage_v is not None]
-    envelopes = [finger.sampled_envelope_v for finger in fingers if finger.sampled_envelope_v is not None]
-    filtered = [finger.sampled_filtered_v for finger in fingers if finger.sampled_filtered_v is not None]
+    chunk = stepper.chunks[-1]
+    voltage_v = chunk.find("voltage_v")
+    assert voltage_v is not None
     return Observation(
         time_s,
-        np.stack(voltages),
+        voltage_v,
         stepper.motors.closing_m.copy(),
         planned_m,
-        np.stack(envelopes) if envelopes else None,
-        np.stack(filtered) if filtered else None,
+        chunk.find("sampled_envelope_v"),
+        chunk.find("sampled_filtered_v"),
     )
 
 

@@ -159,7 +159,6 @@ class FixedGrip:
 # The object moves by q between thumb and fingers until both sides press with the same force. Its mass in that direction
 # is neglected, because tendon drives damp any oscillation there (assumption).
 
-
 SHARED_MOTOR = ("ring", "little")
 POSITION_TOLERANCE_M = 1e-9
 """Distance from its command at which a motor stops [m]."""

@@ -127,10 +127,7 @@ class SceneResult:
 
     @property
     def trace(self) -> Trace:
-        """Trace for a detector: voltage, and the true force and slip that it is evaluated against.
-
-        Raises TraceError.
-        """
+        """Trace for a detector: voltage, and the force and slip that it is evaluated against. Raises TraceError."""
         found = self.signals
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))

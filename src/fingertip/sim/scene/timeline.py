@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -169,19 +168,10 @@ def _events_end_s(scene: SceneFile) -> float:
 
 # Motion of a pad that a carriage drags over a surface, by one of three integrators, chunk by chunk.
 
-
 _FAST_CONTACT = coupled.NormalContact(2000.0, 1.0)
 """Contact that follows the load, because it is far faster than any change of the load."""
 _TOLERANCE_N = 1e-6
 """Permitted error of one step of the error-controlled integration [N]."""
-
-
-class SlidingPad(Protocol):
-    """Pad on a carriage."""
-
-    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
-        """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and forces [N]."""
-        ...
 
 
 def mount_pad(pad: Pad, force_n: float) -> Mount:
@@ -202,7 +192,7 @@ class SteppedPad:
         self._pad, self._meter = DraggedPad(friction, mount, grid.step_s), meter
 
     def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
-        """Follow the pad over the next points."""
+        """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and forces [N]."""
         with self._meter.stage("friction", 3, 2 * len(load_n)):
             motion = self._pad.process(carriage_m, carriage_m_s, load_n)
         return _describe(motion, carriage_m, load_n, push_n)
@@ -224,10 +214,7 @@ class ErrorControlledPad:
 
 
 class CoupledPad:
-    """Pad whose contact is integrated in both directions, so that vibration acts back on friction.
-
-    The surface profile is read along the path that results without this feedback.
-    """
+    """Pad whose vibration acts back on friction; the profile is read along the path that results without that."""
 
     def __init__(
         self,
@@ -261,6 +248,10 @@ class CoupledPad:
         return _describe(motion, carriage_m, load_n, push_n, contact_n)
 
 
+SlidingPad = SteppedPad | ErrorControlledPad | CoupledPad
+"""Pad on a carriage."""
+
+
 def _describe(
     motion: PadMotion | coupled.CoupledMotion,
     carriage_m: Array,
@@ -280,7 +271,6 @@ def _describe(
 
 
 # Disturbances that are not slip: knocks and motors shake the contact.
-
 
 MOTOR_RAMP_S = 0.02
 """Time in which the vibration of a motor starts and stops [s]. Assumption."""

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -43,7 +44,6 @@ from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 # as z = (x, u, slope of u, 1), so one matrix exponential of that larger system holds everything (C. Van Loan, IEEE
 # Trans. Automatic Control 23(3), 1978, doi:10.1109/TAC.1978.1101743). The shortest step's exponential is a Taylor
 # series; each longer one is the square of the one before (scaling and squaring).
-
 
 _TERMS = 10  # of the Taylor series, for a norm of at most 1/16: the next term is below 1e-20
 
@@ -113,10 +113,7 @@ class AnalogBoard:
     """Voltage at which both amplifiers' outputs saturate, of either sign [V]; None: they never do."""
 
     def __post_init__(self) -> None:
-        issues = []
-        for name, value in self.components.items():
-            unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues.extend(find_not_positive(f"board.{name}", value, unit, example))
+        issues = _find_component_issues(self.components)
         d = self.diode
         issues.extend(find_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
         issues.extend(find_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
@@ -165,10 +162,7 @@ class AnalogBoard:
             for name in values
             if name not in known
         ]
-        for name, value in values.items():
-            unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues += find_not_positive(f"board.{name}", value, unit, example)
-        raise_issues(issues)
+        raise_issues([*issues, *_find_component_issues(values)])
         quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
         return replace(self, network=self.network.with_values(quantities))
 
@@ -188,6 +182,11 @@ class AnalogBoard:
     def envelope_gain(self) -> Value:
         """Gain from the positive half waves of the filtered voltage to the envelope; 1 for a bare diode."""
         return 1.0 if self.rectifier == "diode" else self.envelope.gain(self.network.values)
+
+
+def _find_component_issues(values: Mapping[str, Value]) -> list[Issue]:
+    examples = {name: ("ohm", "1000") if name.startswith("R") else ("F", "1e-6") for name in values}
+    return [issue for name in values for issue in find_not_positive(f"board.{name}", values[name], *examples[name])]
 
 
 def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
@@ -267,7 +266,6 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
 
 # Monte Carlo samples of the board: components within their tolerances, for thousands of boards at once.
 
-
 RESISTOR_TOLERANCE = 0.01
 CAPACITOR_TOLERANCE = 0.05
 SATURATION_FACTOR = 2.0
@@ -275,10 +273,7 @@ SATURATION_FACTOR = 2.0
 
 
 def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
-    """Draw boards whose components are uniformly distributed within their tolerances and independent.
-
-    Raises TraceError.
-    """
+    """Draw boards with independent components, uniform within their tolerances. Raises TraceError."""
     if count < 1:
         raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
     rng = random.Random(f"{seed}:boards")

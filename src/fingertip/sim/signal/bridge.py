@@ -135,7 +135,6 @@ _convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces
 
 # Force-sensing resistor: from the force on the pad to the force that the sensor shows.
 
-
 LOAD_SHIFT_PER_M = (1 - 0.035 / 0.32) / 6e-3
 """Fraction of the force that the sensor loses per metre by which the pad is sheared towards the base [1/m].
 

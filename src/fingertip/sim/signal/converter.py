@@ -155,10 +155,7 @@ class AdcRange:
 
 
 class Converter:
-    """One channel of the ADC: anti-aliasing poles on the grid, then samples with jitter, noise and quantisation.
-
-    Units: `jitter` [s].
-    """
+    """One channel of the ADC: anti-aliasing poles on the grid, then samples with jitter [s], noise and quantisation."""
 
     def __init__(
         self,
@@ -199,7 +196,6 @@ def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
 # Sampled envelope of the design's simulated board: the place where the envelope meets the ADC. The board is driven by
 # simulated traces, by recorded voltages, by a stream, or by noise alone (quiescent output).
 
-
 # Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
 #
 # Nearly all of this noise arises ahead of the filter, in the bridge's amplifier, and much of that lies beyond what the
@@ -209,7 +205,6 @@ def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
 # sampling rate.
 #
 # The noise of the ADC is separate: it is added after the board's gain (`fingertip.sim.signal.converter`).
-
 
 _MEMORY_S = 0.1
 """Time in which the filter forgets an impulse at a cutoff of 67 Hz [s]: seven periods."""
@@ -305,10 +300,7 @@ def compute_bridge_v(design: Design, force_n: Array) -> Array:
 
 
 def simulate_quiescent_level(design: Design) -> NoiseLevel:
-    """Simulate the noise level of the detector `analog` behind the design's board while nothing happens.
-
-    The board's amplifiers add noise ahead of the filter, the ADC adds noise behind it.
-    """
+    """Simulate the noise level of `analog` behind the board while nothing happens: amplifiers, filter, then ADC."""
     grid, rate = Grid(), design.detector.sample_rate_hz
     count = grid.count_points(_noise_s(design), rate)
     noise_v = draw_noise(open_stream(0, "quiescent board"), compute_input_noise_v(design), count)
@@ -320,10 +312,7 @@ def simulate_quiescent_level(design: Design) -> NoiseLevel:
 
 
 def simulate_replay_level(design: Design) -> NoiseLevel:
-    """Simulate the noise level of the detector `analog` behind a board that is simulated on a recorded voltage.
-
-    The recording already contains the ADC's noise, which therefore comes ahead of the filter.
-    """
+    """Simulate the noise level of `analog` behind a board that is fed a recording, which holds the ADC's noise."""
     count = count_samples(_noise_s(design), design.detector.sample_rate_hz)
     return _measure_level(
         design, simulate_envelope_v(design, draw_noise(open_stream(0, "replayed noise"), input_noise_v(design), count))

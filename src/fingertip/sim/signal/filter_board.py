@@ -96,10 +96,7 @@ def simulate_boards(
 
 
 class AnalogStream:
-    """Several equal boards on voltages that come in chunks; any chunks give the bits of `simulate_board`.
-
-    Raises TraceError.
-    """
+    """Several equal boards; voltages in any chunks give the bits of `simulate_board`. Raises TraceError."""
 
     def __init__(self, board: AnalogBoard, step_s: float, count: int = 1, tolerance_v: float = 1e-4) -> None:
         raise_issues(
@@ -197,7 +194,6 @@ def _values(board: AnalogBoard) -> list[Any]:
 # values and slopes at both ends, for which m has a closed form. The moment at which m crosses a threshold is therefore
 # found by bisection to machine precision, not just at the next sample. The pin is an open collector: low while the
 # board indicates slip.
-
 
 PIN_LOW_V = 0.0
 """Voltage of the pin while it indicates slip [V]: an open collector's 0.05 V at 1 mA are neglected."""

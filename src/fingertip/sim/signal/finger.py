@@ -261,6 +261,13 @@ class _BridgeVoltage:
         return volts + added.volts, added.jumps
 
 
+_SAMPLED = {
+    "sampled_envelope_v": ("envelope_v", "envelope noise", AntiAliasFilter.for_envelope, "ADC of the envelope"),
+    "sampled_filtered_v": ("filtered_v", "filtered noise", AntiAliasFilter.for_filtered, "ADC of the filtered signal"),
+}
+"""Sampled output -> output of the board, purpose of the noise, anti-aliasing filter, and stage of the cost."""
+
+
 class _BoardSignals:
     """Filter board, its comparator, and the sampled envelope."""
 
@@ -274,8 +281,7 @@ class _BoardSignals:
                 self._noise = RefinedNoise(grid, lambda count: draw_noise(stream, deviation_v, count))
         self._board: AnalogStream | None = None
         self._pin: SlipPin | None = None
-        self._converter: Converter | None = None
-        self._filtered_converter: Converter | None = None
+        self._converters: dict[str, Converter] = {}
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
                 board = board_with_amplifiers(setup.design, setup.sensing.amplifiers)
@@ -285,16 +291,10 @@ class _BoardSignals:
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
-        if "sampled_envelope_v" in outputs:
-            with meter.stage("ADC of the envelope"):
-                self._converter = _build_converter(
-                    setup, grid, "envelope noise", AntiAliasFilter.for_envelope, from_signal_ground=True
-                )
-        if "sampled_filtered_v" in outputs:
-            with meter.stage("ADC of the filtered signal"):
-                self._filtered_converter = _build_converter(
-                    setup, grid, "filtered noise", AntiAliasFilter.for_filtered, from_signal_ground=True
-                )
+        for name, (_, purpose, anti_alias, stage) in _SAMPLED.items():
+            if name in outputs:
+                with meter.stage(stage):
+                    self._converters[name] = _build_converter(setup, grid, purpose, anti_alias, from_signal_ground=True)
 
     def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
@@ -318,12 +318,10 @@ class _BoardSignals:
         found |= {
             name: self._samplers[name].process(values, at) for name, values in signals.items() if name in self._outputs
         }
-        if self._converter:
-            with self._meter.stage("ADC of the envelope"):
-                found["sampled_envelope_v"] = self._converter.process(envelope, at)
-        if self._filtered_converter:
-            with self._meter.stage("ADC of the filtered signal"):
-                found["sampled_filtered_v"] = self._filtered_converter.process(filtered, at)
+        for name, converter in self._converters.items():
+            source, _, _, stage = _SAMPLED[name]
+            with self._meter.stage(stage):
+                found[name] = converter.process(signals[source], at)
         return found
 
 

@@ -127,7 +127,6 @@ class Sampler:
 # The generator is numpy's `RandomState`, whose streams are frozen, so that the same seed gives the same numbers with
 # any version (NEP 19).
 
-
 Stream = np.random.RandomState
 OpenStream = Callable[[str], Stream]
 """Function from a purpose to its stream."""
@@ -145,7 +144,6 @@ def draw_noise(stream: Stream, deviation: float, count: int) -> Array:
 
 
 # Cost of each stage of a simulation: integrated states, evaluations of right-hand sides, CPU time.
-
 
 STAGES = (
     "load", "hand", "object", "disturbances", "carriage", "friction", "coupled contact", "profile", "contact", "force",
@@ -193,7 +191,6 @@ class CostMeter:
 
 
 # Progress of long simulations.
-
 
 LONG_S = 15.0
 """Duration above which a simulation reports its progress [s]."""

@@ -131,10 +131,7 @@ class PinkNoise:
 
 
 class HandVibration:
-    """Noise in the band of a hand's vibration, chunk by chunk: white noise behind two Butterworth filters of order 4.
-
-    Units: `deviation_v` is the RMS voltage [V].
-    """
+    """Noise in the band of a hand's vibration, by its RMS [V]: white noise behind Butterworth filters of order 4."""
 
     def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
         low, high = HAND_BAND_HZ

@@ -33,10 +33,7 @@ class Detector(ABC):
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
-        """Create the detector for a design and the noise of the input [V] (None: the design's).
-
-        The threshold is multiplied by a factor. Raises TraceError.
-        """
+        """Create it for a design, a noise [V] (None: the design's) and a factor of the threshold. Raises TraceError."""
         raise NotImplementedError
 
     @classmethod

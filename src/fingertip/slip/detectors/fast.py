@@ -214,15 +214,13 @@ class FastDetector(Detector):
 
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
         """Process the next samples, any number of them, and return one output per sample."""
-        filtered, confidence, level, on = self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
-        return FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
+        return self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
 
     def compute_features(self, voltage_v: Array, filtered_v: Array | None = None) -> tuple[FastOutput, Array]:
         """Process samples and return the output and the features of every tick, (ticks, features)."""
         ticks = len(voltage_v) // int(self._coefficients.tick_samples)
         rows = np.zeros((ticks + 1) * COUNT)
-        filtered, confidence, level, on = self._run(voltage_v, filtered_v, rows, COUNT)
-        output = FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
+        output = self._run(voltage_v, filtered_v, rows, COUNT)
         return output, rows[: ticks * COUNT].reshape(ticks, COUNT)
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
@@ -235,7 +233,9 @@ class FastDetector(Detector):
         )  # fmt: skip
         return self._state[fast_loop.ON] > 0.0
 
-    def _run(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None, rows: Array, stride: int) -> Array:
+    def _run(
+        self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None, rows: Array, stride: int
+    ) -> FastOutput:
         samples = as_samples(voltage_v)
         filtered = samples if filtered_v is None else as_samples(filtered_v)
         if len(samples):
@@ -243,7 +243,8 @@ class FastDetector(Detector):
         out: Array = np.zeros((4, len(samples)))
         m = self._model
         LOOP(self._coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
-        return out
+        wide, confidence, level, on = out
+        return FastOutput(confidence * level, level, on > 0.0, wide, confidence, confidence > self._incipient)
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
         """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""

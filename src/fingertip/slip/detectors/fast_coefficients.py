@@ -114,7 +114,6 @@ class FastCoefficients(NamedTuple):
 
 # Filters of the detector `fast`, and the energy that white noise has behind them.
 
-
 LOW_HZ, UPPER_HZ, HIGH_HZ = 40.0, 90.0, 170.0
 """Lower edges of the wide and of the upper band, and the upper edge of both [Hz].
 
@@ -228,7 +227,6 @@ def _filter(section: SecondOrder, samples: Sequence[float] | Array) -> Array:
 # `tools/detector_training/` fits the trees to simulated slips and to the wider mix of what is not slip, and writes the
 # table. Every tree is complete: it compares one feature with one threshold at each of its `DEPTH` levels. An
 # evaluation therefore takes the same number of comparisons for every input.
-
 
 TABLE = "fast_model.json"
 """Name of the table, beside this module."""

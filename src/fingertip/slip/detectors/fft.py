@@ -24,7 +24,6 @@ from fingertip.slip.detectors.noise import input_noise_v
 #
 # The energy in noise is a weighted sum of squares of independent Gaussian variables.
 
-
 ALARMS_PER_HOUR = 1.0
 """False alarms from noise alone that the rule for a threshold permits.
 

@@ -57,10 +57,7 @@ class DetectorType:
         return cast("type[Detector]", getattr(import_module(f"{__package__}.{module}"), name))
 
     def make(self, design: Design, noise_v: float | None, threshold_scale: float) -> Detector:
-        """Create a detector.
-
-        It takes a design, the noise of the input [V] (None: the design's), and a factor of the threshold.
-        """
+        """Create a detector for a design, a noise [V] (None: the design's), and a factor of the threshold."""
         return self.implementation.for_design(design, noise_v, threshold_scale)
 
 

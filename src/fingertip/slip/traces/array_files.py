@@ -27,7 +27,6 @@ from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap, max_t
 #
 # References: National Instruments, "TDMS File Format Internal Structure"; MathWorks, "MAT-File Format", Level 5.
 
-
 MAX_SEGMENTS = 100_000
 """Maximum number of segments of a TDMS file. A converter that streams writes some a second."""
 MAX_METADATA_BYTES = 16 * 2**20
@@ -89,12 +88,7 @@ _WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
 
 
 def load_arrays(path: Path, kind: str, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load the arrays of a file by name.
-
-    Arrays that no column of the trace names are left out, but their names are keys: messages suggest them.
-
-    Raises TraceError or MissingLibraryError or OSError.
-    """
+    """Load arrays by name. Those that no column names are None, so that messages suggest them. Raises TraceError."""
     return _LOADERS[kind](path, columns)
 
 

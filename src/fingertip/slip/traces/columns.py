@@ -13,7 +13,6 @@ from fingertip.slip.traces.trace import ColumnMap, is_force
 
 # Cells of a line of text: splitting, and parsing of numbers and of times as ISO 8601 writes them.
 
-
 DELIMITERS = (",", ";", "\t")
 SPACES = " "
 """Delimiter of columns that one or more spaces separate."""
@@ -125,7 +124,6 @@ def suggest_numbers(count: int, columns: ColumnMap) -> str:
 # channels, and `Comment`. Where the file has no column of times (`X_Columns No`), `Delta_X` is the step between
 # samples.
 
-
 MAX_LINES = 200
 """Number of lines in which the headers of a file end."""
 TITLE = "LabVIEW Measurement"
@@ -152,10 +150,7 @@ class PassedOver:
 
 
 def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> ColumnMap:
-    """Fill in the names of an LVM file's columns where `columns` has none; other files leave `columns` as it is.
-
-    Raises TraceError.
-    """
+    """Fill in the names of an LVM file's columns that `columns` lacks; leave it for other files. Raises TraceError."""
     rows = iter(lines)
     if not next(rows, "").lstrip("\ufeff").startswith(TITLE):
         return columns

@@ -157,10 +157,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
 
 @dataclass
 class _Faults(Generic[T]):
-    """Lines that cannot be used: how many, with what is wrong in the first one and in the last one.
-
-    A file may hold millions of them.
-    """
+    """Lines that cannot be used, of which a file may hold millions: their number, the first one and the last one."""
 
     count: int = 0
     first: tuple[int, T] | None = None

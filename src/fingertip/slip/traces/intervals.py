@@ -121,9 +121,6 @@ def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: flo
 
 
 def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
-    """Measure the time that a detector is ON outside all slips [s].
-
-    An interval that began long before a slip overlaps it, and so is no false interval.
-    """
+    """Measure the time of ON outside all slips [s]; an interval that began long before a slip is not false."""
     on_s = sum(i.end_s - i.onset_s for i in detected)
     return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)

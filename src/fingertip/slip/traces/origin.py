@@ -60,7 +60,6 @@ def parse_origin(detection: bytes | None) -> Origin:
 
 # Start of a robot's motion, and how well encoders know it: the article reads its robot's at 100 Hz (section III.C).
 
-
 ENCODER_HZ = 100.0
 """Rate at which the encoders are read [Hz] (article, section III.C)."""
 

@@ -25,7 +25,6 @@ from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace, che
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to convert it.
 
-
 _HDF5 = (
     "is an HDF5 file, as MATLAB saves with -v7.3; in MATLAB save it with -v7, or in Python with numpy.savez(file, "
     "time_s=..., voltage_v=...)."
@@ -147,10 +146,7 @@ def read_trace(
 
 
 def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
-    """Read a trace without validation: text as CSV, and NumPy, MATLAB, Parquet, WAV and TDMS files.
-
-    Raises TraceError or MissingLibraryError.
-    """
+    """Read a trace of any kind of file without validation. Raises TraceError or MissingLibraryError."""
     check_trace_file(path)
     if path.suffix.lower() == ".toml":
         _refuse_known_toml(path)

@@ -170,7 +170,6 @@ def sample_location(sample: int, lines: Sequence[int] | None) -> str:
 # A float32 has 24 bits. After an hour its steps are 0.24 ms wide, half of a sample at 2 kHz, and the times look as if
 # they jumped. Where all of them lie as near to evenly spaced times as a float32 can, the even ones are taken instead.
 
-
 _MAX_SHARE = 4.0
 """Largest spacing of the float32 numbers at the last time, over the step between samples; beyond, times say little."""
 _MAX_DEVIATION = 0.12

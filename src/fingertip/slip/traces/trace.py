@@ -286,7 +286,6 @@ def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]
 
 # Limits on the size of a recording.
 
-
 MAX_LINE = 2**20
 """Maximum length of a line of text [characters]. Ten thousand columns need a third of it."""
 _CELLS_PER_SAMPLE = 4

@@ -18,11 +18,7 @@ from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_up
 from fingertip.sim.files.schema import (
     ACCELERATION_M_S2,
-    Cable,
-    ConverterInput,
-    Drift,
-    Noise,
-    Sensing,
+    PathTables,
     SimulationFile,
     find_converter_issues,
 )
@@ -151,7 +147,14 @@ class Hand(ParameterTable):
     motor_hz: float = quantity(45.0, "Hz", "Frequency of that vibration. Assumption.", minimum=1, maximum=500)
 
 
-class ManipulationFile(SimulationFile):
+class _ManipulationTables(SimulationFile):
+    object: GraspedObject = GraspedObject()
+    grasp: Grasp = Grasp()
+    knock: Knock = Knock()
+    hand: Hand = Hand()
+
+
+class ManipulationFile(PathTables, _ManipulationTables):
     """One validated manipulation; a faulty one reports all its issues at once.
 
     Raises
@@ -167,16 +170,6 @@ class ManipulationFile(SimulationFile):
         "speed_m_s": ["knock.speed_m_s"],
         "force_n": ["grasp.force_n"],
     }
-
-    object: GraspedObject = GraspedObject()
-    grasp: Grasp = Grasp()
-    knock: Knock = Knock()
-    hand: Hand = Hand()
-    drift: Drift = Drift()
-    cable: Cable = Cable()
-    noise: Noise = Noise()
-    sensing: Sensing = Sensing()
-    converter: ConverterInput = ConverterInput()
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)

@@ -19,11 +19,7 @@ from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down
 from fingertip.sim.files.schema import (
-    Cable,
-    ConverterInput,
-    Drift,
-    Noise,
-    Sensing,
+    PathTables,
     SimulationFile,
     find_converter_issues,
 )
@@ -130,7 +126,16 @@ class Motor(ParameterTable):
     duration_s: float = quantity(1.0, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
 
 
-class SceneFile(SimulationFile):
+class _SceneTables(SimulationFile):
+    contact: Contact = Contact()
+    hold: Hold = Hold()
+    slide: Slide = Slide()
+    load_change: LoadChange = LoadChange()
+    tap: Tap = Tap()
+    motor: Motor = Motor()
+
+
+class SceneFile(PathTables, _SceneTables):
     """One validated scene; a faulty one reports all its issues at once.
 
     Raises
@@ -146,18 +151,6 @@ class SceneFile(SimulationFile):
         "speed_m_s": ["slide.speed_m_s"],
         "force_n": ["hold.min_force_n", "hold.max_force_n"],
     }
-
-    contact: Contact = Contact()
-    hold: Hold = Hold()
-    slide: Slide = Slide()
-    load_change: LoadChange = LoadChange()
-    tap: Tap = Tap()
-    motor: Motor = Motor()
-    drift: Drift = Drift()
-    cable: Cable = Cable()
-    noise: Noise = Noise()
-    sensing: Sensing = Sensing()
-    converter: ConverterInput = ConverterInput()
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)

@@ -278,6 +278,16 @@ class ConverterInput(ParameterTable):
     )
 
 
+class PathTables(BaseModel):
+    """Tables of the path from force to samples. A file lists them after its own, so it names this base class first."""
+
+    drift: Drift = Drift()
+    cable: Cable = Cable()
+    noise: Noise = Noise()
+    sensing: Sensing = Sensing()
+    converter: ConverterInput = ConverterInput()
+
+
 def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:
     """Yield each broken rule of a converter, with the names of the parameters it reads."""
     fields = {"converter.bits", "converter.low_v", "converter.high_v"}

@@ -209,11 +209,7 @@ class ManipulationStepper:
             profile_start_m=-PROFILE_MARGIN_M,
             profile_length_m=PROFILE_MARGIN_M + scene.object.length_m,
             patch_average=scene.object.patch_average,
-            sensing=scene.sensing,
-            converter=scene.converter,
-            drift=scene.drift,
-            cable=scene.cable,
-            noise=scene.noise,
+            path=scene,
             event_origin_s=self.plan.closed_s,
         )
 

@@ -254,11 +254,7 @@ class SceneRun:
             surface=SURFACES[scene.contact.surface] if slides else None,
             profile_length_m=scene.slide.distance_m,
             patch_average=scene.contact.patch_average,
-            sensing=scene.sensing,
-            converter=scene.converter,
-            drift=scene.drift,
-            cable=scene.cable,
-            noise=scene.noise,
+            path=scene,
             event_origin_s=self.timeline.held_s,
         )
 

@@ -18,7 +18,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import Friction, Surface, SurfaceProfile, generate_profile
-from fingertip.sim.files.schema import Cable, ConverterInput, Drift, Noise, Sensing
+from fingertip.sim.files.schema import PathTables
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
@@ -118,11 +118,8 @@ class FingerSetup:
     profile_length_m: float = 0.0
     patch_average: bool = False
     """True if the pad averages the profile over its contact patch."""
-    sensing: Sensing = field(default_factory=Sensing)
-    converter: ConverterInput = field(default_factory=ConverterInput)
-    drift: Drift = field(default_factory=Drift)
-    cable: Cable = field(default_factory=Cable)
-    noise: Noise = field(default_factory=Noise)
+    path: PathTables = field(default_factory=PathTables)
+    """What lies between force and samples."""
     event_origin_s: float = 0.0
     """Moment from which a touch of the cable is counted [s]."""
 
@@ -240,11 +237,11 @@ class _BridgeVoltage:
 
     def __init__(self, setup: FingerSetup, grid: Grid, meter: CostMeter) -> None:
         self._meter = meter
-        self._sensor = ForceSensor(grid.step_s, setup.drift.share_per_decade)
+        self._sensor = ForceSensor(grid.step_s, setup.path.drift.share_per_decade)
         with meter.stage("bridge"):
-            self._bridge = Bridge.select(setup.design, setup.sensing.bridge)
+            self._bridge = Bridge.select(setup.design, setup.path.sensing.bridge)
         self._interference = InterferenceSource(
-            grid, setup.drift, setup.cable, setup.noise, setup.event_origin_s,
+            grid, setup.path.drift, setup.path.cable, setup.path.noise, setup.event_origin_s,
             lambda purpose: open_stream(setup.seed[0], setup.seed[1], purpose),
         )  # fmt: skip
 
@@ -275,7 +272,7 @@ class _BoardSignals:
         self._outputs, self._meter = outputs, meter
         self._samplers = {name: Sampler() for name in ("tactile_v", "filtered_v", "envelope_v", "slip_pin_v")}
         self._noise: RefinedNoise | None = None
-        if setup.sensing.noise:
+        if setup.path.sensing.noise:
             with meter.stage("board noise"):
                 deviation_v, stream = compute_input_noise_v(setup.design), open_stream(*setup.seed, "board noise")
                 self._noise = RefinedNoise(grid, lambda count: draw_noise(stream, deviation_v, count))
@@ -284,7 +281,7 @@ class _BoardSignals:
         self._converters: dict[str, Converter] = {}
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
-                board = board_with_amplifiers(setup.design, setup.sensing.amplifiers)
+                board = board_with_amplifiers(setup.design, setup.path.sensing.amplifiers)
                 # The board's own error falls with the step as that of its input does.
                 tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
                 self._board = AnalogStream(board, grid.step_s, tolerance_v=tolerance_v)
@@ -332,10 +329,10 @@ def _build_converter(
     anti_alias: Callable[[Design, float], AntiAliasFilter],
     from_signal_ground: bool = False,
 ) -> Converter:
-    sensing, design = setup.sensing, setup.design
+    sensing, design = setup.path.sensing, setup.design
     noise = open_stream(*setup.seed, purpose) if sensing.noise else None
     jitter = (open_stream(*setup.seed, f"jitter of {purpose}"), sensing.jitter_s) if sensing.jitter_s else None
-    adc = AdcRange.select(design, setup.converter)
+    adc = AdcRange.select(design, setup.path.converter)
     if from_signal_ground:
         adc = adc.above_signal_ground(design)
     return Converter(design, anti_alias(design, grid.step_s), adc, grid.step_s, noise, jitter)

@@ -20,6 +20,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, 
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.files.schema import Cable, Drift, Noise
+from fingertip.sim.report import encode_trace, open_trace
 from fingertip.sim.scene.run import SceneRun, stream_scene
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
@@ -31,7 +32,6 @@ from fingertip.sim.signal.interference import (
     compute_cable_v,
     compute_hum_v,
 )
-from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 
 DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})

@@ -28,10 +28,10 @@ from fingertip.detection.warnings import StepWatch, envelope_warnings, filtered_
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.analog import measure_noise_level
-from fingertip.slip.detectors.detector import Detector
 from fingertip.slip.detectors.noise import NoiseLevel, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import (
     DEFAULT,
+    Detector,
     UsedSignals,
     find_detector_type,
     find_second_column,

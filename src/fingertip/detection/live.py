@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.detection.warnings import StepWatch
 from fingertip.foundation.errors import Issue, TraceError, shorten
-from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.detectors.registry import Detector
 from fingertip.slip.traces.columns import split_cells, unquote
 from fingertip.slip.traces.csv_header import Header, find_header
 from fingertip.slip.traces.sampling import (

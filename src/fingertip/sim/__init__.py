@@ -12,11 +12,11 @@ from fingertip.sim.files.manipulation import ManipulationFile
 from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.motion import Controller, FixedGrip, Observation
+from fingertip.sim.report import encode_trace
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, stream_scene
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Simulation, load_simulation
-from fingertip.sim.trace_export import encode_trace
 
 __all__ = [
     "SURFACES",

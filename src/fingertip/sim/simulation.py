@@ -25,8 +25,8 @@ from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.files.schema import find_converter_warnings
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.hand.motion import Controller
+from fingertip.sim.report import open_trace
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
-from fingertip.sim.trace_export import open_trace
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fingertip.slip.detection import Detection, detect
-    from fingertip.slip.detectors.detector import Detector, DetectorOutput
     from fingertip.slip.detectors.digital import ChainSettings, SlipChain
-    from fingertip.slip.detectors.registry import DETECTORS, make_detector
+    from fingertip.slip.detectors.registry import DETECTORS, Detector, DetectorOutput, make_detector
     from fingertip.slip.traces.intervals import Interval, Score
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
@@ -19,8 +18,8 @@ _MODULES = {
     "DETECTORS": "detectors.registry",
     "ChainSettings": "detectors.digital",
     "Detection": "detection",
-    "Detector": "detectors.detector",
-    "DetectorOutput": "detectors.detector",
+    "Detector": "detectors.registry",
+    "DetectorOutput": "detectors.registry",
     "Interval": "traces.intervals",
     "Score": "traces.intervals",
     "SlipChain": "detectors.digital",

@@ -10,12 +10,12 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import (
     DEFAULT,
+    DetectorOutput,
     UsedSignals,
     find_detector_type,
     find_signals,

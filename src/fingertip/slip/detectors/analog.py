@@ -16,10 +16,10 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.detector import Detector, DetectorOutput, as_samples
 from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 
 class AnalogDetector(Detector):

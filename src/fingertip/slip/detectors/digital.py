@@ -21,10 +21,10 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import SECTION_QUALITY as Q
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.detector import Detector, DetectorOutput, as_samples
 from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 
 @dataclass(frozen=True)

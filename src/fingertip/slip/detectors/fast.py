@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.formulas.supply import filtered_range_v
+from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_loop
-from fingertip.slip.detectors.detector import Detector, DetectorOutput, as_samples
 from fingertip.slip.detectors.fast_coefficients import (
     HIGH_HZ,
     LOW_HZ,
@@ -47,6 +47,7 @@ from fingertip.slip.detectors.fast_coefficients import (
 )
 from fingertip.slip.detectors.fast_loop import COUNT, LOOP
 from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 SHORT_S, LONG_S = 0.006, 0.02
 """Time constants of the energies and movements [s]."""

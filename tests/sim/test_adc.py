@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_values
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.files.scene import SceneFile
@@ -50,7 +51,7 @@ def test_any_chunks_give_the_same_bits(pin):
 
 
 def test_constant_input_gives_the_same_constant():
-    out = AntiAliasFilter.for_tactile(DESIGNS[0]).process(np.full(50, 4.4))
+    out = AntiAliasFilter.ahead_of(ADC_TACTILE, DESIGNS[0]).process(np.full(50, 4.4))
     assert np.abs(out - 4.4).max() < 1e-12
 
 
@@ -58,7 +59,7 @@ def test_ramp_is_delayed_by_the_sum_of_the_time_constants():
     c = board_values(DESIGNS[0]).adc_interface
     lag_s = c.first_ohm * (c.first_f + c.second_f) + c.second_ohm * c.second_f
     t = np.arange(400) / 2000
-    out = AntiAliasFilter.for_tactile(DESIGNS[0]).process(t)
+    out = AntiAliasFilter.ahead_of(ADC_TACTILE, DESIGNS[0]).process(t)
     assert t[-1] - out[-1] == pytest.approx(lag_s, rel=1e-9)
     assert 1.0 < 2000 * lag_s < 1.6
 
@@ -77,7 +78,7 @@ def test_converter_from_zero_has_one_sided_range():
 def test_pole_of_the_filtered_signal_equals_that_of_the_envelope():
     volts = np.random.default_rng(1).normal(0.0, 0.5, 300)
     filtered, envelope = (
-        poles(CONTROLLER).process(volts) for poles in (AntiAliasFilter.for_filtered, AntiAliasFilter.for_envelope)
+        AntiAliasFilter.ahead_of(pin, CONTROLLER).process(volts) for pin in (ADC_FILTERED, ADC_ENVELOPE)
     )
     assert np.abs(filtered - envelope).max() < 1e-12
 
@@ -91,7 +92,7 @@ def test_filtered_signal_is_sampled_around_the_signal_ground():
     for name, low_v in (("voltage_v", 0.0), ("sampled_filtered_v", -GROUND_V)):
         codes = (found[name] - low_v) / step
         assert np.abs(codes - np.round(codes)).max() < 1e-6
-    delayed = AntiAliasFilter.for_filtered(CONTROLLER).process(found["filtered_v"])
+    delayed = AntiAliasFilter.ahead_of(ADC_FILTERED, CONTROLLER).process(found["filtered_v"])
     assert np.abs(found["sampled_filtered_v"] - delayed).max() < 0.05 * np.ptp(delayed)
     assert np.ptp(found["sampled_filtered_v"]) > 20 * np.ptp(found["voltage_v"][-200:])
 

@@ -266,7 +266,7 @@ def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
 def test_amplifier_drifts_by_its_rate():
     """2 mV/s: 5 mV after 2.5 s, also across two chunks, and nothing else."""
     source = InterferenceSource(Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1))
-    volts = np.concatenate([source.process(np.ones(12_500)).volts for _ in range(2)])
+    volts = np.concatenate([source.process(np.ones(12_500))[0] for _ in range(2)])
     assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
     assert np.ptp(np.diff(volts)) < 1e-15
 

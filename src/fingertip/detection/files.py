@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from fingertip.design import Design
@@ -138,9 +139,8 @@ def detect_file(
     path, report = Path(path), progress or (lambda message: None)
     design = design or Design()
     kind = find_detector_type(detector)
-    adapt = _RateAdapter(
-        detector, _keeps_threshold(design, keep_threshold), keep_window, calibrate_s is not None, report
-    )
+    keep_threshold = _keeps_threshold(design, keep_threshold)
+    adapt = partial(_adapt, detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
@@ -152,7 +152,7 @@ def detect_file(
         raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and adapt_to_file:
-        design = _adapt_to_file(design, raw, adapt, report)
+        design = _adapt_to_file(design, raw, adapt)
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
     warnings = list(raw.notes)
     if column_map.in_volts:
@@ -234,8 +234,8 @@ def detect_stream(
     kind = find_detector_type(detector)
     if rate_hz is not None:
         _check_finite(rate_hz)
-        adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
-        design = adapt(design, rate_hz)
+        keep_threshold = _keeps_threshold(design, keep_threshold)
+        design = _adapt(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         message = (
@@ -271,25 +271,23 @@ def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
     return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
 
 
-@dataclass(frozen=True)
-class _RateAdapter:
-    """Adapts designs to a sampling rate for one detector, and reports what it changes."""
-
-    detector: str
-    keep_threshold: bool
-    keep_window: bool
-    noise_is_measured: bool
-    progress: Progress
-
-    def __call__(self, design: Design, rate_hz: float, prefix: str = "") -> Design:
-        result = adapt_detector(
-            design, rate_hz, self.detector, self.keep_threshold, self.keep_window, self.noise_is_measured
-        )
-        self.progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
-        return result.design
+def _adapt(
+    detector: str,
+    keep_threshold: bool,
+    keep_window: bool,
+    noise_is_measured: bool,
+    progress: Progress,
+    design: Design,
+    rate_hz: float,
+    prefix: str = "",
+) -> Design:
+    """Adapt a design to a sampling rate for one detector, and report what changes."""
+    result = adapt_detector(design, rate_hz, detector, keep_threshold, keep_window, noise_is_measured)
+    progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
+    return result.design
 
 
-def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress: Progress) -> Design:
+def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:
     """Adapt the design to the file's sampling rate, if the rates differ and the file has no issues."""
     rate_hz = raw.rate_hz
     if not rate_hz or raw.issues or abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:

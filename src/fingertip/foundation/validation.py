@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,16 +31,21 @@ def _refuse_first(field: str, row: Array, valid: NDArray[np.bool_], unit: str, r
     ]
 
 
-def find_column_issues(**arrays: Array) -> Iterable[Issue]:
+def find_not_finite(field: str, values: Array) -> Iterator[Issue]:
+    """Report the first sample that is not finite."""
+    if (bad := np.flatnonzero(~np.isfinite(values))).size:
+        more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+        yield Issue(field, f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value.")
+
+
+def find_column_issues(**arrays: Array) -> Iterator[Issue]:
     """Report columns that are not finite, with the first such sample, and columns of unequal length."""
     length = len(next(iter(arrays.values())))
     for name, values in arrays.items():
         if values.shape != (length,) or length < 1:
             yield Issue(name, f"shape is {values.shape}; must be ({max(length, 1)},); give one value per sample.")
-        elif (bad := np.flatnonzero(~np.isfinite(values))).size:
-            more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
-            message = f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
-            yield Issue(name, message)
+        else:
+            yield from find_not_finite(name, values)
 
 
 def check_type(field: str, value: object, expected: type, example: str) -> None:

@@ -48,6 +48,10 @@ _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""
 
 
+PINS = {ADC_TACTILE: TACTILE, ADC_ENVELOPE: ENVELOPE, ADC_FILTERED: FILTERED}
+"""Pin of the ADC -> output of the board ahead of its filter. The last one is on boards for a controller."""
+
+
 class AntiAliasFilter:
     """One or two poles that start in the steady state of their first sample and keep their state between chunks."""
 
@@ -67,19 +71,10 @@ class AntiAliasFilter:
         self._state: Array | None = None
 
     @classmethod
-    def for_tactile(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
-        """Filter ahead of the tactile voltage's pin; without a step [s], for voltages at the samples."""
-        return cls(board_circuit(select_components(design)), TACTILE, ADC_TACTILE, _step_s(design, step_s))
-
-    @classmethod
-    def for_envelope(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
-        """Filter ahead of the envelope's pin; without a step [s], for voltages at the samples."""
-        return cls(board_circuit(select_components(design)), ENVELOPE, ADC_ENVELOPE, _step_s(design, step_s))
-
-    @classmethod
-    def for_filtered(cls, design: Design, step_s: float | None = None) -> AntiAliasFilter:
-        """Filter ahead of the filtered signal's pin, on a board for a controller; step [s] as above."""
-        return cls(board_circuit(select_components(design)), FILTERED, ADC_FILTERED, _step_s(design, step_s))
+    def ahead_of(cls, pin: str, design: Design, step_s: float | None = None) -> AntiAliasFilter:
+        """Filter of a board's pin, one of `PINS`; without a step [s], for voltages at the samples."""
+        step_s = 1 / design.detector.sample_rate_hz if step_s is None else step_s
+        return cls(board_circuit(select_components(design)), PINS[pin], pin, step_s)
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> Array:
         """Return the voltage at the pin [V] at the same instants as the voltage at the board's output [V].
@@ -112,10 +107,6 @@ def _filter_loop(
 
 
 _filter = CompiledLoop(_filter_loop, outputs=2, samples="samples", plain_us=0.5)
-
-
-def _step_s(design: Design, step_s: float | None) -> float:
-    return 1 / design.detector.sample_rate_hz if step_s is None else step_s
 
 
 @dataclass(frozen=True)
@@ -243,7 +234,7 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     """
     board = AnalogBoard.from_design(design)
     envelope_v = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
-    return sample_v(design, AntiAliasFilter.for_envelope(design).process(envelope_v), None)
+    return sample_v(design, AntiAliasFilter.ahead_of(ADC_ENVELOPE, design).process(envelope_v), None)
 
 
 class EnvelopeStream:
@@ -259,7 +250,7 @@ class EnvelopeStream:
         if self._boards is None:
             step_s = 1 / self._design.detector.sample_rate_hz
             self._boards = AnalogStream(AnalogBoard.from_design(self._design), step_s, len(voltage_v))
-            self._filters = [AntiAliasFilter.for_envelope(self._design) for _ in voltage_v]
+            self._filters = [AntiAliasFilter.ahead_of(ADC_ENVELOPE, self._design) for _ in voltage_v]
         envelope_v = self._boards.process(voltage_v)[1]
         pairs = zip(envelope_v, self._filters, strict=True)
         return np.stack([sample_v(self._design, poles.process(row), None) for row, poles in pairs])
@@ -305,7 +296,7 @@ def simulate_quiescent_level(design: Design) -> NoiseLevel:
     count = grid.count_points(_noise_s(design), rate)
     noise_v = draw_noise(open_stream(0, "quiescent board"), compute_input_noise_v(design), count)
     envelope_v = simulate_board(AnalogBoard.from_design(design), grid.step_s, noise_v).envelope_v
-    poles = AntiAliasFilter.for_envelope(design, grid.step_s)
+    poles = AntiAliasFilter.ahead_of(ADC_ENVELOPE, design, grid.step_s)
     adc = AdcRange.from_design(design).above_signal_ground(design)
     converter = Converter(design, poles, adc, grid.step_s, open_stream(0, "quiescent converter"))
     return _measure_level(design, converter.process(envelope_v, SampleClock(grid, rate).advance(count)))

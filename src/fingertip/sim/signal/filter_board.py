@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import find_column_issues, find_not_positive, raise_issues
+from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive, raise_issues
 from fingertip.sim.files.schema import describe_missing_comparator
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
@@ -137,11 +137,8 @@ class AnalogStream:
 
 def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:
     """Report voltages that are not finite or beyond `MAX_V`, with the first such sample."""
-    finite = np.isfinite(voltage_v)
-    if (bad := np.flatnonzero(~finite)).size:
-        more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
-        message = f"{voltage_v[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
-        yield Issue(field, message)
+    if issues := list(find_not_finite(field, voltage_v)):
+        yield from issues
     elif (bad := np.flatnonzero(np.abs(voltage_v) > MAX_V)).size:
         message = f"{voltage_v[bad[0]]:g} V at sample {bad[0]} is no voltage of a board; at most {MAX_V:g} V."
         yield Issue(field, message)

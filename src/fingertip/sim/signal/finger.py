@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
@@ -150,7 +151,7 @@ class Finger:
         self._converter: Converter | None = None
         if "voltage_v" in outputs:
             with meter.stage("ADC"):
-                self._converter = _build_converter(setup, grid, "noise", AntiAliasFilter.for_tactile)
+                self._converter = _build_converter(setup, grid, "noise", ADC_TACTILE)
         self._board: _BoardSignals | None = None
         if outputs & (OF_BOARD | {"tactile_v"}):
             self._board = _BoardSignals(setup, grid, outputs, meter)
@@ -254,15 +255,15 @@ class _BridgeVoltage:
         if self._interference.is_silent:
             return volts, None
         with self._meter.stage("interference"):
-            added = self._interference.process(contact_n)
-        return volts + added.volts, added.jumps
+            added, jumps = self._interference.process(contact_n)
+        return volts + added, jumps
 
 
 _SAMPLED = {
-    "sampled_envelope_v": ("envelope_v", "envelope noise", AntiAliasFilter.for_envelope, "ADC of the envelope"),
-    "sampled_filtered_v": ("filtered_v", "filtered noise", AntiAliasFilter.for_filtered, "ADC of the filtered signal"),
+    "sampled_envelope_v": ("envelope_v", "envelope noise", ADC_ENVELOPE, "ADC of the envelope"),
+    "sampled_filtered_v": ("filtered_v", "filtered noise", ADC_FILTERED, "ADC of the filtered signal"),
 }
-"""Sampled output -> output of the board, purpose of the noise, anti-aliasing filter, and stage of the cost."""
+"""Sampled output -> output of the board, purpose of the noise, pin of the ADC, and stage of the cost."""
 
 
 class _BoardSignals:
@@ -288,10 +289,10 @@ class _BoardSignals:
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
-        for name, (_, purpose, anti_alias, stage) in _SAMPLED.items():
+        for name, (_, purpose, pin, stage) in _SAMPLED.items():
             if name in outputs:
                 with meter.stage(stage):
-                    self._converters[name] = _build_converter(setup, grid, purpose, anti_alias, from_signal_ground=True)
+                    self._converters[name] = _build_converter(setup, grid, purpose, pin, from_signal_ground=True)
 
     def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
@@ -326,7 +327,7 @@ def _build_converter(
     setup: FingerSetup,
     grid: Grid,
     purpose: str,
-    anti_alias: Callable[[Design, float], AntiAliasFilter],
+    pin: str,
     from_signal_ground: bool = False,
 ) -> Converter:
     sensing, design = setup.path.sensing, setup.design
@@ -335,4 +336,4 @@ def _build_converter(
     adc = AdcRange.select(design, setup.path.converter)
     if from_signal_ground:
         adc = adc.above_signal_ground(design)
-    return Converter(design, anti_alias(design, grid.step_s), adc, grid.step_s, noise, jitter)
+    return Converter(design, AntiAliasFilter.ahead_of(pin, design, grid.step_s), adc, grid.step_s, noise, jitter)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, MutableSequence, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,16 +24,6 @@ _GONE = 40.0
 """Number of decay times after which a jump of the cable has decayed to nothing."""
 
 
-@dataclass(frozen=True, eq=False)
-class Interference:
-    """Voltages of one chunk [V], and by how much they jump at each point: a jump happens right after its point."""
-
-    volts: Array
-    """Voltage right after each point [V]."""
-    jumps: Array | None = None
-    """Jump at each point [V]. None: there are none."""
-
-
 class InterferenceSource:
     """All interference of one finger, chunk by chunk."""
 
@@ -52,8 +41,8 @@ class InterferenceSource:
         cable, noise = self._cable, self._noise
         return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
 
-    def process(self, contact_n: Array) -> Interference:
-        """Return the interference at the next points, given the force of the contact [N]."""
+    def process(self, contact_n: Array) -> tuple[Array, Array | None]:
+        """Return the voltage right after each of the next points [V] for a contact's force [N], and its jump there."""
         count = len(contact_n)
         time_s = self._grid.time_s(self._points, count)
         self._points += count
@@ -71,7 +60,7 @@ class InterferenceSource:
             # A sensor begins to show force gradually: noise that began all at once would look like a knock.
             load_n = np.maximum(contact_n, 0.0)
             volts += self._hand.process(count) * (load_n / (load_n + HAND_LOAD_N))
-        return Interference(volts, jumps)
+        return volts, jumps
 
 
 def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -43,14 +43,9 @@ class HandSignals:
     def join(cls, chunks: list[HandSignals]) -> HandSignals:
         """Join the signals of consecutive chunks."""
         by_finger = zip(*(chunk.fingers for chunk in chunks), strict=True)
-        return cls(
-            np.concatenate([chunk.time_s for chunk in chunks]),
-            tuple(FingerSignals.join([*parts]) for parts in by_finger),
-            np.concatenate([chunk.closing_m for chunk in chunks], axis=1),
-            np.concatenate([chunk.command_m for chunk in chunks], axis=1),
-            np.concatenate([chunk.object_m for chunk in chunks]),
-            np.concatenate([chunk.pin_n for chunk in chunks]),
-        )
+        names = [field.name for field in fields(cls) if field.name != "fingers"]
+        joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks], axis=-1) for name in names}
+        return cls(fingers=tuple(FingerSignals.join([*parts]) for parts in by_finger), **joined)
 
     def find(self, name: str) -> Array | None:
         """Return a signal by the name of its output, or None if it was not computed."""
@@ -103,8 +98,7 @@ class ManipulationStepper:
         self._samplers = [Sampler() for _ in range(2 * count + 2)]
         self._fingers = [Finger(self._set_up(i), self.grid, self.outputs, self.meter) for i in range(count)]
         still, none = np.zeros((count, 1)), np.zeros(1)
-        drives = [self._drive(still, still, still, still, still, still, none, i) for i in range(count)]
-        self._record(still, still, drives, none, none)
+        self._record(still, still, _describe_drives(still, still, still, still, still, still, none), none, none)
 
     @property
     def is_lost(self) -> bool:
@@ -129,33 +123,8 @@ class ManipulationStepper:
         pressed_n = self.scene.knock.normal_share * pin_n
         shares = [1.0, *[-1.0 / (count - 1)] * (count - 1)]
         pushes = motors.vibration_n + np.array(shares)[:, None] * pressed_n
-        drives = [
-            self._drive(loads[:, 1:], pushes, motors.jump_n, shear, over_object_m_s, bristle, object_m, i)
-            for i in range(count)
-        ]
+        drives = _describe_drives(loads[:, 1:], pushes, motors.jump_n, shear, over_object_m_s, bristle, object_m)
         self._record(motors.closing_m, command_m, drives, object_m, pin_n)
-
-    @staticmethod
-    def _drive(
-        loads: Array,
-        pushes: Array,
-        jumps: Array,
-        shear: Array,
-        over_object_m_s: Array,
-        bristle: Array,
-        object_m: Array,
-        i: int,
-    ) -> FingerDrive:
-        """Loads and motion of one finger. The object moves under the pad, so the pad moves backwards over it."""
-        return FingerDrive(
-            load_n=loads[i],
-            push_n=pushes[i],
-            push_jump_n=jumps[i],
-            path_m=object_m - shear[i],
-            velocity_m_s=np.where(loads[i] > 0.0, over_object_m_s[i], 0.0),
-            bristle_m=bristle[i],
-            shear_m=shear[i],
-        )
 
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
         """Compute shear, velocity over the object and bristles of each pad, position of the object, and pin force."""
@@ -212,6 +181,16 @@ class ManipulationStepper:
             path=scene,
             event_origin_s=self.plan.closed_s,
         )
+
+
+def _describe_drives(
+    loads: Array, pushes: Array, jumps: Array, shear: Array, speeds: Array, bristles: Array, object_m: Array
+) -> list[FingerDrive]:
+    """Loads and motion of each finger. The object moves under the pad, so the pad moves backwards over it."""
+    return [
+        FingerDrive(load, push, jump, object_m - bent, np.where(load > 0.0, speed, 0.0), bristle, bent)
+        for load, push, jump, bent, speed, bristle in zip(loads, pushes, jumps, shear, speeds, bristles, strict=True)
+    ]
 
 
 def _turn_velocity(finger: FingerSignals) -> FingerSignals:

@@ -10,7 +10,7 @@ import contextlib
 import functools
 import random
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -238,7 +238,7 @@ class SceneRun:
     def _choose_grid(self) -> Grid:
         if not self.scene.slide.distance_m:
             return Grid()
-        plain = Friction(**(vars(self.friction) | {"elastic": 0.0}))
+        plain = replace(self.friction, elastic=0.0)
         longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
         return Grid.finer_than(longest)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -182,7 +182,7 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
 
 def make_elasto_plastic(friction: Friction) -> Friction:
     """Return the same friction with bristles that do not creep below breakaway."""
-    return Friction(**(vars(friction) | {"elastic": ELASTO_PLASTIC}))
+    return replace(friction, elastic=ELASTO_PLASTIC)
 
 
 class SteppedPad:
@@ -227,7 +227,7 @@ class CoupledPad:
         max_load_n: float,
         meter: CostMeter,
     ) -> None:
-        plain = Friction(**(vars(friction) | {"elastic": 0.0}))
+        plain = replace(friction, elastic=0.0)
         self._first = DraggedPad(plain, mount, grid.step_s)
         self._profile = ProfileForce(pad, profile, grid.step_s)
         hand_ratio = HAND_N_PER_M / pad.normal_stiffness_n_per_m(held_n)

@@ -155,11 +155,6 @@ class FastFilters:
         edge = _filter(self.high_edge, restored)
         return _filter(self.wide, edge), _filter(self.upper, edge)
 
-    def noise_energies(self, sample_rate_hz: float) -> tuple[float, float]:
-        """Mean energies of white noise of unit variance in the wide and in the upper band."""
-        wide, upper = self.impulse_responses(math.ceil(8 * sample_rate_hz / LOW_HZ))
-        return float(wide @ wide), float(upper @ upper)
-
 
 @functools.lru_cache(maxsize=16)
 def design_filters(sample_rate_hz: float) -> FastFilters:
@@ -190,8 +185,9 @@ def design_board_filter(sample_rate_hz: float, cutoff_hz: float) -> tuple[ThirdO
 
 @functools.lru_cache(maxsize=16)
 def noise_energies(sample_rate_hz: float) -> tuple[float, float]:
-    """Energies of `FastFilters.noise_energies` for a sampling rate [Hz]."""
-    return design_filters(sample_rate_hz).noise_energies(sample_rate_hz)
+    """Mean energies of white noise of unit variance in the wide and in the upper band, for a sampling rate [Hz]."""
+    wide, upper = design_filters(sample_rate_hz).impulse_responses(math.ceil(8 * sample_rate_hz / LOW_HZ))
+    return float(wide @ wide), float(upper @ upper)
 
 
 def _third_order(sample_rate_hz: float, cutoff_hz: float) -> ThirdOrder:

@@ -113,10 +113,6 @@ class DetectorType:
         module, name = self.code.split(":")
         return cast("type[Detector]", getattr(import_module(f"{__package__}.{module}"), name))
 
-    def make(self, design: Design, noise_v: float | None, threshold_scale: float) -> Detector:
-        """Create a detector for a design, a noise [V] (None: the design's), and a factor of the threshold."""
-        return self.implementation.for_design(design, noise_v, threshold_scale)
-
 
 DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType(
@@ -142,7 +138,7 @@ DEFAULT = "digital"
 
 def make_detector(name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
     """Create a detector for a design, ready for its first sample. Raises TraceError."""
-    return find_detector_type(name).make(design, noise_v, threshold_scale)
+    return find_detector_type(name).implementation.for_design(design, noise_v, threshold_scale)
 
 
 def list_names() -> list[str]:

@@ -60,12 +60,9 @@ class Score:
 
 def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
     """Find the intervals in which `flags` is true."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    last = len(time_s) - 1
-    return tuple(
-        Interval(float(time_s[start]), float(time_s[min(stop, last)]))
-        for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    )
+    found = SlipCollector()
+    found.add(time_s, flags)
+    return found.close()
 
 
 class SlipCollector:

@@ -23,29 +23,26 @@ GROUND_V = 3.3 * 44.2 / 99.1
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=["2 kHz", "20 kHz"])
-@pytest.mark.parametrize("pin", ["tactile", "envelope"])
+@pytest.mark.parametrize("pin", [ADC_TACTILE, ADC_ENVELOPE], ids=["tactile", "envelope"])
 def test_tones_have_the_gain_of_the_transfer_function(design, pin):
     rate, interface = design.detector.sample_rate_hz, board_values(design).adc_interface
     for share in (0.01, 0.05, 0.1):
         t = np.arange(4000) / rate
         turn = 2j * np.pi * share * rate * t
-        out = getattr(AntiAliasFilter, f"for_{pin}")(design).process(np.exp(turn).real)
+        out = AntiAliasFilter.ahead_of(pin, design).process(np.exp(turn).real)
         settled = slice(1000, 4000)  # whole periods of every tone
         gain = 2 * np.mean(out[settled] * np.exp(-turn[settled]))
-        transfer = tactile_pin_transfer if pin == "tactile" else envelope_pin_transfer
+        transfer = tactile_pin_transfer if pin == ADC_TACTILE else envelope_pin_transfer
         # Straight lines between a tone's samples contain the tone and its images, which alias onto it behind the poles.
         images = [share + k for k in range(-400, 401)]
         expected = sum(np.sinc(image) ** 2 * transfer(image * rate, interface) for image in images)
         assert gain == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("pin", ["tactile", "envelope"])
+@pytest.mark.parametrize("pin", [ADC_TACTILE, ADC_ENVELOPE], ids=["tactile", "envelope"])
 def test_any_chunks_give_the_same_bits(pin):
     volts = np.random.default_rng(0).normal(4.0, 0.1, 300)
-    whole, parts = (
-        getattr(AntiAliasFilter, f"for_{pin}")(DESIGNS[0]),
-        getattr(AntiAliasFilter, f"for_{pin}")(DESIGNS[0]),
-    )
+    whole, parts = AntiAliasFilter.ahead_of(pin, DESIGNS[0]), AntiAliasFilter.ahead_of(pin, DESIGNS[0])
     found = np.concatenate([parts.process(part) for part in np.split(volts, [0, 1, 7, 150])])
     assert np.array_equal(found, whole.process(volts))
 

@@ -179,7 +179,7 @@ def detect_file(
     elif calibrate_s is not None:
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
         if column_map.in_volts:
-            noise_v = max(noise_v, kind.implementation.least_noise_v(design))
+            noise_v = max(noise_v, kind.implementation.min_noise_v(design))
 
     detection = detect(trace, design, detector, noise_v)
     level = level or detection.noise

@@ -209,7 +209,7 @@ class FastDetector(Detector):
         )
 
     @staticmethod
-    def least_noise_v(design: Design) -> float:
+    def min_noise_v(design: Design) -> float:
         """Smallest noise that is taken for stated, where the input is in volts [V]."""
         return _min_noise_v(design.detector.sample_rate_hz)
 

@@ -51,7 +51,7 @@ class Detector(ABC):
         raise NotImplementedError
 
     @staticmethod
-    def least_noise_v(design: Design) -> float:
+    def min_noise_v(design: Design) -> float:
         """Smallest noise of a voltage that is taken for stated [V]."""
         return 0.0
 

@@ -20,18 +20,11 @@ import typer
 from fingertip.cli import app
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import open_atomic, write_file
-from fingertip.foundation.output_set import (
-    MANIFEST,
-    Revision,
-    SetWriter,
-    add_to_set,
-    lock,
-    read_manifest,
-    replacement,
-    verification,
-    verify_sets,
-)
+from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest, replacement
+from fingertip.foundation.output_set import replacement as lock
 from fingertip.foundation.output_set.replacement import recover
+from fingertip.tasks import verification
+from fingertip.tasks.verification import verify_sets
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
 

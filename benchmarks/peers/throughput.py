@@ -23,11 +23,11 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.sim.article import article_manipulations, article_trials
+from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.hand.manipulation import run_manipulation
 from fingertip.sim.hand.motion import FixedGrip
 from fingertip.sim.scene.run import run_scene
-from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_boards
 
 CAMPAIGN_TARGET_S = 3.0

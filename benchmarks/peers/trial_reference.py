@@ -16,10 +16,10 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.contact.pad import DAMPING_RATIO
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N
 from fingertip.sim.scene.run import SceneRun
-from fingertip.sim.scene.sliding import mount_pad
+from fingertip.sim.scene.timeline import mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space
 from fingertip.sim.signal.bridge import HYSTERESIS, LOAD_SHIFT_PER_M, TURN_ON_WIDTH_N, Bridge
 

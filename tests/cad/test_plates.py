@@ -38,8 +38,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.output_set import verify_sets
 from fingertip.tasks.build import build
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import DESIGNS, design_file, run_fingertip
 
 if TYPE_CHECKING:

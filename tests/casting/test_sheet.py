@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fingertip.documents.casting.markdown import render_sheet, warnings
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part

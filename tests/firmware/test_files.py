@@ -7,11 +7,6 @@ import re
 from pathlib import Path
 
 import pytest
-from fingertip.design.load import load_tables
-from fingertip.firmware.wiring import (
-    controller_changes,
-    find_warnings,
-)
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SKETCH_PINS
@@ -24,10 +19,10 @@ from fingertip.documents.firmware import BOARDS, BUFFER_SAMPLES, CYCLES_PER_INST
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.foundation.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, load_model
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}

@@ -25,7 +25,7 @@ from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cas
 from fingertip.lab.report import trial_plots
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.sim import Observation
-from fingertip.sim.signal.board_output import EnvelopeStream, compute_bridge_v, simulate_envelope_v
+from fingertip.sim.signal.converter import EnvelopeStream, compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()

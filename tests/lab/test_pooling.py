@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign import run
 from fingertip.lab.campaign.plan import CampaignPlan, Case
 from fingertip.lab.campaign.run import (

@@ -12,7 +12,7 @@ from fingertip.board.analysis.limits import TactileResponse
 from fingertip.calibration.weighings import Weighing, Weighings
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.statistics import t_quantile
+from fingertip.foundation.numerics import t_quantile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ConductanceCurve, fit_conductance_curve
 
 # Power law fitted to weighings, with the interval of a force that is read off it.

@@ -77,7 +77,7 @@ def check(
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
     """Compare folders with their manifests: data and text of each."""
-    from fingertip.foundation.output_set import verify_sets
+    from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
     for folder in folders:

@@ -79,10 +79,11 @@ def list_commands(group: Any, context: Any, prefix: str = "") -> Iterator[Comman
 def option_values() -> dict[str, tuple[str, ...]]:
     """Values of the options that take a word of a list."""
     from fingertip.catalogues.bundled import PARAMS, list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN
     from fingertip.catalogues.silicones import SILICONES
     from fingertip.design.parameters import PARAMETERS
     from fingertip.design.parameters.declaration import list_choices
-    from fingertip.foundation.toml_files import DESIGN
+    from fingertip.slip.detectors.registry import DETECTORS, list_names
 
     parameters: list[str] = []
     for path, field in PARAMETERS.items():
@@ -97,8 +98,8 @@ def option_values() -> dict[str, tuple[str, ...]]:
         "--formats": ("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
         "--parts": ("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core"),
         "--material": (*SILICONES, "own"),
-        "--detector": ("digital", "analog", "fft", "fast"),
-        "--grip": ("fast", "digital", "analog"),
+        "--detector": tuple(list_names()),
+        "--grip": tuple(name for name in reversed(DETECTORS) if not DETECTORS[name].is_baseline),
         "--surface": ("smooth", "medium", "gross", "wood", "paper", "plastic"),
         "--time-scale": ("s", "ms", "us", "ns"),
     }
@@ -112,8 +113,8 @@ def format_script(shell: str, commands: list[CommandWords]) -> str:
 def _argument_names(command_name: str, argument: str) -> list[str]:
     """Names that an argument may take, beside files."""
     from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
     from fingertip.cli.design import KINDS
-    from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 
     if command_name == "schema":
         return [*KINDS]

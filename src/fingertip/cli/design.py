@@ -61,10 +61,10 @@ def new(
     are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
     """
     from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN
     from fingertip.design.new_design import write_new_design
     from fingertip.foundation.errors import FingertipError, Issue
     from fingertip.foundation.files import write_file
-    from fingertip.foundation.toml_files import DESIGN
 
     console = Console(as_json, quiet)
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))

@@ -12,6 +12,7 @@ import typer
 from fingertip.cli.console import BAD_INPUT, Console, JsonOption, QuietOption, SetOption, command
 from fingertip.cli.options import find_file_issues
 from fingertip.foundation.processes import INTERRUPTIONS, exit_code
+from fingertip.slip.detectors.registry import DEFAULT, describe_detectors
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -33,10 +34,9 @@ def detect(
         str,
         typer.Option(
             "--detector",
-            help="digital (the article's chain in software), analog (on the board's output), fft (the article's "
-            "baseline) or fast (short-time energy).",
+            help=describe_detectors(),
         ),
-    ] = "digital",
+    ] = DEFAULT,
     rate_hz: Annotated[
         float | None,
         typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),

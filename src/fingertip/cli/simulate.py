@@ -70,7 +70,7 @@ def simulate(
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
-    from fingertip.sim.trace_export import SUFFIXES, signal_writer, write_trace
+    from fingertip.sim.report import SUFFIXES, signal_writer, write_trace
     from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
     console = Console(as_json, quiet)
@@ -132,7 +132,7 @@ def _simulate(
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
     from fingertip.sim import ManipulationResult
     from fingertip.sim import report as summary
-    from fingertip.sim.trace_export import open_trace
+    from fingertip.sim.report import open_trace
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None

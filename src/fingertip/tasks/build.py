@@ -43,7 +43,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
 from fingertip.foundation.output_set import SetWriter, hash_parameters, read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.progress import Work
 
 

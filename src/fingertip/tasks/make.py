@@ -21,7 +21,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.page import PAGE
 from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
-from fingertip.sim.trace_export import encode_trace, signal_writer
+from fingertip.sim.report import encode_trace, signal_writer
 from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, board_writer, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer

@@ -19,7 +19,6 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
-from fingertip.documents.board.connectors import capitalize, has_mid_supply, paragraph, slip_pin
 from fingertip.foundation.files import format_figure
 
 MAX_PIN_LEAK_V = 1e-3

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.casting.uses import Step, join, uses_adhesive, uses_primer
+from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design.interfaces import INTERFACES
-from fingertip.documents.casting.supplies import VENT_WIRE
+from fingertip.documents.casting.sheet import Step
+from fingertip.page.html import join
 
 Data = Mapping[str, Any]
 

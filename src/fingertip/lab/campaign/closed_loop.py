@@ -37,7 +37,7 @@ from fingertip.sim import (
     run_manipulation,
 )
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.signal.board_output import compute_bridge_v
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type, select_inputs
 from fingertip.slip.traces.intervals import INCIPIENT_S

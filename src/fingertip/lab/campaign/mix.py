@@ -18,7 +18,7 @@ from fingertip.lab.campaign.plan import NEGATIVE_SCENES
 from fingertip.lab.campaign.run import needs_board, quantile_s, separate_events
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
-from fingertip.sim.signal.board_output import SimulatedBoardDetector
+from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.slip import make_detector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.traces.intervals import intervals

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.formulas.supply import filtered_range_v
+from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import GripController, GripSettings
 from fingertip.lab.campaign.run import select_board_outputs
@@ -22,7 +22,7 @@ from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_sce
 from fingertip.sim.article import MANIPULATED_OBJECTS
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.timeline import build_timeline
-from fingertip.sim.signal.board_output import compute_bridge_v
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
 from fingertip.slip.detectors.digital import ChainSettings, SlipChain
 from fingertip.slip.traces.intervals import STICK_S, Interval, intervals, merge

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.scene.run import SceneRun

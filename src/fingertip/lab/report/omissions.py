@@ -24,7 +24,7 @@ from fingertip.lab.studies.sensitivity import (
     VariationResult,
 )
 from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
 
 _EXPLAINED = {"patch": PATCH_AVERAGE, "stick_slip": STICK_SLIP, "both": BOTH, "elasto_plastic": ELASTO_PLASTIC}
 """Name in the template -> label of a variation that it explains."""

@@ -12,7 +12,6 @@ from fingertip.foundation.plot_style import (
     PURPLE,
     RED,
     SHADES,
-    TEAL,
     TEXT_COLOUR,
     new_figure,
     style_axes,
@@ -20,14 +19,15 @@ from fingertip.foundation.plot_style import (
 )
 from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.lab.studies.article import Spectrum, WindowResult
+from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.origin import ENCODER_HZ, encoder_delay_band_s
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS = {"analog": BLUE, "digital": TEAL, "fft": ORANGE, "fast": RED}
+COLOURS = {name: kind.colour for name, kind in DETECTORS.items()}
 """Colour of each detector."""
-MARKERS = {"analog": "s", "digital": "o", "fft": "^", "fast": "D"}
+MARKERS = {name: kind.marker for name, kind in DETECTORS.items()}
 OTHER_COLOUR = PURPLE
 """Colour of a detector that has none of its nominal."""
 NOTE = "simulated, held-out seeds"

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.run import DetectorResult
 from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number

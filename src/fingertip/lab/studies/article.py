@@ -24,9 +24,9 @@ from fingertip.lab.studies.boards import with_article_board, with_variant
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
 from fingertip.sim.scene.timeline import TrapezoidalMove
-from fingertip.sim.signal.board_output import simulate_quiescent_level
+from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream
-from fingertip.slip.detectors.noise import noise_level
+from fingertip.slip.detectors.digital import noise_level
 from fingertip.slip.traces.origin import ENCODER_HZ, encoder_band_s
 
 MOVED_M = (0.0, 1e-5, 1e-4)

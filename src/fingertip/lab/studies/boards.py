@@ -17,7 +17,7 @@ from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import run_campaign, run_cases, surface
-from fingertip.sim.signal.board_output import simulate_quiescent_level
+from fingertip.sim.signal.converter import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")
 ARTICLE = "article"

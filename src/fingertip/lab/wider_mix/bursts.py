@@ -9,13 +9,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from fingertip.lab.campaign.evaluate import separate_events
 from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
-from fingertip.sim.signal.board_output import compute_bridge_v
+from fingertip.lab.campaign.run import separate_events
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip.detectors.digital import ChainSettings, SlipChain
 from fingertip.slip.traces.intervals import Interval, intervals
 

@@ -10,7 +10,7 @@ import contextlib
 import functools
 import random
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,21 +22,21 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
-from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import SURFACES, SurfaceProfile
+from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.scene import sliding as disturbances
-from fingertip.sim.scene.scene_file import SceneFile, find_scene_issues
-from fingertip.sim.scene.sliding import (
+from fingertip.sim.files.scene import SceneFile
+from fingertip.sim.scene import timeline as disturbances
+from fingertip.sim.scene.timeline import (
     CoupledPad,
     ErrorControlledPad,
     SlidingPad,
     SteppedPad,
+    Timeline,
+    build_timeline,
     make_elasto_plastic,
     mount_pad,
 )
-from fingertip.sim.scene.timeline import Timeline, build_timeline
 from fingertip.sim.signal.finger import (
     OF_BOARD,
     OF_BRIDGE,
@@ -68,13 +68,10 @@ class SceneRecord:
     scene: SceneFile
     seed: int
     force_n: float
-    """Holding force on this finger [N]."""
     samples: int
-    """Number of samples."""
     slips: tuple[Interval, ...]
     """True slips; empty if the scene does not record them."""
     stages: tuple[StageCost, ...]
-    """Stages that ran, with their cost."""
     sample_rate_hz: float
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
@@ -130,10 +127,7 @@ class SceneResult:
 
     @property
     def trace(self) -> Trace:
-        """Trace for a detector: voltage, and the true force and slip that it is evaluated against.
-
-        Raises TraceError.
-        """
+        """Trace for a detector: voltage, and the force and slip that it is evaluated against. Raises TraceError."""
         found = self.signals
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
@@ -163,7 +157,7 @@ class SceneRun:
         check_type("scene", self.scene, SceneFile, 'SceneFile.load("sliding_finger")')
         if self.grid is not None:
             check_type("grid", self.grid, Grid, "Grid(16)")
-        raise_issues(find_scene_issues(self.design, self.scene, self.seed))
+        raise_issues(self.scene.find_design_issues(self.design, self.seed))
         self.grid = self.grid or self._choose_grid()
 
     @functools.cached_property
@@ -244,7 +238,7 @@ class SceneRun:
     def _choose_grid(self) -> Grid:
         if not self.scene.slide.distance_m:
             return Grid()
-        plain = Friction(**(vars(self.friction) | {"elastic": 0.0}))
+        plain = replace(self.friction, elastic=0.0)
         longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
         return Grid.finer_than(longest)
 
@@ -260,11 +254,7 @@ class SceneRun:
             surface=SURFACES[scene.contact.surface] if slides else None,
             profile_length_m=scene.slide.distance_m,
             patch_average=scene.contact.patch_average,
-            sensing=scene.sensing,
-            converter=scene.converter,
-            drift=scene.drift,
-            cable=scene.cable,
-            noise=scene.noise,
+            path=scene,
             event_origin_s=self.timeline.held_s,
         )
 

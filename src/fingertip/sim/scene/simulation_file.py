@@ -8,11 +8,11 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from fingertip.catalogues.file_kinds import FileKind
 from fingertip.design.files import format_parameter_table, format_value, load_tables
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
-from fingertip.foundation.toml_files import FileKind
 
 
 class SimulationFile(BaseModel):

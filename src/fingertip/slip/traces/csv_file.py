@@ -21,10 +21,13 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces import lvm
+from fingertip.slip.traces import columns as lvm
 from fingertip.slip.traces.columns import count_decimals, parse_instant, split_cells, unquote
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
-from fingertip.slip.traces.limits import (
+from fingertip.slip.traces.trace import (
+    COLUMNS,
+    ColumnMap,
+    RawTrace,
     bounded_lines,
     check_trace_file,
     max_lines,
@@ -32,7 +35,6 @@ from fingertip.slip.traces.limits import (
     max_samples,
     shape_message,
 )
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 
 T = TypeVar("T")
 _TAIL_BYTES = 4096
@@ -41,26 +43,6 @@ _TAIL_LINES = 10
 """Minimum number of lines with equally many decimals before a last number with fewer is taken as cut off."""
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
-
-
-def to_csv(trace: Trace) -> bytes:
-    """Write a trace as CSV with fixed decimals, so that the same numbers give the same bytes.
-
-    Time has a resolution of 0.1 us, voltage of 1 uV (one step of the 16-bit ADC is 305 uV), force of 1 uN.
-    """
-    columns = [
-        [f"{value:.7f}" for value in trace.time_s.tolist()],
-        [f"{value:.6f}" for value in trace.voltage_v.tolist()],
-    ]
-    names = ["time_s", "voltage_v"]
-    if trace.force_n is not None:
-        columns.append([f"{value:.6f}" for value in trace.force_n.tolist()])
-        names.append("force_n")
-    if trace.slip is not None:
-        columns.append(["1" if value else "0" for value in trace.slip.tolist()])
-        names.append("slip")
-    lines = [",".join(names), *map(",".join, zip(*columns, strict=True))]
-    return ("\n".join(lines) + "\n").encode("ascii")
 
 
 def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
@@ -175,10 +157,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
 
 @dataclass
 class _Faults(Generic[T]):
-    """Lines that cannot be used: how many, with what is wrong in the first one and in the last one.
-
-    A file may hold millions of them.
-    """
+    """Lines that cannot be used, of which a file may hold millions: their number, the first one and the last one."""
 
     count: int = 0
     first: tuple[int, T] | None = None
@@ -237,7 +216,6 @@ class _Samples:
 
 
 def _read_by_line(source: _Source) -> RawTrace:
-    """Read a file line by line and collect all issues."""
     name, columns = str(source.path), source.columns
     try:
         with source.path.open(encoding=source.encoding, errors="replace") as file:
@@ -317,7 +295,6 @@ def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float |
 
 
 def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issue]:
-    """Find lines and cells that cannot be read."""
     if samples.uneven.first:
         number, count = samples.uneven.first
         others = f" (and {samples.uneven.count - 1} more such lines)" if samples.uneven.count > 1 else ""

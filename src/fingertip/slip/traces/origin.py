@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set.writer import has_hash
 
 TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 """Names of the files of a simulated trial."""
@@ -59,7 +59,6 @@ def parse_origin(detection: bytes | None) -> Origin:
 
 
 # Start of a robot's motion, and how well encoders know it: the article reads its robot's at 100 Hz (section III.C).
-
 
 ENCODER_HZ = 100.0
 """Rate at which the encoders are read [Hz] (article, section III.C)."""

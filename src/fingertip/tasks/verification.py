@@ -8,9 +8,15 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
-from fingertip.foundation.output_set.lock import lock, output_errors
-from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, hash_file, read_manifest
-from fingertip.foundation.output_set.replacement import find_output_folder, is_folder, read_plan, staging_folder
+from fingertip.foundation.output_set.replacement import (
+    find_output_folder,
+    is_folder,
+    lock,
+    output_errors,
+    read_plan,
+    staging_folder,
+)
+from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""

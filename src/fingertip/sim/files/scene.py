@@ -8,47 +8,24 @@ as assumptions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from fingertip.catalogues.file_kinds import SCENE, FileKind
 from fingertip.design import Design
-from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
-from fingertip.foundation.toml_files import SCENE, FileKind
 from fingertip.foundation.validation import round_down
-from fingertip.sim.scene.simulation_file import SimulationFile
-from fingertip.sim.signal.comparator import describe_missing_comparator
-from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
+from fingertip.sim.files.schema import (
+    PathTables,
+    SimulationFile,
+    find_converter_issues,
+)
 
 MAX_TAPS_S = 3600.0
 """Longest time from the first knock to the last one [s]. A trace of it has 250 MB at 2 kHz."""
-OUTPUTS = (
-    "voltage_v",
-    "force_n",
-    "slip",
-    "velocity_m_s",
-    "shear_m",
-    "tactile_v",
-    "filtered_v",
-    "envelope_v",
-    "sampled_envelope_v",
-    "sampled_filtered_v",
-    "slip_pin_v",
-)
-"""Signals that a scene can record.
-
-voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true gross slip; bristles that bend while
-the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending (a
-manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
-of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
-voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
-board, above its output offset. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by
-the ADC, above signal ground; the latter on boards with the supply single_3v3. slip_pin_v: voltage of the comparator's
-output, low while it reports slip.
-"""
 
 
 class Contact(ParameterTable):
@@ -149,7 +126,16 @@ class Motor(ParameterTable):
     duration_s: float = quantity(1.0, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
 
 
-class SceneFile(SimulationFile):
+class _SceneTables(SimulationFile):
+    contact: Contact = Contact()
+    hold: Hold = Hold()
+    slide: Slide = Slide()
+    load_change: LoadChange = LoadChange()
+    tap: Tap = Tap()
+    motor: Motor = Motor()
+
+
+class SceneFile(PathTables, _SceneTables):
     """One validated scene; a faulty one reports all its issues at once.
 
     Raises
@@ -160,22 +146,22 @@ class SceneFile(SimulationFile):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
     file_kind: ClassVar[FileKind] = SCENE
-    known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
-
-    contact: Contact = Contact()
-    hold: Hold = Hold()
-    slide: Slide = Slide()
-    load_change: LoadChange = LoadChange()
-    tap: Tap = Tap()
-    motor: Motor = Motor()
-    drift: Drift = Drift()
-    cable: Cable = Cable()
-    noise: Noise = Noise()
-    sensing: Sensing = Sensing()
-    converter: ConverterInput = ConverterInput()
+    options: ClassVar[Mapping[str, Sequence[str]]] = {
+        "surface": ["contact.surface"],
+        "speed_m_s": ["slide.speed_m_s"],
+        "force_n": ["hold.min_force_n", "hold.max_force_n"],
+    }
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
+
+    def find_design_issues(self, design: Design, seed: int) -> Iterator[Issue]:
+        """Yield the reasons why this cannot be simulated with a design and a seed."""
+        yield from super().find_design_issues(design, seed)
+        half = design.detector.sample_rate_hz / 2
+        if self.motor.force_n and self.motor.frequency_hz >= half:
+            what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
+            yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
@@ -210,29 +196,3 @@ class SceneFile(SimulationFile):
             message = f"{self.load_change.by_n:g} N ends the contact; it must be above {-minimum:g} N; "
             message += "to end the contact, set load_change.by_n=0 and hold.release=true."
             yield Issue("load_change.by_n", message), {"load_change.by_n", "hold.min_force_n", "hold.share"}
-
-
-# Reasons why a scene cannot be simulated with a design.
-
-
-def find_scene_issues(design: Design, scene: SceneFile, seed: int) -> Iterator[Issue]:
-    """Yield the reasons why a scene cannot be simulated with a design."""
-    if seed < 0:
-        yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
-    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
-        yield Issue("outputs", describe_missing_comparator(design))
-    yield from find_filtered_issues(design, scene.outputs)
-    half = design.detector.sample_rate_hz / 2
-    if scene.motor.force_n and scene.motor.frequency_hz >= half:
-        message = f"{scene.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz; below {half:g} Hz."
-        yield Issue("motor.frequency_hz", message)
-
-
-def find_filtered_issues(design: Design, outputs: Sequence[str]) -> Iterator[Issue]:
-    """Yield an issue if outputs name the filtered signal, and the design's board does not give it to a controller."""
-    if "sampled_filtered_v" in outputs and design.board.supply not in CONTROLLER_SUPPLIES:
-        message = (
-            "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
-            f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
-        )
-        yield Issue("outputs", message)

@@ -7,40 +7,21 @@ values are assumptions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from fingertip.catalogues.file_kinds import MANIPULATION, FileKind
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
-from fingertip.foundation.toml_files import MANIPULATION, FileKind
 from fingertip.foundation.validation import round_up
-from fingertip.sim.scene.simulation_file import SimulationFile
-from fingertip.sim.scene.timeline import ACCELERATION_M_S2
-from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing, find_converter_issues
-
-OUTPUTS = (
-    "voltage_v",
-    "force_n",
-    "slip",
-    "velocity_m_s",
-    "closing_m",
-    "command_m",
-    "object_m",
-    "pin_n",
-    "envelope_v",
-    "sampled_envelope_v",
-    "sampled_filtered_v",
-    "slip_pin_v",
+from fingertip.sim.files.schema import (
+    ACCELERATION_M_S2,
+    PathTables,
+    SimulationFile,
+    find_converter_issues,
 )
-"""Signals that a manipulation can record.
-
-Of each finger: voltage_v, sampled by the ADC; force_n, true normal force; slip, true gross slip; velocity_m_s, velocity
-of the object over the pad (a scene records the opposite, that of the pad over the surface); closing_m, closing;
-command_m, commanded closing; envelope_v, sampled_envelope_v, sampled_filtered_v and slip_pin_v, outputs of its board as
-in a scene. Of the object: object_m, its position; pin_n, force of the pin.
-"""
 
 
 class GraspedObject(ParameterTable):
@@ -166,7 +147,14 @@ class Hand(ParameterTable):
     motor_hz: float = quantity(45.0, "Hz", "Frequency of that vibration. Assumption.", minimum=1, maximum=500)
 
 
-class ManipulationFile(SimulationFile):
+class _ManipulationTables(SimulationFile):
+    object: GraspedObject = GraspedObject()
+    grasp: Grasp = Grasp()
+    knock: Knock = Knock()
+    hand: Hand = Hand()
+
+
+class ManipulationFile(PathTables, _ManipulationTables):
     """One validated manipulation; a faulty one reports all its issues at once.
 
     Raises
@@ -177,17 +165,11 @@ class ManipulationFile(SimulationFile):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
     file_kind: ClassVar[FileKind] = MANIPULATION
-    known_outputs: ClassVar[tuple[str, ...]] = OUTPUTS
-
-    object: GraspedObject = GraspedObject()
-    grasp: Grasp = Grasp()
-    knock: Knock = Knock()
-    hand: Hand = Hand()
-    drift: Drift = Drift()
-    cable: Cable = Cable()
-    noise: Noise = Noise()
-    sensing: Sensing = Sensing()
-    converter: ConverterInput = ConverterInput()
+    options: ClassVar[Mapping[str, Sequence[str]]] = {
+        "surface": ["object.surface"],
+        "speed_m_s": ["knock.speed_m_s"],
+        "force_n": ["grasp.force_n"],
+    }
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)

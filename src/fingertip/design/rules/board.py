@@ -1,4 +1,4 @@
-"""Rules between the board's parameters: components that can be bought."""
+"""Rules of the board and its signals: components can be bought, and signals be sampled, averaged and reached."""
 
 from __future__ import annotations
 
@@ -222,9 +222,6 @@ def _at_least_preferred(minimum_uf: float) -> tuple[Interval, ...]:
 
 def _out_of_range(ohm: float) -> str:
     return f"below {MIN_OHM:g} ohm" if ohm < MIN_OHM else f"above {MAX_OHM / 1e6:g} Mohm"
-
-
-# Rules between sampling, filters and detector: signals that cannot be sampled, averaged or reached are refused.
 
 
 SIGNAL_RULES = Ruleset()

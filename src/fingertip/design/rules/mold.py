@@ -1,4 +1,4 @@
-"""Rules of the mold's recess for base and collar: it fits them, and ends within the skin's edge."""
+"""Rules of the mold: room around the cavity, a recess that fits base and collar, and a chaplet that holds the bone."""
 
 from __future__ import annotations
 
@@ -70,9 +70,6 @@ def collar_outlasts_its_draft(design: DesignTables) -> Limit | None:
         _MIN_COLLAR_LENGTH + slope * max(section.palmar, section.dorsal),
         f"is used up by a draft of {design.mold.draft_deg:g} degrees before the collar's palmar or dorsal end",
     )
-
-
-# Rules of the mold: room for everything around the cavity, and halves that can be made.
 
 
 _BESIDE_PRY_SLOT = 0.4
@@ -211,9 +208,6 @@ def trap_fits_its_nut(design: DesignTables) -> Violation | None:
     nut = f"the {thread.label} nut ({thread.nut_flats_mm:g} mm across flats) of {hole}"
     problem = f"is too narrow for {nut}" if width < minimum else f"is too wide: {nut} would turn"
     return Violation(f"{width:g} mm {problem}", ((minimum, maximum),))
-
-
-# Rules of the chaplet: it stands on the bone, its screw keeps clear of the sensor, and it holds the bone in place.
 
 
 MIN_RETAINED_OVER_SENSOR, MIN_RETAINED = 0.9, 0.8

@@ -1,4 +1,4 @@
-"""Rules of a custom sensor: an outline that no sensor can have is refused."""
+"""Rules of skin and sensor: the sensor fits the bone, the bone fits the skin, and the force curve is in order."""
 
 from __future__ import annotations
 
@@ -24,9 +24,6 @@ def tail_holds_its_tabs(design: DesignTables) -> Limit | None:
         return None
     pitch = design.dimensions.sensor.tab_pitch_mm
     return Limit(pitch + TAB_WIDTH_MM, f"does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart")
-
-
-# Rules between skin, bone and sensor: the sensor fits the bone, and the bone fits the skin.
 
 
 _EDGE_THICKNESS = 0.5
@@ -200,9 +197,6 @@ def bend_wider_than_channel(design: DesignTables) -> Limit | None:
     """The cable channel does not fold into itself at its bend."""
     diameter = design.bone.channel_diameter_mm
     return Limit(diameter / 2 + _BEND_MARGIN, f"folds a channel of {diameter:g} mm into itself")
-
-
-# Rules of a calibrated force curve: its forces are in order.
 
 
 FORCE_CURVE_RULES = Ruleset()

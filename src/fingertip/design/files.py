@@ -1,4 +1,4 @@
-"""Loading of tables: files and changes on the command line are merged before anything is validated."""
+"""Files of designs: tables are read and merged before anything is validated, and written as TOML or a JSON schema."""
 
 from __future__ import annotations
 
@@ -104,9 +104,6 @@ def _flatten(tables: Mapping[str, Any]) -> Iterator[str]:
             yield from (f"{name}.{inner}" for inner in _flatten(value))
         else:
             yield name
-
-
-# Export of a design: as commented TOML, as a list of parameters, and as a JSON schema for editors.
 
 
 _MAX_COLUMN_WIDTH = 60

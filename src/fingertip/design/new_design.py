@@ -25,9 +25,6 @@ from fingertip.design.parameters.declaration import issues_from_pydantic, sugges
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError
 from fingertip.foundation.toml_files import read_toml
 
-# Hands whose joints are known: the files of `params/hands/`, each with a `[hand]` section and its source.
-
-
 _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 
 

@@ -6,13 +6,13 @@ name, one below the other, so that none covers the parts or another label.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
@@ -35,10 +35,7 @@ from fingertip.design.geometry.solids import (
     union,
 )
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
-
-if TYPE_CHECKING:
-    from PIL.ImageDraw import ImageDraw
+from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 
 Pixel: TypeAlias = tuple[float, float]
 
@@ -88,8 +85,6 @@ class Scene:
 
 def draw_scene(scene: Scene) -> bytes:
     """Draw a scene as a PNG, as large as its parts allow within the margins."""
-    from PIL import Image, ImageDraw, ImageFont
-
     centre, size = bounds(_everything(scene), scene.camera)
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
@@ -119,9 +114,7 @@ def draw_scene(scene: Scene) -> bytes:
             end = x - side * (max(font.getlength(line) for line in text.split("\n")) + 6)
             pen.line([(end, y), tip], fill=_LEADER, width=1)
             pen.ellipse([tip[0] - 3, tip[1] - 3, tip[0] + 3, tip[1] + 3], fill=_INK)
-    file = io.BytesIO()
-    picture.quantize(128, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
-    return file.getvalue()
+    return to_png(picture.quantize(128, dither=Image.Dither.NONE))
 
 
 def _everything(scene: Scene) -> Iterable[Mesh]:
@@ -156,7 +149,7 @@ def _spread(entries: Sequence[tuple[Pixel, str]], height: int) -> list[float]:
     return heights
 
 
-def _draw_arrow(pen: ImageDraw, start: Pixel, end: Pixel) -> None:
+def _draw_arrow(pen: Pen, start: Pixel, end: Pixel) -> None:
     pen.line([start, end], fill=_ARROW, width=4)
     way = math.atan2(end[1] - start[1], end[0] - start[0])
     head = [

@@ -7,21 +7,13 @@ from typing import Annotated, Any
 
 import typer
 
-from fingertip.cli.console import (
-    CHECK_FAILED,
-    Console,
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    SetOption,
-    VerboseOption,
-    command,
-)
-from fingertip.cli.options import OptionalDesignArgument
+from fingertip.cli.console import CHECK_FAILED, Console
+from fingertip.cli.options import ForceOption, OptionalDesignArgument, SetOption, VerboseOption, command, load_design
 
 
 @command
 def validate(
+    console: Console,
     design: OptionalDesignArgument = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
     minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
@@ -33,21 +25,17 @@ def validate(
     force: ForceOption = False,
     verbose: VerboseOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
     from fingertip import lab as campaign
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.limits import adc_range_warnings
-    from fingertip.cli.options import load_design
     from fingertip.foundation import extras, jit
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.lab.campaign.plan import check_first_seed
     from fingertip.slip.detectors import noise, registry
 
-    console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes)
+    loaded = load_design(design, changes)
     registry.find_detector_type(detector)
     plan = campaign.CampaignPlan(trials, minutes)
     check_first_seed(seed)
@@ -59,8 +47,7 @@ def validate(
     if not with_plots:
         console.progress(f"the plots (*.png) are left out: they need {extras.describe_missing('matplotlib')}")
     warnings = [*noise.settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
-    for warning in warnings:
-        console.progress(f"warning: {warning}")
+    console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
     parameters = hash_parameters(loaded.model_dump(mode="json"))
     writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
@@ -98,6 +85,7 @@ FILES = ("work_precision.png", "trial_accuracy.png", "work_precision.json", "wor
 
 @command
 def bench(
+    console: Console,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for work_precision.png and .json.")] = Path(
         "out/bench"
     ),
@@ -112,8 +100,6 @@ def bench(
         bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
     ] = True,
     verbose: VerboseOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Measure error and run time of the simulation beside other solvers."""
     import contextlib
@@ -125,7 +111,6 @@ def bench(
     from fingertip.sim.bench.peers import read_peers
     from fingertip.sim.bench.work_precision import describe_machine, require_libraries
 
-    console = Console(as_json, quiet)
     peers, issues = read_peers(solvers)
     if not 1.0 <= seconds <= 60.0:
         issues.append(Issue("--seconds", f"{seconds:g} s is out of bounds; choose 1 to 60 s."))

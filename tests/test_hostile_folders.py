@@ -29,8 +29,8 @@ import pytest
 import typer
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
-from fingertip.cad.report import REPORT, SHEET
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import FAB_FOLDER, PROVENANCE, REPORT, SHEET
 from fingertip.cli import app
 from fingertip.cli.options import read_design
 from fingertip.design import Design
@@ -40,7 +40,7 @@ from fingertip.foundation.files import write_file
 from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters, verification, verify_sets
 from fingertip.sim.trace_export import signal_writer
 from fingertip.slip.traces.origin import Origin, read_origin
-from fingertip.tasks.board import FAB_FOLDER, PROVENANCE, board_files, write_board
+from fingertip.tasks.board import board_files, write_board
 from fingertip.tasks.build import parts_writer, prints_writer, steps_writer
 from fingertip.tasks.firmware import firmware_files, write_firmware
 from tests.conftest import run_fingertip

@@ -14,7 +14,8 @@ from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
-from fingertip.calibration.readings import PLAN, Length, list_lengths, write_template
+from fingertip.calibration.readings import Length, list_lengths, write_template
+from fingertip.catalogues.output_files import PLAN
 from fingertip.design import Design
 from fingertip.documents.coupon import render_instructions
 from fingertip.pictures import coupon_plan

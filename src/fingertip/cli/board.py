@@ -148,9 +148,10 @@ def _assess(console: Console, design: Design, readings: Path) -> None:
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
     """Compare the folder of a board with its design."""
-    from fingertip.tasks.board import board_differences, board_folder, fabrication_differences
+    from fingertip.catalogues.output_files import BOARD
+    from fingertip.tasks.board import board_differences, fabrication_differences
 
-    folder = out or board_folder(design)
+    folder = out or BOARD.folder(design)
     if folder.is_dir():
         found = board_differences(design, folder) + fabrication_differences(design, folder, expected=fab)
     else:
@@ -163,9 +164,10 @@ def _write(
     console: Console, design: Design, out: Path | None, force: bool, bring_up: bool, fab: bool
 ) -> tuple[Path, dict[str, Any]]:
     """Write the files of a board, and with `fab` those for its maker; return their folder and a report."""
+    from fingertip.catalogues.output_files import BOARD
     from fingertip.tasks import board as task
 
-    folder = out or task.board_folder(design)
+    folder = out or BOARD.folder(design)
     if out is None and not force:  # a folder that nobody named keeps a board of another circuit
         task.refuse_other_board(design)
     if fab:

@@ -41,7 +41,7 @@ def build(
     changes: SetOption = None,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
-    from fingertip.cad.report import REPORT
+    from fingertip.catalogues.output_files import REPORT
     from fingertip.tasks.build import build as build_parts
 
     loaded = load_design(design, changes, console)
@@ -66,8 +66,8 @@ def format_build(result: Build) -> list[str]:
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts
     ]
-    from fingertip.cad.printing.print_files import PRINT_FOLDER
     from fingertip.cad.verification.check import count_checks, list_warnings
+    from fingertip.catalogues.output_files import PRINT_FOLDER
 
     if result.prints.contents:
         lines.append(f"{f'{PRINT_FOLDER}/':28}{', '.join(result.prints.contents)}")
@@ -100,6 +100,7 @@ def make(
     changes: SetOption = None,
 ) -> None:
     """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed."""
+    from fingertip.catalogues.output_files import ACCEPTANCE, BOM, README, SHEET
     from fingertip.slip.report import as_data, as_text
     from fingertip.tasks.make import make as make_everything
 
@@ -117,10 +118,10 @@ def make(
     }
     lines = [
         *format_build(made.parts),
-        f"board: {made.board[0].parent}; bom.csv lists what to buy, README.md how to use it",
+        f"board: {made.board[0].parent}; {BOM} lists what to buy, {README} how to use it",
         f"simulated trial: {made.signal[0]}",
         as_text(made.detection.detection),
-        f"next: {made.parts.folder / 'casting.md'} says what to print and how to cast it, acceptance.md how to test it",
+        f"next: {made.parts.folder / SHEET} says what to print and how to cast it, {ACCEPTANCE} how to test it",
     ]
     if made.page:
         lines.append(f"see: {made.page}, all of it in a browser, without a network")
@@ -141,14 +142,15 @@ def coupon(
     The coupon is a frame and a loose piece with the fits of the real parts. It prints in some 20 minutes. `fingertip
     calibrate printer` turns the readings into parameters.
     """
-    from fingertip.tasks.coupon import READINGS, write_coupon
+    from fingertip.catalogues.output_files import COUPON_READINGS
+    from fingertip.tasks.coupon import write_coupon
 
     loaded = load_design(design, changes, console)
     made = write_coupon(loaded, out, formats=split_names(formats) or [], force=force, progress=console.progress)
     lines = [f"{name:12} {mesh.volume() / 1000:8.2f} cm3" for name, mesh in made.meshes.items()]
     lines += format_failures(made.checks)
     passed = sum(check.passed for check in made.checks)
-    lines.append(f"{passed} of {len(made.checks)} checks passed; written to {made.folder}; fill in {READINGS}")
+    lines.append(f"{passed} of {len(made.checks)} checks passed; written to {made.folder}; fill in {COUPON_READINGS}")
     console.result(made.data(), "\n".join(lines), made.passed)
 
 
@@ -170,12 +172,13 @@ def firmware(
     The README beside it states the wiring to the board's output connector, and what the detector costs in instructions
     and memory.
     """
+    from fingertip.catalogues.output_files import FIRMWARE
     from fingertip.firmware.packaging import cost_table, read_costs
     from fingertip.firmware.wiring import find_warnings
-    from fingertip.tasks.firmware import firmware_differences, firmware_folder, write_firmware
+    from fingertip.tasks.firmware import firmware_differences, write_firmware
 
     loaded = load_design(design, changes, console)
-    folder = out or firmware_folder(loaded)
+    folder = out or FIRMWARE.folder(loaded)
     if check:
         found = firmware_differences(loaded, folder)
         text = "\n".join(found) or f"{folder} is up to date with this design"

@@ -64,11 +64,16 @@ def answer_shell(root: Any) -> None:
     """Print what may stand at the cursor, for the command line of a program."""
     from typer._completion_classes import FishComplete
 
-    from fingertip.cli.help_page import first_sentence
-
     shell = FishComplete(root, {}, "fingertip", VARIABLE)
     for item in shell.get_completions(*shell.get_completion_args()):
         print(item.value, *([first_sentence(item.help)] if item.help else []), sep="\t")
+
+
+def first_sentence(text: str) -> str:
+    """First sentence of a description."""
+    first = text.split("\n\n")[0]
+    end = first.find(". ")
+    return first if end < 0 else first[: end + 1]
 
 
 # Words that a parameter of a command takes. Functions import what they need when a shell asks.

@@ -29,9 +29,10 @@ class _File:
     """File that a command writes: the one that is named, else one beside the parts, refused before the work starts."""
 
     def __init__(self, design: Design, named: Path | None, name: str, force: bool) -> None:
+        from fingertip.catalogues.output_files import PART_FILES
         from fingertip.tasks.build import parts_writer
 
-        self.path = named or Path("out") / design.name / name
+        self.path = named or PART_FILES.folder(design) / name
         self._writer = None if named else parts_writer(design, self.path.parent, force)
         if self._writer:
             self._writer.check_addition((name,))
@@ -54,8 +55,9 @@ def acceptance(
     changes: SetOption = None,
 ) -> None:
     """Write the acceptance sheet: tests of the sensor and of the finished finger, with limits and causes of failure."""
+    from fingertip.catalogues.output_files import ACCEPTANCE
     from fingertip.documents.acceptance import acceptance_data, render_acceptance
-    from fingertip.tasks.make import ACCEPTANCE, simulate_and_detect
+    from fingertip.tasks.make import simulate_and_detect
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console)
@@ -89,12 +91,12 @@ def sheet(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.print_files import FDM
-    from fingertip.cad.report import SHEET, STEPS_FOLDER
     from fingertip.cad.strength.assess import assess_strength
     from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
+    from fingertip.catalogues.output_files import SHEET, STEPS_FOLDER
     from fingertip.design.silicone import replace_silicone, select_silicone
     from fingertip.documents.casting.markdown import render_sheet, steps
     from fingertip.documents.casting.sheet import casting_sheet_data
@@ -145,12 +147,13 @@ def drawing(
     changes: SetOption = None,
 ) -> None:
     """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
+    from fingertip.catalogues.output_files import PART_FILES
     from fingertip.pictures.drawing.draw import draw_files, file_names, require_packages
     from fingertip.tasks.build import parts_writer
 
     require_packages("fingertip drawing")
     loaded = load_design(design, changes, console)
-    folder = out or Path("out") / loaded.name
+    folder = out or PART_FILES.folder(loaded)
     writer = parts_writer(loaded, folder, force)
     writer.check_addition(file_names(loaded))
     files = draw_files(loaded, console.progress)
@@ -179,6 +182,7 @@ def picture(
     changes: SetOption = None,
 ) -> None:
     """Draw an exploded view of the fingertip and a section through the closed mold, or how the mold fills."""
+    from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW
     from fingertip.pictures.filling import draw_mold_filling
     from fingertip.pictures.picture import draw
 
@@ -186,7 +190,7 @@ def picture(
         find_file_issues("--out", out, ".png"), find_range_issues("--width-px", width_px, MIN_WIDTH_PX, MAX_WIDTH_PX)
     )
     loaded = load_design(design, changes, console)
-    file = _File(loaded, out, "filling.png" if filling else "exploded.png", force)
+    file = _File(loaded, out, FILLING_VIEW if filling else EXPLODED_VIEW, force)
     file.write(draw_mold_filling(loaded) if filling else draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
+from fingertip.cli.completion import first_sentence
 from fingertip.cli.options import COMMON
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
@@ -185,10 +186,3 @@ def _describe(parameter: Any) -> str:
     if shown and default != "":
         text = f"{text} Default: {default}."
     return text
-
-
-def first_sentence(text: str) -> str:
-    """First sentence of a description."""
-    first = text.split("\n\n")[0]
-    end = first.find(". ")
-    return first if end < 0 else first[: end + 1]

@@ -64,13 +64,13 @@ def simulate(
     force: ForceOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
+    from fingertip.catalogues.output_files import SIGNAL
     from fingertip.design.silicone import describe_force_curve
     from fingertip.foundation import extras
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
     from fingertip.sim.trace_export import SUFFIXES, signal_writer, write_trace
-    from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
     issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
@@ -95,7 +95,7 @@ def simulate(
     if plot is not None:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     console.warn(simulation.find_warnings())
-    path = out or Path("out") / simulation.design.name / SIGNAL_FOLDER / f"{simulation.name}.csv"
+    path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
         signal_writer(simulation.design, path.parent, force).check((path.name,))
     with TemporaryFolder() as folder:

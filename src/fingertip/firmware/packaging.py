@@ -12,7 +12,6 @@ from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
 """Name of the library."""
-PROPERTIES, MANIFEST = "library.properties", "library.json"
 _SUMMARY = "Slip detector of a prosthetic fingertip."
 _LICENSE = "Apache-2.0"
 

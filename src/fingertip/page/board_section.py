@@ -8,13 +8,13 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.board import BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
+from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
 from fingertip.page.html import Markup, element, figure, join, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.plots import draw_response
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sources import BOARD_FOLDER, COMMANDS, Sources
+from fingertip.page.sources import COMMANDS, Sources
 
 # Bill of materials of a board as a table whose lines name their parts.
 #

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 
-from fingertip.cad.report import SHEET, STEPS_FOLDER
+from fingertip.catalogues.output_files import ACCEPTANCE, SHEET, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.design.export import list_parameters
 from fingertip.design.silicone import describe_force_curve
@@ -12,7 +12,6 @@ from fingertip.page.html import Markup, code, element, figure, join, table
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.sources import COMMANDS, Sources
 
-_ACCEPTANCE = "acceptance.md"
 _PROCEDURE = "Procedure"
 _OPEN = ("What to buy", "Quantities", "Warnings")
 """Sections that nobody should miss; others are folded up."""
@@ -33,7 +32,7 @@ def render_casting(sources: Sources) -> Markup:
             parts += [element("h3", heading), render(text)]
         else:
             parts.append(element("details", element("summary", heading), render(text)))
-    if page := sources.text(_ACCEPTANCE):
+    if page := sources.text(ACCEPTANCE):
         title = "Tests of sensor and finished finger, with what each failure means"
         parts.append(element("details", element("summary", title), render(page.partition("\n")[2])))
     return join(parts)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fingertip.catalogues.output_files import DETECTION, SIGNAL_FOLDER, TRACE
 from fingertip.detection.files import detect_file
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.numerics import Array
@@ -16,7 +17,7 @@ from fingertip.page.sources import COMMANDS, Sources
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, describe_detector, format_delay, format_motion_delay
 from fingertip.slip.traces.intervals import Interval
-from fingertip.slip.traces.origin import BAND_LABEL, DETECTION, SIGNAL_FOLDER, TRACE, encoder_band_s, parse_origin
+from fingertip.slip.traces.origin import BAND_LABEL, encoder_band_s, parse_origin
 from fingertip.slip.traces.trace import Trace
 
 # Trial and detection as SVG: the whole of it, and the onset of the first slip at a scale that shows the delay.

@@ -11,7 +11,7 @@ from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
-from fingertip.cad.printing.print_files import LAYER_MM, PRINT_FOLDER
+from fingertip.cad.printing.print_files import LAYER_MM
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.filling import PUSH_S
@@ -35,6 +35,7 @@ from fingertip.casting.quantities import (
 from fingertip.casting.slicer import PrintEstimate, print_settings
 from fingertip.casting.tapes import cover_tape_data, seat_tape_data
 from fingertip.casting.uses import sensor_limits_data, uses_adhesive
+from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
 from fingertip.catalogues.syringes import NOZZLE_DEPTH_MM, find_needle

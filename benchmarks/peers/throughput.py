@@ -4,23 +4,19 @@ each solver's start-up, which is part of no point of the diagrams."""
 from __future__ import annotations
 
 import os
-import random
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.peers import spice
 from benchmarks.peers.board import STEP_S, BoardProblem
 from benchmarks.peers.cvode import CvodeLibrary
 from benchmarks.peers.spice import Spice
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.sim.article import article_manipulations, article_trials
 from fingertip.sim.files.scene import SceneFile
@@ -127,25 +123,6 @@ def measure_boards(count: int) -> dict[str, Any]:
         "conducting_ratio": implicit / steps,
         "peak_v": {"5 %": low, "50 %": middle, "95 %": high},
     }
-
-
-def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
-    """Draw boards whose components are uniformly distributed within their tolerances and independent.
-
-    Raises TraceError.
-    """
-    if count < 1:
-        raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
-    rng = random.Random(f"{seed}:boards")
-    nominal = board.components
-    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
-    values: dict[str, NDArray[np.float64]] = {
-        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
-        for i, (name, value) in enumerate(nominal.items())
-    }
-    factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
-    saturation = np.asarray(board.diode.saturation_a) * factors
-    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))
 
 
 def measure_first_run() -> dict[str, Any]:

@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 from fingertip.cad.verification.bone import FILAMENT_CHECK
+from fingertip.calibration.weighings import READINGS
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.slicer import PrintEstimate
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
@@ -25,7 +26,6 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
-from fingertip.tasks.coupon import READINGS
 from tests.conftest import ROOT, design_file
 
 APPROVED = Path(__file__).parent / "approved"

@@ -17,7 +17,6 @@ from benchmarks.peers.board import BoardProblem, measure_board
 from benchmarks.peers.contact import ContactProblem
 from benchmarks.peers.cvode import CvodeFailedError, CvodeLibrary, CvodeMissingError, compile_cvode
 from benchmarks.peers.spice import Spice
-from benchmarks.peers.throughput import draw_boards
 from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
 from fingertip.cli import app
 from fingertip.foundation.errors import TraceError

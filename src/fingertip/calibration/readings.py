@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from fingertip.cad.shapes.coupon_layout import AROUND_MM, RIB_MM, WALLS_MM, Spot, lay_out
+from fingertip.catalogues.output_files import PLAN
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import DesignError, Issue
@@ -119,8 +120,6 @@ def _along_y(name: str, kind: Kind, x: float, ys: Point, where: str) -> Length:
 
 IDENTITY = "coupon"
 """Key that says which coupon the readings belong to."""
-PLAN = "coupon.png"
-"""Name of the plan view with the numbers of the lengths."""
 MIN_READINGS = 3
 """Least number of readings of a length that has any, so that a slip of the calipers shows."""
 MIN_LENGTHS = 3

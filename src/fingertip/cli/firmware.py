@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
-from fingertip.cli.options import DesignArgument
+from fingertip.cli.console import CHECK_FAILED, Console
+from fingertip.cli.options import DesignArgument, ForceOption, JsonOption, QuietOption, SetOption, command
 
 
 @command
@@ -32,7 +32,7 @@ def firmware(
     """
     from fingertip.cli.options import load_design
     from fingertip.firmware.packaging import cost_table, find_warnings, read_costs
-    from fingertip.tasks.firmware import firmware_differences, firmware_folder, write_firmware
+    from fingertip.tasks.firmware import firmware_differences, write_firmware
 
     console = Console(as_json, quiet)
     loaded, _ = load_design(design, changes, console.progress)

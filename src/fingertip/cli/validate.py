@@ -8,21 +8,13 @@ from typing import Annotated
 
 import typer
 
-from fingertip.cli.console import (
-    CHECK_FAILED,
-    Console,
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    SetOption,
-    VerboseOption,
-    command,
-)
-from fingertip.cli.options import OptionalDesignArgument
+from fingertip.cli.console import CHECK_FAILED, Console
+from fingertip.cli.options import ForceOption, OptionalDesignArgument, SetOption, VerboseOption, command, load_design
 
 
 @command
 def validate(
+    console: Console,
     design: OptionalDesignArgument = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
     minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
@@ -34,21 +26,17 @@ def validate(
     force: ForceOption = False,
     verbose: VerboseOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
     from fingertip import lab as campaign
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.limits import adc_range_warnings
-    from fingertip.cli.options import load_design
     from fingertip.foundation import extras, jit
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.lab.campaign.plan import check_first_seed
     from fingertip.slip.detectors import noise, registry
 
-    console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes)
+    loaded = load_design(design, changes)
     registry.find_detector_type(detector)
     plan = campaign.CampaignPlan(trials, minutes)
     check_first_seed(seed)
@@ -60,8 +48,7 @@ def validate(
     if not with_plots:
         console.progress(f"the plots (*.png) are left out: they need {extras.describe_missing('matplotlib')}")
     warnings = [*noise.settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
-    for warning in warnings:
-        console.progress(f"warning: {warning}")
+    console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
     parameters = hash_parameters(loaded.model_dump(mode="json"))
     writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
@@ -85,6 +72,7 @@ _CHECKOUT = Path(__file__).parents[3]
 
 @command
 def bench(
+    console: Console,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for work_precision.png and .json.")] = Path(
         "out/bench"
     ),
@@ -99,13 +87,10 @@ def bench(
         bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
     ] = True,
     verbose: VerboseOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Measure error and run time of the simulation beside other solvers."""
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
-    console = Console(as_json, quiet)
     _find_peers()
     from benchmarks.peers.options import FILES, read_options, require_libraries
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
-from fingertip.cad.printing.print_files import LAYER_MM, PRINT_FOLDER
+from fingertip.cad.printing.print_files import LAYER_MM
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.mold import PUSH_S
@@ -36,6 +36,7 @@ from fingertip.casting.quantities import (
 )
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, print_settings
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
+from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
 from fingertip.design import Design

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
-from fingertip.design.files import format_parameter_table, load_tables
+from fingertip.design.files import format_parameter_table, format_value, load_tables
 from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name

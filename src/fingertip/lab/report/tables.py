@@ -48,29 +48,20 @@ class StudyResults:
     bounds_s: Sequence[float]
     """Lower bound on the delay of each slip [s] (`fingertip.lab.studies.bounds`)."""
     variations: Sequence[VariationResult]
-    """Result of the detector with each of the simulation's assumptions changed."""
     steps: StepSensitivity
-    """Effect of the simulation's time step."""
     patch_radius_m: float
     """Radius of the pad's contact patch at 1 N [m]."""
     windows: Sequence[WindowResult]
-    """Delay of the article's chain by window length."""
     spectra: Sequence[Spectrum]
-    """Spectra of slip by sensor."""
     accelerations: Sequence[AccelerationResult]
-    """Delays by acceleration of the surface."""
     rates: Sequence[SamplingRateResult]
-    """Delays by sampling rate."""
     boards: Sequence[BoardResult]
     """Detector analog by board variant."""
     article: Sequence[ArticleBoardResult]
     """The same finger on the article's board and converter; empty if the design has them."""
     protocol: ProtocolStudy
-    """The same finger under the article's own protocol."""
     motor: Sequence[DiscriminationResult]
-    """Discrimination of slip from a motor, by length of the segment."""
     knocks: Sequence[KnockResult]
-    """False alarms from knocks, by force."""
     closed_loop: Sequence[ClosedLoopSummary]
     """Manipulations, without control and with each detector."""
     seed_ranges: Sequence[DetectorResult]

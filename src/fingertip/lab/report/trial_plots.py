@@ -6,11 +6,12 @@ window length (figure 5), and manipulations in the closed loop (figures 16 and 1
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
@@ -35,7 +36,7 @@ from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.report import shade_encoder_band
-from fingertip.slip.traces.intervals import intervals
+from fingertip.slip.traces.intervals import Interval, intervals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,8 +128,8 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
-    rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
-    _draw_rows(on, trace, rows)
+    flags = {name: make_detector(name, design).process(*select_inputs(trace, name)).on for name in DETECTORS_SHOWN}
+    _draw_flags(on, trace, flags)
     for axes in (force, voltage, envelope):
         _shade(axes, trace)
         style_axes(axes)
@@ -138,8 +139,7 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
             axes.axvline(float(t[at]), color=REFERENCE, linestyle="--", linewidth=1)
     title = f"{example.title}; grey dashes: contact and release; shaded: slip ({NOTE})"
     force.set_title(title, loc="left", fontsize=10)
-    on.set_xlabel("time [s]")
-    on.set_xlim(float(t[0]), float(t[-1]))
+    on.set(xlabel="time [s]", xlim=(float(t[0]), float(t[-1])))
     add_legend(envelope, 2, "left")
     figure.align_ylabels()
     return to_png(figure)
@@ -190,11 +190,12 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     voltage.set_ylabel("tactile voltage [V]")
     _shade(voltage, example.trace)
     add_legend(voltage)
-    rows = []
-    for window_s in WINDOWS_S:
-        flags = make_detector(WINDOW_DETECTOR, with_window(design, window_s)).process(example.trace.voltage_v).on
-        rows.append((f"{1000 * window_s:g} ms", flags))
-    _draw_rows(on, example.trace, rows)
+    windows = {f"{1000 * window_s:g} ms": with_window(design, window_s) for window_s in WINDOWS_S}
+    flags = {
+        name: make_detector(WINDOW_DETECTOR, windowed).process(example.trace.voltage_v).on
+        for name, windowed in windows.items()
+    }
+    _draw_flags(on, example.trace, flags)
     on.set_ylabel("window")
     voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
     on.set_xlabel("time [s]")
@@ -205,11 +206,8 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
 
 def plot_closed_loop(trials: Sequence[ClosedLoopTrial], detector: str) -> dict[str, bytes]:
     """Plot a manipulation for each of `CLOSED_LOOP_PLOTS`, with and without control; returns name -> PNG."""
-    plots = {}
-    for name, shown in CLOSED_LOOP_PLOTS.items():
-        if pair := select_pair(trials, detector, shown):
-            plots[name] = plot_manipulation(*pair)
-    return plots
+    pairs = {name: select_pair(trials, detector, shown) for name, shown in CLOSED_LOOP_PLOTS.items()}
+    return {name: plot_manipulation(*pair) for name, pair in pairs.items() if pair}
 
 
 def select_pair(
@@ -259,11 +257,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), REFERENCE),
         ("true slip", intervals(t, any_finger_slips(manipulation)), TRUTH),
     )
-    for row, (_, found, color) in enumerate(rows):
-        spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.01)) for i in found]
-        detections.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
-    detections.set_yticks(range(len(rows)), [name for name, _, _ in rows])
-    detections.set_ylim(len(rows) - 0.4, -0.6)
+    _draw_rows(detections, rows, 0.01)
     detections.set_ylabel(f"detections\nof {trial.detector}")
     for decision in trial.decisions:
         if decision.tightened:
@@ -288,19 +282,21 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     return to_png(figure)
 
 
-def _draw_rows(
-    axes: Axes, trace: Trace, rows: Sequence[tuple[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]]
-) -> None:
+def _draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]) -> None:
     """Draw one row of ON intervals per name, the true slip last."""
     assert trace.slip is not None
-    named = [*rows, ("true slip", trace.slip)]
-    for row, (name, flags) in enumerate(named):
-        spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.004)) for i in intervals(trace.time_s, flags)]
-        color = TRUTH if name == "true slip" else COLOURS.get(name, BLUE)
-        axes.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
-    axes.set_yticks(range(len(named)), [name for name, _ in named])
-    axes.set_ylim(len(named) - 0.4, -0.6)
+    rows = [(name, intervals(trace.time_s, on), COLOURS.get(name, BLUE)) for name, on in flags.items()]
+    _draw_rows(axes, [*rows, ("true slip", intervals(trace.time_s, trace.slip), TRUTH)], 0.004)
     style_axes(axes, "x")
+
+
+def _draw_rows(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float) -> None:
+    """Draw one row of intervals per name, each at least so long that it is seen [s]."""
+    for row, (_, found, colour) in enumerate(rows):
+        spans = [(i.onset_s, max(i.end_s - i.onset_s, shortest_s)) for i in found]
+        axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
 def _shade(axes: Axes, trace: Trace) -> None:

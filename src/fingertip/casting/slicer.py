@@ -1,4 +1,4 @@
-"""Print time and filament volume of a plate, estimated by PrusaSlicer where it is installed.
+"""Settings of a slicer, and print time and filament volume of a plate as PrusaSlicer estimates them.
 
 PrusaSlicer exits with code 0 for many a broken part. Only the G-code it writes, and the estimates in it, count.
 """
@@ -103,11 +103,11 @@ def parse_duration_min(text: str) -> float:
     return sum(float(word[:-1]) * _UNITS_MIN[word[-1]] for word in text.split())
 
 
-# Settings of the slicer for the printed parts, for a filament (FDM) and a resin printer (SLA).
-
-
 def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
-    """Collect the settings for the parts of a design, by process. Parts that stand on end get a brim."""
+    """Collect the slicer's settings for the parts of a design, for filament (FDM) and resin (SLA).
+
+    Parts that stand on end get a brim.
+    """
     upright = [name for name, lies in orientations.items() if needs_brim(lies)]
     lying = [name for name in orientations if name not in upright]
     return {

@@ -231,8 +231,7 @@ def sensor(
 
     Exit code 0: the force curve is calibrated, 2: the weighings are not usable.
     """
-    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
-    from fingertip.calibration.weighings import read_weighings
+    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings, read_weighings
     from fingertip.design.files import to_toml
     from fingertip.foundation.files import write_file
 

@@ -16,9 +16,6 @@ from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, INTERVAL
 
-# Expected readings of a finger: resistance and tactile voltage under weights.
-
-
 SPREAD = 4.0
 """Factor by which the conductance of a good sensor may differ from the data sheet's curve, up or down.
 

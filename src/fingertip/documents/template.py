@@ -12,6 +12,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fingertip.foundation.errors import join_words
 from fingertip.foundation.files import format_figure
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "wrap": lambda text: lay_out_page(text, WIDTH),
         "paragraphs": lay_out_page,
-        "listed": _list_in_words,
+        "listed": join_words,
         "span": _span,
         "figure": format_figure,
         "fixed": _fixed,
@@ -60,11 +61,6 @@ def _environment() -> Environment:
         "ohm": format_ohm,
     }
     return environment
-
-
-def _list_in_words(names: Sequence[str], last_word: str = "and") -> str:
-    *first, last = names
-    return f"{', '.join(first)} {last_word} {last}" if first else last
 
 
 def _span(limits: Sequence[float]) -> str:

@@ -63,11 +63,8 @@ def _semantic_version() -> str:
     return ".".join("".join(c for c in number if c.isdigit()) or "0" for number in numbers)
 
 
-# Costs of the library on a controller, as measured by `tools/firmware/measure.py`, and their limits.
-
-
 TABLE = "measured_costs.json"
-"""Name of the measurements, beside this module."""
+"""Name of the costs of the library on a controller, which `tools/firmware/measure.py` measures, beside this module."""
 MAX_FLASH_BYTES = 32 * 1024
 """Largest flash for code and tables [byte]."""
 MAX_STATE_BYTES, MAX_STACK_BYTES = 512, 512

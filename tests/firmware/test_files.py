@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit
+from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.load import load_tables
-from fingertip.documents.board.readme import POWER_UP_S
 from fingertip.documents.firmware import (
     BOARDS,
     BUFFER_SAMPLES,

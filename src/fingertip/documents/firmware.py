@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.bridge import POWER_UP_S
+from fingertip.board.components.values import SUPPLIES
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
-from fingertip.documents.board.readme import POWER_UP_S
 from fingertip.documents.template import bullet_list, paragraph
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import NAME

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.tasks.board import board_files, bring_up_files
 from tests.designs import load_article
 

@@ -16,7 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.components.supplies import Supply
+from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import VEE, VMID, VREF
 
 _FOLDER = Path(__file__).parent

@@ -304,17 +304,17 @@ def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float
 
 def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
     """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
-    from fingertip.sim.signal import converter as board_output
+    from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
 
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
-        voltage_v, circuits = board_output.compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
         progress(describe_force_curve(design))
     progress(
         f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
         f"{columns.name_in_file('voltage_v')}"
     )
-    return replace(trace, voltage_v=voltage_v, envelope_v=board_output.simulate_envelope_v(design, voltage_v))
+    return replace(trace, voltage_v=voltage_v, envelope_v=simulate_envelope_v(design, voltage_v))
 
 
 def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, name: str) -> NoiseLevel:
@@ -322,9 +322,9 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
     if quiet.stop:
         assert trace.envelope_v is not None
         return measure_noise_level(trace.envelope_v[quiet], design, name)
-    from fingertip.sim.signal import converter as board_output
+    from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level
 
-    simulate_level = board_output.simulate_replay_level if is_replayed else board_output.simulate_quiescent_level
+    simulate_level = simulate_replay_level if is_replayed else simulate_quiescent_level
     return simulate_level(design)
 
 

@@ -20,6 +20,7 @@ from fingertip.sim.files.schema import (
     ACCELERATION_M_S2,
     PathTables,
     SimulationFile,
+    assumption,
     find_converter_issues,
 )
 
@@ -31,18 +32,14 @@ class GraspedObject(ParameterTable):
     surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
         "wood", "Surface (article, III.C: three wooden objects and a plastic bottle)."
     )
-    friction_spread: float = quantity(
-        0.03,
-        "",
-        "The seed draws friction within this relative range around the surface's. Assumption.",
-        minimum=0,
-        maximum=0.5,
+    friction_spread: float = assumption(
+        0.03, "", "The seed draws friction within this relative range around the surface's.", minimum=0, maximum=0.5
     )
     patch_average: bool = Field(
         False, description="Whether pads average the surface profile over their contact patches, as real ones do."
     )
-    length_m: float = quantity(
-        0.05, "m", "Distance after which the object has left the fingers. Assumption.", minimum=0.005, maximum=0.5
+    length_m: float = assumption(
+        0.05, "m", "Distance after which the object has left the fingers.", minimum=0.005, maximum=0.5
     )
 
 
@@ -51,10 +48,10 @@ class Grasp(ParameterTable):
 
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
     force_n: float = quantity(0.0, "N", "Planned holding force of the thumb; 0: by the margins.", minimum=0, maximum=20)
-    min_margin: float = quantity(
+    min_margin: float = assumption(
         1.1,
         "",
-        "Lower limit of the force that the seed draws, as a multiple of what just holds the weight. Assumption.",
+        "Lower limit of the force that the seed draws, as a multiple of what just holds the weight.",
         above=0,
         maximum=20,
     )
@@ -65,26 +62,20 @@ class Grasp(ParameterTable):
         above=0,
         maximum=20,
     )
-    min_force_n: float = quantity(
-        0.5, "N", "Minimum force of the thumb: well above the sensor's turn-on. Assumption.", above=0, maximum=20
+    min_force_n: float = assumption(
+        0.5, "N", "Minimum force of the thumb: well above the sensor's turn-on.", above=0, maximum=20
     )
-    uneven: float = quantity(
+    uneven: float = assumption(
         0.1,
         "",
-        "The seed draws each opposing finger's share within this relative range around equal shares. Assumption.",
+        "The seed draws each opposing finger's share within this relative range around equal shares.",
         minimum=0,
         maximum=0.9,
     )
-    reach_m: float = quantity(
-        0.03, "m", "Closing from the open hand to the touch. Assumption.", minimum=0.001, maximum=0.08
-    )
-    close_s: float = quantity(
-        0.6, "s", "Time in which the commands close the hand. Assumption.", minimum=0.05, maximum=10
-    )
-    settle_s: float = quantity(0.5, "s", "Wait before the object is let go. Assumption.", minimum=0, maximum=60)
-    let_go_s: float = quantity(
-        0.5, "s", "Time in which the hand takes over the weight. Assumption.", minimum=0.01, maximum=10
-    )
+    reach_m: float = assumption(0.03, "m", "Closing from the open hand to the touch.", minimum=0.001, maximum=0.08)
+    close_s: float = assumption(0.6, "s", "Time in which the commands close the hand.", minimum=0.05, maximum=10)
+    settle_s: float = assumption(0.5, "s", "Wait before the object is let go.", minimum=0, maximum=60)
+    let_go_s: float = assumption(0.5, "s", "Time in which the hand takes over the weight.", minimum=0.01, maximum=10)
     after_s: float = quantity(
         2.0,
         "s",
@@ -105,46 +96,32 @@ class Knock(ParameterTable):
         minimum=0,
         maximum=60,
     )
-    stroke_m: float = quantity(
-        0.01, "m", "Distance that the pin moves after the touch. Assumption.", minimum=0.001, maximum=0.1
+    stroke_m: float = assumption(0.01, "m", "Distance that the pin moves after the touch.", minimum=0.001, maximum=0.1)
+    stiffness_n_per_m: float = assumption(
+        2000.0, "N/m", "Stiffness of pin and robot: a compliant arm.", minimum=50, maximum=100000
     )
-    stiffness_n_per_m: float = quantity(
-        2000.0, "N/m", "Stiffness of pin and robot: a compliant arm. Assumption.", minimum=50, maximum=100000
+    damping_s_per_m: float = assumption(
+        5.0, "s/m", "Hunt and Crossley's damping: an impact at 0.08 m/s rebounds with 0.8 of it.", minimum=0, maximum=20
     )
-    damping_s_per_m: float = quantity(
-        5.0,
-        "s/m",
-        "Hunt and Crossley's damping: an impact at 0.08 m/s rebounds with 0.8 of it. Assumption.",
-        minimum=0,
-        maximum=20,
-    )
-    normal_share: float = quantity(
-        0.05,
-        "",
-        "Fraction of the pin's force that presses the object against the thumb. Assumption.",
-        minimum=-0.5,
-        maximum=0.5,
+    normal_share: float = assumption(
+        0.05, "", "Fraction of the pin's force that presses the object against the thumb.", minimum=-0.5, maximum=0.5
     )
 
 
 class Hand(ParameterTable):
     """Response of the hand to commands."""
 
-    period_s: float = quantity(0.01, "s", "Control period. Assumption.", minimum=0.0005, maximum=0.2)
-    delay_s: float = quantity(
-        0.02, "s", "Delay from a command to the response of the motors. Assumption.", minimum=0, maximum=0.5
+    period_s: float = assumption(0.01, "s", "Control period.", minimum=0.0005, maximum=0.2)
+    delay_s: float = assumption(
+        0.02, "s", "Delay from a command to the response of the motors.", minimum=0, maximum=0.5
     )
-    lag_s: float = quantity(0.03, "s", "First-order lag of the motors. Assumption.", minimum=0.001, maximum=1)
-    rate_m_s: float = quantity(
-        0.1, "m/s", "Maximum velocity of closing: 60 mm in 0.6 s. Assumption.", minimum=0.005, maximum=1
+    lag_s: float = assumption(0.03, "s", "First-order lag of the motors.", minimum=0.001, maximum=1)
+    rate_m_s: float = assumption(0.1, "m/s", "Maximum velocity of closing: 60 mm in 0.6 s.", minimum=0.005, maximum=1)
+    max_force_n: float = assumption(15.0, "N", "Force at which a finger's tendon stalls.", above=0, maximum=100)
+    motor_n: float = assumption(
+        0.01, "N", "Amplitude with which a motor at full velocity shakes its finger.", minimum=0, maximum=5
     )
-    max_force_n: float = quantity(
-        15.0, "N", "Force at which a finger's tendon stalls. Assumption.", above=0, maximum=100
-    )
-    motor_n: float = quantity(
-        0.01, "N", "Amplitude with which a motor at full velocity shakes its finger. Assumption.", minimum=0, maximum=5
-    )
-    motor_hz: float = quantity(45.0, "Hz", "Frequency of that vibration. Assumption.", minimum=1, maximum=500)
+    motor_hz: float = assumption(45.0, "Hz", "Frequency of that vibration.", minimum=1, maximum=500)
 
 
 class _ManipulationTables(SimulationFile):

@@ -21,6 +21,7 @@ from fingertip.foundation.validation import round_down
 from fingertip.sim.files.schema import (
     PathTables,
     SimulationFile,
+    assumption,
     find_converter_issues,
 )
 
@@ -34,7 +35,7 @@ class Contact(ParameterTable):
     surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
         "medium", "One of the article's six surfaces (III.C)."
     )
-    length_m: float = quantity(0.1, "m", "Length of the surface. Assumption.", above=0, maximum=1)
+    length_m: float = assumption(0.1, "m", "Length of the surface.", above=0, maximum=1)
     resonance_hz: float = quantity(
         90.0,
         "Hz",
@@ -73,13 +74,11 @@ class Hold(ParameterTable):
         above=0,
         maximum=1,
     )
-    close_s: float = quantity(
-        0.4, "s", "Time in which the force of a grasp rises. Assumption.", minimum=0.02, maximum=10
-    )
+    close_s: float = assumption(0.4, "s", "Time in which the force of a grasp rises.", minimum=0.02, maximum=10)
     wait_s: float = quantity(1.0, "s", "Wait between the phases (article, III.C).", minimum=0, maximum=60)
     min_s: float = quantity(0.0, "s", "Minimum holding time.", minimum=0, maximum=600)
     release: bool = Field(True, description="Whether the finger lifts (press) or the grasp opens at the end.")
-    after_s: float = quantity(0.2, "s", "Recording time after the end. Assumption.", minimum=0, maximum=60)
+    after_s: float = assumption(0.2, "s", "Recording time after the end.", minimum=0, maximum=60)
 
 
 class Slide(ParameterTable):
@@ -87,8 +86,8 @@ class Slide(ParameterTable):
 
     distance_m: float = quantity(0.0, "m", "Distance (article: 0.04).", minimum=0, maximum=1)
     speed_m_s: float = quantity(0.04, "m/s", "Peak velocity (article: 0.04, 0.06, 0.08).", minimum=0.005, maximum=0.2)
-    acceleration_m_s2: float = quantity(
-        1.0, "m/s2", "Acceleration of the trapezoidal velocity profile. Assumption.", minimum=0.05, maximum=20
+    acceleration_m_s2: float = assumption(
+        1.0, "m/s2", "Acceleration of the trapezoidal velocity profile.", minimum=0.05, maximum=20
     )
 
 
@@ -96,34 +95,34 @@ class LoadChange(ParameterTable):
     """One change of the holding force; 0 N means none."""
 
     by_n: float = quantity(0.0, "N", "Force added on this finger.", minimum=-4, maximum=4)
-    rise_s: float = quantity(0.1, "s", "Duration of the change. Assumption.", minimum=0.001, maximum=10)
-    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
+    rise_s: float = assumption(0.1, "s", "Duration of the change.", minimum=0.001, maximum=10)
+    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
 
 
 class Tap(ParameterTable):
     """Knocks on the held object, called taps in scene files; 0 N means none."""
 
     force_n: float = quantity(0.0, "N", "Peak force.", minimum=0, maximum=50)
-    rise_s: float = quantity(
-        0.004, "s", "Rise time, and fall time, of a knock: 2 to 10 ms. Assumption.", minimum=0.001, maximum=0.1
+    rise_s: float = assumption(
+        0.004, "s", "Rise time, and fall time, of a knock: 2 to 10 ms.", minimum=0.001, maximum=0.1
     )
-    at_s: float = quantity(
-        1.0, "s", "Time of the first knock, after the holding force is reached. Assumption.", minimum=0, maximum=600
+    at_s: float = assumption(
+        1.0, "s", "Time of the first knock, after the holding force is reached.", minimum=0, maximum=600
     )
-    count: int = quantity(1, "", "Number of knocks. Assumption.", minimum=1, maximum=1000)
-    interval_s: float = quantity(0.5, "s", "Time from one knock to the next. Assumption.", minimum=0.01, maximum=600)
+    count: int = assumption(1, "", "Number of knocks.", minimum=1, maximum=1000)
+    interval_s: float = assumption(0.5, "s", "Time from one knock to the next.", minimum=0.01, maximum=600)
 
 
 class Motor(ParameterTable):
     """Vibration of the hand's motors; 0 N means none."""
 
     force_n: float = quantity(0.0, "N", "Amplitude of the fundamental.", minimum=0, maximum=5)
-    frequency_hz: float = quantity(45.0, "Hz", "Frequency of the fundamental. Assumption.", minimum=1, maximum=500)
-    harmonic: float = quantity(
-        0.3, "", "Amplitude of the second harmonic, relative to the fundamental. Assumption.", minimum=0, maximum=1
+    frequency_hz: float = assumption(45.0, "Hz", "Frequency of the fundamental.", minimum=1, maximum=500)
+    harmonic: float = assumption(
+        0.3, "", "Amplitude of the second harmonic, relative to the fundamental.", minimum=0, maximum=1
     )
-    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
-    duration_s: float = quantity(1.0, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
+    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
+    duration_s: float = assumption(1.0, "s", "Duration.", minimum=0.01, maximum=600)
 
 
 class _SceneTables(SimulationFile):

@@ -197,26 +197,29 @@ MIN_BITS = 8
 MIN_RANGE_V = 0.01
 
 
+def assumption(default: float, unit: str, description: str, **bounds: Any) -> Any:
+    """Declare a number with a unit that no source gives; its description says so."""
+    return quantity(default, unit, f"{description} Assumption.", **bounds)
+
+
 class Drift(ParameterTable):
     """Slow changes of sensor and amplifier."""
 
     share_per_decade: float = quantity(
         0.0, "", "Creep: relative increase per decade of time (data sheet: below 0.05).", minimum=0, maximum=0.2
     )
-    volt_per_s: float = quantity(
-        0.0, "V/s", "Drift of the amplifier with temperature. Assumption.", minimum=-0.1, maximum=0.1
-    )
+    volt_per_s: float = assumption(0.0, "V/s", "Drift of the amplifier with temperature.", minimum=-0.1, maximum=0.1)
 
 
 class Cable(ParameterTable):
     """Touch of the cable; 0 V means none."""
 
     step_v: float = quantity(0.0, "V", "Jump when the touch begins, and back when it ends.", minimum=-1, maximum=1)
-    decay_s: float = quantity(0.05, "s", "Decay time of the jump. Assumption.", minimum=0.001, maximum=10)
+    decay_s: float = assumption(0.05, "s", "Decay time of the jump.", minimum=0.001, maximum=10)
     hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum during the touch.", minimum=0, maximum=1)
     hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
-    at_s: float = quantity(1.0, "s", "Start, after the holding force is reached. Assumption.", minimum=0, maximum=600)
-    duration_s: float = quantity(0.5, "s", "Duration. Assumption.", minimum=0.01, maximum=600)
+    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
+    duration_s: float = assumption(0.5, "s", "Duration.", minimum=0.01, maximum=600)
 
 
 class Noise(ParameterTable):

@@ -1,6 +1,6 @@
 """Run a scene: its events drive one finger, chunk by chunk.
 
-A scene without a slide has no friction. A scene without vibration sources has no disturbances. Parts that no recorded
+A scene without a slide has no friction. A scene without vibration sources has no  Parts that no recorded
 output depends on do not run (`fingertip.sim.signal.finger`).
 """
 
@@ -26,7 +26,6 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.files.scene import SceneFile
-from fingertip.sim.scene import timeline as disturbances
 from fingertip.sim.scene.timeline import (
     CoupledPad,
     ErrorControlledPad,
@@ -34,7 +33,10 @@ from fingertip.sim.scene.timeline import (
     SteppedPad,
     Timeline,
     build_timeline,
+    draw_motor_phases,
+    knock_force_n,
     make_elasto_plastic,
+    motor_force_n,
     mount_pad,
 )
 from fingertip.sim.signal.finger import (
@@ -221,7 +223,7 @@ class SceneRun:
         setup, feedback = self._set_up(), slides and self.scene.contact.feedback
         pad = self._build_pad(setup, self.grid) if slides else None
         finger = Finger(setup, self.grid, outputs, self.meter, feedback)
-        phases = disturbances.draw_motor_phases(self._open_random("motor"))
+        phases = draw_motor_phases(self._open_random("motor"))
         for first in range(0, count, size):
             time_s = self.grid.time_s(first, min(size, count - first))
             with self.meter.stage("load"):
@@ -278,9 +280,9 @@ class SceneRun:
         with self.meter.stage("disturbances"):
             push = np.zeros_like(time_s)
             if scene.tap.force_n:
-                push += disturbances.knock_force_n(scene.tap, held, time_s)
+                push += knock_force_n(scene.tap, held, time_s)
             if scene.motor.force_n:
-                push += disturbances.motor_force_n(scene.motor, phases, held, time_s)
+                push += motor_force_n(scene.motor, phases, held, time_s)
             return push
 
     def _open_random(self, purpose: str) -> random.Random:

@@ -124,7 +124,7 @@ def suggest_numbers(count: int, columns: ColumnMap) -> str:
 # channels, and `Comment`. Where the file has no column of times (`X_Columns No`), `Delta_X` is the step between
 # samples.
 
-MAX_LINES = 200
+LVM_HEADER_LINES = 200
 """Number of lines in which the headers of a file end."""
 TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"

@@ -21,8 +21,16 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces import columns as lvm
-from fingertip.slip.traces.columns import count_decimals, parse_instant, split_cells, unquote
+from fingertip.slip.traces.columns import (
+    LVM_HEADER_LINES,
+    PassedOver,
+    adapt_columns,
+    count_decimals,
+    parse_instant,
+    split_cells,
+    unquote,
+    without_headers,
+)
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
 from fingertip.slip.traces.trace import (
     COLUMNS,
@@ -58,7 +66,7 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
         check_trace_file(path)
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
-            adapted = lvm.adapt_columns(name, itertools.islice(bounded_lines(file, name), lvm.MAX_LINES), columns)
+            adapted = adapt_columns(name, itertools.islice(bounded_lines(file, name), LVM_HEADER_LINES), columns)
         with path.open(encoding=encoding) as file:
             lines = bounded_lines(file, name)
             header = find_header(name, lines, adapted)
@@ -187,7 +195,7 @@ class _Samples:
     """Line number and number of cells of lines with another number of cells than the others."""
     wrong: dict[str, _Faults[str]] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: lvm.PassedOver = field(default_factory=lvm.PassedOver)
+    passed_over: PassedOver = field(default_factory=PassedOver)
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
@@ -246,7 +254,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     )
     after_header, most = False, max_samples()
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
-    for number, line in lvm.without_headers(below, samples.passed_over) if header.is_loose else below:
+    for number, line in without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
             samples.passed_over.append(number)
             after_header = True

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.catalogues.output_files import PLOT, SIGNAL_FOLDER
+from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.output_set import SetWriter, hash_parameters
@@ -25,7 +25,6 @@ from fingertip.sim.files.schema import OUTPUTS
 from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.scene.run import SceneRecord, SceneResult
 from fingertip.slip.traces.intervals import STICK_S, intervals, merge
-from fingertip.slip.traces.origin import DETECTION, TRACE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

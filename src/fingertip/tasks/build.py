@@ -221,7 +221,7 @@ def _replace_subset(
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
-def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
     """Draw the pictures of the casting steps."""
     from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps

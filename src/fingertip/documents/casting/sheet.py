@@ -46,7 +46,7 @@ from fingertip.design.geometry.tail_fold import END_ROOM_MM
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
-Data = dict[str, Any]
+Data = Mapping[str, Any]
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
@@ -332,4 +332,4 @@ def steps(data: Data) -> list[Step]:
 
 
 def _add_uses(data: Data) -> Data:
-    return data | {"uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}
+    return {**data, "uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}

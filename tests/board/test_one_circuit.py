@@ -18,7 +18,7 @@ from fingertip.board.analysis.board_values import _model_configuration, compute_
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.circuits import signal_paths
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.filter import FilterSelection
+from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.values import ComponentValues
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.netlist import kicad_netlist_file

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.tasks.board import board_files, bring_up_files
 from tests.designs import load_article
 
@@ -34,6 +34,4 @@ def test_readme_is_the_approved_one(name: str) -> None:
 @pytest.mark.full
 @pytest.mark.parametrize("name", ["article_single", "precision_split", "comparator_split", "comparator_single_3v3"])
 def test_bring_up_sheet_is_the_approved_one(name: str) -> None:
-    check_approved(
-        f"{name}_bringup.md", bring_up_files(load_article(BOARD_CONFIGURATIONS[name].changes))["bringup.md"]
-    )
+    check_approved(f"{name}_bringup.md", bring_up_files(load_article(BOARD_CONFIGURATIONS[name].changes))["bringup.md"])

@@ -10,11 +10,11 @@ import pytest
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SKETCH_PINS
+from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.load import load_tables
-from fingertip.documents.board.readme import POWER_UP_S
 from fingertip.documents.firmware import BOARDS, BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings

@@ -12,7 +12,7 @@ from typing import Any
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.mating import PlugWire, find_plug_wire, list_mating_parts
+from fingertip.board.parts.table import PlugWire, find_plug_wire, list_mating_parts
 from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts, standard_length_mm

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.components.values import select_components
+from fingertip.board.components.bridge import POWER_UP_S
+from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.design import Design
-from fingertip.documents.board.readme import POWER_UP_S
 from fingertip.documents.template import WIDTH, lay_out_page, render
 from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
 from fingertip.foundation.toml_files import DESIGN

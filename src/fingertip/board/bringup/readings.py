@@ -10,8 +10,7 @@ from typing import Any
 
 from fingertip.board.bringup.bench import HOST, TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
-from fingertip.board.bringup.limits import SUPPLY_PERCENT, Limits
-from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, BringUp
+from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
 from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.parts.circuit import VCC, VMID

@@ -18,8 +18,10 @@ from fingertip.board.bringup.bench import (
     list_output_pins,
 )
 from fingertip.board.bringup.diagnosis import list_hidden_faults, list_unsimulated
-from fingertip.board.bringup.limits import BOARDS, METER_AC, METER_DC, SUPPLY_PERCENT, Limits
 from fingertip.board.bringup.plan import (
+    BOARDS,
+    METER_AC,
+    METER_DC,
     NEGATIVE_OHM,
     QUIET,
     QUIET_ENVELOPE,
@@ -27,14 +29,16 @@ from fingertip.board.bringup.plan import (
     SLIP_TONE,
     SUPPLY_MA,
     SUPPLY_OHM,
+    SUPPLY_PERCENT,
     BringUp,
+    Limits,
 )
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
 from fingertip.board.bringup.readings import IDLE_SHARE
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.kicad.placement import PlacedPad, Placement, place_pads
-from fingertip.board.kicad.variants import find_configuration
+from fingertip.board.kicad.project import find_configuration
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_FILTERED,

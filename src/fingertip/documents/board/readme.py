@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from fingertip.board.analysis.board_values import BoardValues
-from fingertip.board.analysis.errata import describe_touches
+from fingertip.board.analysis.board_values import BoardValues, describe_touches
 from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
@@ -15,9 +14,8 @@ from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.bringup.wiring import NEEDED_PINS
 from fingertip.board.circuits.blocks import CABLE_OHM
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
-from fingertip.board.components.bridge import VREF_RATIO
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM
+from fingertip.board.components.bridge import POWER_UP_S, VREF_RATIO
+from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
 from fingertip.board.fabrication.bom import (
     find_rotation,
     is_assembled,
@@ -29,12 +27,11 @@ from fingertip.board.kicad import project
 from fingertip.board.kicad.footprints import FOOTPRINTS
 from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
 from fingertip.board.kicad.placement import load_template
-from fingertip.board.kicad.variants import BoardConfiguration
+from fingertip.board.kicad.project import BoardConfiguration
 from fingertip.board.parts.circuit import Circuit
-from fingertip.board.parts.mating import count_wires, group_plug_wires, list_connectors, list_mating_parts
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
-from fingertip.board.parts.table import load_sources
+from fingertip.board.parts.table import count_wires, group_plug_wires, list_connectors, list_mating_parts, load_sources
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
@@ -43,8 +40,6 @@ from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 from fingertip.documents.template import render
 from fingertip.foundation.files import format_figure
 
-POWER_UP_S = 2.0
-"""Time after power-up in which the voltages of a board for a controller settle [s]: eight time constants."""
 _NO_DIRECTION = (RESISTOR, CAPACITOR)
 """Symbols of components that may be turned by 180 degrees."""
 _PRECISE = {
@@ -62,7 +57,6 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
     text = render(
         "board/readme.md",
         **collect_board(values, design),
-        kind=configuration,
         supply_name=configuration.supply.description.replace("buffered mid-supply", "VMID (buffered mid-supply)"),
         response=values.achieved_response,
         size_mm=f"{placement.width:g} x {placement.height:g}",

@@ -15,8 +15,7 @@ import numpy as np
 
 from fingertip.board import board_circuit
 from fingertip.board.circuits.network import build_network
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.components.values import select_components
+from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE, Circuit
 from fingertip.design import Design
 from fingertip.foundation.jit import CompiledLoop

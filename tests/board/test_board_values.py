@@ -19,9 +19,8 @@ from fingertip.board.kicad.placement import fingerprint
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.catalogues.amplifiers import AmplifierName
-from fingertip.catalogues.preferred_series import find_preferred_neighbours
 from fingertip.design import Design
-from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM, FilterComponents
+from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM, FilterComponents, find_preferred_neighbours
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 from fingertip.foundation.errors import DesignError
 from tests.designs import ARTICLE, article_design, load_article

@@ -150,7 +150,7 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
 
 def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.board.components.bridge import Bridge
-    from fingertip.sim.signal.board_output import compute_bridge_v
+    from fingertip.sim.signal.converter import compute_bridge_v
 
     before, select = board_values(DESIGN), Bridge.by_reference
     before_v = compute_bridge_v(DESIGN, np.ones(1))[0]

@@ -9,7 +9,7 @@ import re
 
 import pytest
 
-from fingertip.board import README, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.components.selection import SOLD, capacitances_in_range, nearest_capacitance
 from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, list_bom, purchased_components
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
@@ -33,6 +33,7 @@ from fingertip.board.parts.table import (
     load_sources,
     read_rows,
 )
+from fingertip.catalogues.output_files import README
 from fingertip.tasks.board import board_files
 from tests.board.conftest import BOARDS
 from tests.designs import ARTICLE, load_article

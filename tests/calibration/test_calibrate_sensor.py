@@ -27,8 +27,8 @@ from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.silicone import describe_force_curve
 from fingertip.foundation.errors import DesignError, TraceError
-from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
+from fingertip.sim.signal.converter import compute_bridge_v
 from tests.conftest import ROOT
 from tests.designs import ARTICLE
 

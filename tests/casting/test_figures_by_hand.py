@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from fingertip.casting.quantities import SiliconeVolumes
+from fingertip.catalogues.hardware import find_needle
 from fingertip.catalogues.silicones import SILICONES
-from fingertip.catalogues.syringes import find_needle
 from fingertip.design import Design
 from fingertip.documents.casting.sheet import casting_sheet_data
 from tests.conftest import design_file

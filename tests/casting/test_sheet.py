@@ -19,17 +19,19 @@ from fingertip.cad.printing.orientations import print_orientations, supports_by_
 from fingertip.cad.printing.print_files import FDM
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.strength.assess import assess_strength
 from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
 from fingertip.cad.verification.check import list_warnings
-from fingertip.cad.verification.filling import check_filling
+from fingertip.cad.verification.mold import check_filling
+from fingertip.cad.verification.strength import assess_strength
 from fingertip.casting.consumables import flat_width_mm, uses_adhesive
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg, volumes_data
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
+from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty
-from fingertip.catalogues.threads import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.seat import find_losses
+from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.interface import CrossBolted
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
@@ -238,7 +240,9 @@ def test_cross_bolt_passes_bore_walls_and_nut_and_its_hole_has_a_place() -> None
         crossed = 2 * half_width if changes else design.bone.post_width_mm + mounting["play_mm"]
         outside = crossed + bolt["walls"] * bolt["wall_mm"]
         assert bolt["length_mm"] >= outside + thread.nut_height_mm - 0.05, "the nut is full"
-        from_mm = abs(design.dimensions.cross_bolt_z + design.bone.base_length_mm)
+        interface = interface_of(design)
+        assert isinstance(interface, CrossBolted)
+        from_mm = abs(interface.cross_bolt_z(design) + design.bone.base_length_mm)
         assert bolt["from_mm"] == round(from_mm, 2)
 
 

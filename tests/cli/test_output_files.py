@@ -18,8 +18,8 @@ from fingertip.tasks.build import parts_writer
 from tests.conftest import run_fingertip
 
 FILES = (
-    ("board", "--bode", ".csv", "fingertip.board.write_board"),
-    ("board", "--plot", ".png", "fingertip.board.write_board"),
+    ("board", "--bode", ".csv", "fingertip.tasks.board.write_board"),
+    ("board", "--plot", ".png", "fingertip.tasks.board.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
     ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
     ("params", "--html", ".html", "fingertip.tasks.page.draw_atlas"),
@@ -44,7 +44,7 @@ FOLDERS = (
     ("validate", "fingertip.lab.validate"),
     ("drawing fsr400", "fingertip.pictures.drawing.draw.draw_files"),
     ("page fsr400", "fingertip.tasks.page.read_sources"),
-    ("bench", "fingertip.sim.bench.work_precision.require_libraries"),
+    ("bench", "benchmarks.peers.options.require_libraries"),
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""

@@ -14,15 +14,15 @@ from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
-from fingertip.design.load import load_tables
+from fingertip.design.files import load_tables
 from fingertip.documents.firmware import BOARDS, BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.foundation.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, load_model
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}

@@ -8,10 +8,10 @@ import re
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.quantities import measure_volumes
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.design.silicone import select_silicone
 from fingertip.documents.casting.sheet import casting_sheet_data, steps
-from fingertip.foundation.toml_files import DESIGN
 from fingertip.pictures.picture import draw
 from fingertip.pictures.steps.pictures import draw_steps
 

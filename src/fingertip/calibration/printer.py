@@ -11,7 +11,7 @@ from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.calibration.readings import Measured
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.statistics import chi_square_quantile, t_quantile
+from fingertip.foundation.numerics import chi_square_quantile, t_quantile
 
 # Least squares of the readings. A reading y of a length with the nominal value N, printed between two surfaces, is
 #

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from fingertip.cad.shapes.coupon_layout import AROUND_MM, RIB_MM, WALLS_MM, Spot, lay_out
+from fingertip.catalogues.output_files import PLAN
 from fingertip.design import Design
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import DesignError, Issue, join_words
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.foundation.toml_files import read_toml
@@ -114,8 +115,6 @@ def _along_y(name: str, kind: Kind, x: float, ys: Point, where: str) -> Length:
 
 IDENTITY = "coupon"
 """Key that says which coupon the readings belong to."""
-PLAN = "coupon.png"
-"""Name of the plan view with the numbers of the lengths."""
 MIN_READINGS = 3
 """Least number of readings of a length that has any, so that a slip of the calipers shows."""
 MIN_LENGTHS = 3

@@ -16,10 +16,10 @@ from fingertip.board import board_values
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.bridge import NEWTON_PER_GRAM
 from fingertip.design import Design
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
-from fingertip.foundation.statistics import t_quantile
+from fingertip.foundation.numerics import t_quantile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ConductanceCurve, fit_conductance_curve
 from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
 

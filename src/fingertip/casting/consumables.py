@@ -9,9 +9,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.shapes.seals import TAPE_RIM_MM, tape_outline_mm
+from fingertip.cad.shapes.bone import TAPE_RIM_MM, tape_outline_mm
 from fingertip.design import Design
-from fingertip.design.geometry.insert_body import add_groove
+from fingertip.design.geometry.conic import add_groove
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.foundation.numerics import bisect
 

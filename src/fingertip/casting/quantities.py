@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import intersection, union
 from fingertip.cad.shapes import insert as skin
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import mold_insert
-from fingertip.cad.shapes.runners import runners
+from fingertip.cad.shapes.mold import runners
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
+from fingertip.design.geometry.solids import intersection, union
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling
 
 WASTE_FRACTION = 0.25

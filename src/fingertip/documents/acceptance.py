@@ -10,7 +10,7 @@ from typing import Any
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, describe_plug_wires, size_wires
 from fingertip.design import Design
-from fingertip.design.formulas.supply import signal_ground_ratio
+from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.documents.template import lay_out_page, render
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection

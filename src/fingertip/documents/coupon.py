@@ -7,8 +7,9 @@ from fingertip.cad.printing.print_files import LAYER_MM, RESIN_LAYER_MM
 from fingertip.cad.shapes.coupon import list_heights
 from fingertip.cad.shapes.coupon_layout import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
 from fingertip.cad.shapes.engraving import STROKE_WIDTH
-from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS, PLAN, list_lengths
-from fingertip.catalogues.threads import select_thread
+from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS, list_lengths
+from fingertip.catalogues.hardware import select_thread
+from fingertip.catalogues.output_files import PLAN
 from fingertip.design import Design
 from fingertip.documents.template import lay_out_page, render
 

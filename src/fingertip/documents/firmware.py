@@ -11,10 +11,10 @@ from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, lay_out_page, render
 from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
-from fingertip.foundation.toml_files import DESIGN
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
 

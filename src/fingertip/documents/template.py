@@ -51,6 +51,7 @@ def _environment() -> Environment:
     )
     environment.filters |= {
         "wrap": lambda text: lay_out_page(text, WIDTH),
+        "paragraphs": lay_out_page,
         "listed": join_words,
         "span": _span,
         "figure": format_figure,

@@ -15,7 +15,6 @@ from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
 """Name of the library."""
-PROPERTIES, MANIFEST = "library.properties", "library.json"
 _SUMMARY = "Slip detector of a prosthetic fingertip."
 _CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 

@@ -51,7 +51,6 @@ def quote_value(value: Any) -> str:
 
 
 def _as_line(text: str, kept: str = "") -> str:
-    """Write a text as one line of bounded length, or as several if line breaks are kept."""
     if len(text) > _MAX_WORD_LENGTH:
         text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
         text = shorten(text, _MAX_MESSAGE_LENGTH)

@@ -7,19 +7,17 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.strength.assess import assess_strength, strength_data
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.strength import assess_strength, strength_data
 from fingertip.cad.verification.verify import check_parts, verify
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError
-from fingertip.page.checks_section import EVERY_FILE, render_checks, render_verdict
-from fingertip.page.model_section import render_boxes
-from fingertip.page.parameters_section import shapes_of_parameters
-from fingertip.page.scene import Item, place_items, scene_data
+from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
+from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict, shapes_of_parameters
 from fingertip.studio.form import make_pointer
 from fingertip.studio.worker import StillWanted
 

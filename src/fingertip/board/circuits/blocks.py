@@ -47,7 +47,7 @@ from fingertip.board.parts.circuit import (
 )
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
 from fingertip.catalogues.amplifiers import CATALOGUE
-from fingertip.design.formulas.supply import DIVIDERS_OHM
+from fingertip.design.formulas.filter import DIVIDERS_OHM
 
 Wiring = Mapping[Component, Mapping[str, str]]
 """Component -> pin number -> net name."""

@@ -15,9 +15,9 @@ from functools import lru_cache
 import numpy as np
 
 from fingertip.board.parts.select_part import list_capacitances
-from fingertip.catalogues.preferred_series import MANTISSAS
 from fingertip.design.formulas.amplifiers import choose_amplifier, select_rectifier_ohm
 from fingertip.design.formulas.filter import (
+    MANTISSAS,
     MAX_OHM,
     MIN_CUTOFF_RATIO,
     MIN_OHM,

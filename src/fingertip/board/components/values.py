@@ -20,8 +20,13 @@ from fingertip.board.components.selection import (
 from fingertip.board.parts.circuit import GND, VCC, VEE, VMID, VREF
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
-from fingertip.design.formulas.filter import FilterComponents
-from fingertip.design.formulas.supply import AVERAGING_OHM, CONTROLLER_SUPPLIES, MAX_AVERAGING_F, signal_ground_ratio
+from fingertip.design.formulas.filter import (
+    AVERAGING_OHM,
+    CONTROLLER_SUPPLIES,
+    MAX_AVERAGING_F,
+    FilterComponents,
+    signal_ground_ratio,
+)
 from fingertip.design.parameters import Board
 
 # Supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.

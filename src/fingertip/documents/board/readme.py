@@ -35,7 +35,7 @@ from fingertip.board.parts.table import count_wires, group_plug_wires, list_conn
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
-from fingertip.design.formulas.supply import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
+from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
 from fingertip.documents.template import render
 from fingertip.foundation.files import format_figure

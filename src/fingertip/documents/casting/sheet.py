@@ -12,12 +12,12 @@ from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
-from fingertip.cad.printing.print_files import LAYER_MM, PRINT_FOLDER
+from fingertip.cad.printing.print_files import LAYER_MM
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
-from fingertip.cad.verification.filling import PUSH_S
+from fingertip.cad.verification.mold import PUSH_S
 from fingertip.casting.consumables import cover_tape_data, seat_tape_data, uses_adhesive, uses_primer
-from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, bill_of_materials, mounting_data
+from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
     SCALE_G,
@@ -35,14 +35,15 @@ from fingertip.casting.quantities import (
     volumes_data,
 )
 from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, print_settings
+from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
+from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
-from fingertip.catalogues.syringes import NOZZLE_DEPTH_MM, find_needle
 from fingertip.design import Design
+from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
-from fingertip.design.geometry.seat import sleeve_inset_mm, worst
-from fingertip.design.geometry.skin_thickness import min_skin_thickness
-from fingertip.design.geometry.tail_fold import END_ROOM_MM
+from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
+from fingertip.design.interfaces import interface_of
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
@@ -97,7 +98,7 @@ def casting_sheet_data(
         "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
-        "mounting": mounting_data(design),
+        "mounting": interface_of(design).mounting(design),
         "printing": _printing_data(design, prints),
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
         "print_process": PRINT_MATERIALS[design.strength.print_material].process,

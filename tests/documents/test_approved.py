@@ -117,7 +117,7 @@ def list_texts(template: str) -> set[str]:
 
 
 def test_every_sentence_stands_in_an_approved_document() -> None:
-    """The documents of boards have their own, in tests/board; those of a validation are sections of its report."""
+    """Documents of boards and of validations are compared with their own, in tests of theirs."""
     approved = " ".join(" ".join(path.read_text(encoding="utf-8").split()) for path in sorted(APPROVED.glob("*.md")))
     templates = [path for path in TEMPLATES.rglob("*.md") if path.parent.name not in ("board", "validation")]
     texts = {text for path in templates for text in list_texts(path.read_text(encoding="utf-8"))}

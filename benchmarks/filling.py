@@ -30,8 +30,7 @@ from fingertip.filling.hele_shaw import fill
 from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
 from fingertip.filling.network import FlowNetwork
 from fingertip.filling.predict import refine_peak
-from fingertip.filling.skin_grid import COLUMNS, ROWS, build_skin_grid
-from fingertip.filling.surface_links import Layer
+from fingertip.filling.surface_links import COLUMNS, ROWS, Layer, build_skin_grid
 from fingertip.foundation.numerics import Array
 
 PARAMS = Path(__file__).resolve().parent.parent / "params"

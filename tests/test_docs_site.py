@@ -13,7 +13,7 @@ import pytest
 import typer.main
 
 from fingertip.cli import app
-from fingertip.design.parameters.tables import PARAMETERS
+from fingertip.design.parameters import PARAMETERS
 from tests.conftest import ROOT
 from tests.tools import require_module
 from tools.docs_site import notebook, reference

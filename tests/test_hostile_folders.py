@@ -37,12 +37,14 @@ from fingertip.design import Design
 from fingertip.foundation import files as output_files
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import write_file
-from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters, verification, verify_sets
-from fingertip.sim.trace_export import signal_writer
+from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters
+from fingertip.sim.report import signal_writer
 from fingertip.slip.traces.origin import Origin, read_origin
+from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, write_board
 from fingertip.tasks.build import parts_writer, prints_writer, steps_writer
 from fingertip.tasks.firmware import firmware_files, write_firmware
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
 from tools.fuzz import in_process, originals
 from tools.fuzz.cases import Case

@@ -23,7 +23,7 @@ from fingertip.board.fabrication.bom import (
 )
 from fingertip.board.fabrication.fabrication_files import placement_file
 from fingertip.board.kicad.footprints import FOOTPRINTS
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
 from fingertip.catalogues.output_files import README

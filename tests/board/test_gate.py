@@ -33,9 +33,8 @@ from fingertip.board.analysis.thresholds import TOLERANCES
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
-from fingertip.catalogues.preferred_series import find_preferred_neighbours
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (
     RECTIFIER_OHMS,
@@ -49,6 +48,7 @@ from fingertip.design.formulas.amplifiers import (
     first_stage_feedback,
     select_rectifier_ohm,
 )
+from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.foundation.errors import DesignError
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE, run_ngspice
 from tests.designs import load_article

@@ -16,8 +16,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.netlist import component_uuid
-from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.parts.circuit import kicad_net_name
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
 from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, README, SCHEMATIC

@@ -26,9 +26,8 @@ from fingertip.board.kicad.placement import (
     place_pads,
     rotate_offset,
 )
-from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, CLEARANCE_MM, TRACK_MM, VIA_MM
 from fingertip.board.kicad.silkscreen import silkscreen_conflicts
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.symbols import M2_HOLE, R_0603
 from fingertip.catalogues.output_files import LAYOUT

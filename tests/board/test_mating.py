@@ -11,8 +11,8 @@ import pytest
 from fingertip import Design
 from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup.wiring import wiring_diagram
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
-from fingertip.board.parts.mating import (
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.parts.table import (
     PlugWire,
     count_wires,
     find_plug_wire,

@@ -22,7 +22,7 @@ from fingertip.board.kicad.models import (
     model_path,
 )
 from fingertip.board.kicad.placement import Placement, rotate_offset
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import OutputError

@@ -10,9 +10,9 @@ import re
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.components.filter import SOLD, capacitances_in_range, nearest_capacitance
+from fingertip.board.components.selection import SOLD, capacitances_in_range, nearest_capacitance
 from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, list_bom, purchased_components
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import CapacitorRequirement, Component, ResistorRequirement, parse_component_value
 from fingertip.board.parts.select_part import (
     SOLD_PERCENT,

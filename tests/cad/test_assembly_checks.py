@@ -9,14 +9,14 @@ import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.kernel.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
-from fingertip.cad.shapes.interface import interface
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
+from fingertip.design.interfaces import interface_of
 from fingertip.tasks.build import build
 
 TOLERANCE = 0.02
@@ -97,7 +97,7 @@ def test_hole_through_a_wall_changes_the_genus(finger: Design, evaluator: MeshEv
 
 
 def test_missing_cable_channel_changes_the_genus(finger: Design, evaluator: MeshEvaluator) -> None:
-    added, removed = interface(finger)
+    added, removed = interface_of(finger).shapes(finger)
     hollows = (bone.sensor_recess(finger), bone.tie_hole(finger), *removed)
     blind = difference(union(filled_bone(finger), *added), *hollows)
     assert mesh_failures(PARTS["bone"], mesh_of(evaluator, blind)) == {"genus"}
@@ -189,7 +189,7 @@ def test_brep_volume_equals_the_closed_form() -> None:
 
 
 def primitives(solid: Solid) -> set[Solid]:
-    from fingertip.cad.kernel.solids import Difference, Intersection, Scaled, Union
+    from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Union
 
     match solid:
         case Scaled(inner):

@@ -8,18 +8,16 @@ from dataclasses import replace
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Cone, ElbowTube, cylinder, difference, union
 from fingertip.cad.printing import orientations
 from fingertip.cad.printing.orientations import Orientation
 from fingertip.cad.shapes import bone, parts
 from fingertip.cad.shapes.insert import skin, skin_interior
-from fingertip.cad.shapes.interface import interface
-from fingertip.cad.verification import bone as bone_checks
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification.skin import check_skin
 from fingertip.design import Design
-from fingertip.design.geometry.seat import find_losses, worst
-from fingertip.design.geometry.skin_thickness import min_skin_thickness
+from fingertip.design.geometry.seat import find_losses, min_skin_thickness, worst
+from fingertip.design.geometry.solids import Box, Cone, ElbowTube, cylinder, difference, union
+from fingertip.design.interfaces import INTERFACES
 from fingertip.foundation.errors import DesignError
 from tests.cad.part_checks import SLEEVE, SOCKET, TOLERANCE, failed_checks, run_checks
 
@@ -29,10 +27,9 @@ THICK = [
 ]  # fmt: skip
 
 
-def replace_interface(monkeypatch: pytest.MonkeyPatch, changed: Callable[[Design], object]) -> None:
-    """Replace the interface in the bone and in its checks."""
-    for module in (bone, bone_checks):
-        monkeypatch.setattr(module, "interface", changed)
+def replace_shapes(monkeypatch: pytest.MonkeyPatch, name: str, changed: Callable[[Design], object]) -> None:
+    """Replace the shapes of an interface."""
+    monkeypatch.setattr(INTERFACES[name], "shapes", changed)
 
 
 @pytest.mark.full
@@ -164,27 +161,27 @@ def test_hole_in_the_seat_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.full
 def test_socket_too_close_to_the_outside_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = interface
+    original = INTERFACES["socket"].shapes
 
     def wider(design: Design) -> object:
         added, (socket, *others) = original(design)
         assert isinstance(socket, Cone)
         return added, (replace(socket, low_radius=3.6, high_radius=3.6), *others)
 
-    replace_interface(monkeypatch, wider)
+    replace_shapes(monkeypatch, "socket", wider)
     assert failed_checks(*SOCKET) == {"bone.wall.socket_to_outside"}
 
 
 @pytest.mark.full
 def test_cross_bolt_too_close_to_the_channel_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = interface
+    original = INTERFACES["post"].shapes
 
     def higher(design: Design) -> object:
         added, (hole,) = original(design)
         assert isinstance(hole, Cone)
         return added, (replace(hole, centre=(3.0, -20.0)),)
 
-    replace_interface(monkeypatch, higher)
+    replace_shapes(monkeypatch, "post", higher)
     assert "bone.wall.channel_to_interface" in failed_checks()
 
 
@@ -203,14 +200,14 @@ def test_tie_hole_too_close_to_the_solder_relief_fails(monkeypatch: pytest.Monke
 
 @pytest.mark.full
 def test_socket_too_close_to_the_solder_relief_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    original = interface
+    original = INTERFACES["socket"].shapes
 
     def deeper(design: Design) -> object:
         added, (socket, *others) = original(design)
         assert isinstance(socket, Cone)
         return added, (replace(socket, high=-14.5), *others)
 
-    replace_interface(monkeypatch, deeper)
+    replace_shapes(monkeypatch, "socket", deeper)
     assert "bone.wall.socket_to_sensor" in failed_checks(*SOCKET)
 
 

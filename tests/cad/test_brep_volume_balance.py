@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
 
 
 class BrepVolumes:

@@ -10,7 +10,7 @@ from fingertip.cad.verification import check as causes
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.parameters.tables import PARAMETERS
+from fingertip.design.parameters import PARAMETERS
 from tests.conftest import design_file
 
 VARIANTS = [

@@ -11,20 +11,17 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Solid, union
-from fingertip.cad.shapes import interface
-from fingertip.cad.shapes import interface as clevis
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.strength.assess import assess_strength
-from fingertip.cad.strength.stress import stress_joint, tendon_force_per_n
-from fingertip.cad.verification import joint as joint_checks
+from fingertip.cad.verification import assembly as joint_checks
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.strength import assess_strength
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.solids import Solid, union
+from fingertip.design.interfaces import clevis, clevis_rules, interface_of
 from fingertip.design.new_design import PRESETS
-from fingertip.design.rules import joint as joint_rules
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import DesignError
 from fingertip.tasks.build import build
@@ -167,7 +164,7 @@ def test_free_knuckle_of_the_hand_is_larger_than_the_eye() -> None:
     joint = design.dimensions.joint
     assert joint
     assert joint.eye_radius == pytest.approx(design.hand.clearance_radius_mm - design.bone.joint_clearance_mm)
-    assert interface.interface_genus(design) == 4
+    assert interface_of(design).genus(design) == 4
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -184,7 +181,7 @@ def test_tendon_has_room_between_its_anchor_and_the_film(name: str) -> None:
 def test_missing_notch_of_the_tendon_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     design = load("adult_finger", *TONGUE)
     assert run_checks(design)["joint.tendon_overlap"].passed
-    monkeypatch.setattr(clevis, "_notch", lambda design, anchor: clevis.pin_bore(design.dimensions.joint, 1.0))
+    monkeypatch.setattr(clevis, "notch", lambda design, anchor: clevis.pin_bore(design.dimensions.joint, 1.0))
     assert "joint.tendon_overlap" in failed(design)
 
 
@@ -207,20 +204,20 @@ def test_a_narrow_joint_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_travel_that_meets_the_shoulder_or_has_no_stop_is_refused(values: dict[str, float], blamed: bool) -> None:
     """The pulp meets the shoulder; the shoulder's corner meets the collar; the stop lies outside the finger."""
     design = DesignTables(**load("adult_finger").model_dump()).with_values(values)
-    fields = [broken.rule.field for broken in find_violations(joint_rules.RULES, design)]
+    fields = [broken.rule.field for broken in find_violations(clevis_rules.RULES, design)]
     assert ("hand.travel_deg" in fields) == blamed
 
 
 def test_tendon_that_would_press_on_the_film_is_refused() -> None:
     design = DesignTables(**load("adult_finger").model_dump()).with_values({"hand.tendon_diameter_mm": 2.0})
-    assert [broken.rule.field for broken in find_violations(joint_rules.RULES, design)] == ["hand.tendon_distance_mm"]
+    assert [broken.rule.field for broken in find_violations(clevis_rules.RULES, design)] == ["hand.tendon_distance_mm"]
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
     """35 mm of lever about the pin against 4.95 mm of the tendon, and two thirds of the stop."""
     design = load("adult_finger")
-    assert tendon_force_per_n(design, 25.0) == pytest.approx(35.0 / 4.95)
-    stresses = {found.place: found for found in stress_joint(design, 25.0)}
+    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(35.0 / 4.95)
+    stresses = {found.place: found for found in interface_of(design).local_stresses(design, 25.0)}
     section, joint = design.dimensions.bone_outline.section, design.dimensions.joint
     assert joint
     pull = 35.0 / (2 / 3 * (section.dorsal - joint.axis_y)) + 1.0

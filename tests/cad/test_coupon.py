@@ -10,7 +10,6 @@ import pytest
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Placed, Solid, cylinder, difference, intersection, union
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.coupon import COUPON_PARTS, RING_MM, frame_with_fits, loose_slice
 from fingertip.cad.shapes.coupon_layout import WALLS_MM, has_key, lay_out
@@ -18,9 +17,10 @@ from fingertip.cad.verification.printing import check_mesh_file
 from fingertip.calibration.readings import list_lengths
 from fingertip.casting.slicer import parse_gcode
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN as DESIGN_KIND
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Placed, Solid, cylinder, difference, intersection, union
 from fingertip.documents.coupon import COUPON_LAYER_MM, COUPON_MINUTES
-from fingertip.foundation.toml_files import DESIGN as DESIGN_KIND
 from tests.conftest import some_of
 from tests.tools import require_tool
 

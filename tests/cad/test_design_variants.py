@@ -61,8 +61,8 @@ def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
 def test_shrinkage_enlarges_the_cavity_but_not_the_skin(tmp_path: Path) -> None:
     """At 1 % linear shrinkage the cavity has 1 / 0.99^3 times the volume of the design; the skin keeps its size."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.kernel.solids import SuperconicSolid
     from fingertip.cad.shapes.insert import cavity_outline
+    from fingertip.design.geometry.solids import SuperconicSolid
 
     plain = Design.load(changes=["mold.silicone_shrinkage_percent=0"])
     shrinking = Design.load(changes=["mold.silicone_shrinkage_percent=1"])

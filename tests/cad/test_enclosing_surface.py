@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
-from fingertip.cad.kernel.solids import Box, SuperconicSolid
 from fingertip.cad.shapes.insert import skin_interior
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
 from fingertip.cad.verification.skin import EnclosingSurface, min_thickness
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, SuperconicSolid
 
 
 def test_distance_in_a_box_is_that_to_its_nearest_face() -> None:

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import intersection, union
 from fingertip.cad.shapes import engraving, mold
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines, stroke_rectangles
 from fingertip.design import Design
-from fingertip.design.export import list_parameters
+from fingertip.design.files import list_parameters
+from fingertip.design.geometry.solids import intersection, union
 
 ALLOWED = string.ascii_letters + string.digits + "-_"
 LETTERS = string.ascii_uppercase + string.digits + "-_"

@@ -8,12 +8,12 @@ from itertools import combinations
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Solid, cylinder, difference
 from fingertip.cad.shapes.insert import cavity
 from fingertip.cad.shapes.parts import hardware, parts_by_name, screw
 from fingertip.casting.hardware import bill_of_materials
-from fingertip.catalogues.threads import THREADS
+from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Solid, cylinder, difference
 from tests.conftest import ROOT, design_file
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.cad.kernel.solids import Box, Cone, ElbowTube, Prism, Solid, cylinder, scaled, union
-from fingertip.cad.shapes import bone, insert, mold, runners
+from fingertip.cad.shapes import bone, insert, mold
+from fingertip.cad.shapes import mold as runners
 from fingertip.cad.verification import mold as verification
 from fingertip.cad.verification.check import search_distance
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Cone, ElbowTube, Prism, Solid, cylinder, scaled, union
 from fingertip.foundation.errors import DesignError
 from tests.cad.part_checks import SLEEVE, TOLERANCE, failed_checks, run_checks
 

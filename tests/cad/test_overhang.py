@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
-from fingertip.cad.kernel.solids import Box, Cone, Prism, Solid, cylinder, difference, hexagon, scaled, union
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, bed_pose, find_ceilings
 from fingertip.cad.shapes import insert as chaplet
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.bridged_pocket import (
+from fingertip.cad.shapes.insert import (
     BRIDGE_STEP_MM,
     CEILING_STEPS_MM,
     bridge_ceiling,
@@ -24,10 +23,11 @@ from fingertip.cad.shapes.bridged_pocket import (
 )
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.printing import _is_inside, check_overhang
-from fingertip.catalogues.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, THREADS, Thread
+from fingertip.catalogues.hardware import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, THREADS, Thread
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, hexagon, scaled, union
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.tables import PARAMETERS
 from tests.conftest import DESIGNS, design_file, some_of
 
 TOLERANCE, FINE = 0.02, 0.0005

@@ -16,11 +16,11 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.export import list_parameters
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.files import list_parameters
+from fingertip.design.geometry import DesignTables
 from fingertip.design.new_design import PRESETS
+from fingertip.design.refusal import Search
 from fingertip.design.rules.ruleset import Rule
-from fingertip.design.rules.search import Search
 from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 

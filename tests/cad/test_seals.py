@@ -7,9 +7,9 @@ import math
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.seals import seals
-from fingertip.cad.verification import filling as verification
-from fingertip.cad.verification.filling import check_seals, flooded_mm3, leak_mm
+from fingertip.cad.shapes.bone import seals
+from fingertip.cad.verification import mold as verification
+from fingertip.cad.verification.mold import check_seals, flooded_mm3, leak_mm
 from fingertip.design import Design
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.new_design import PRESETS

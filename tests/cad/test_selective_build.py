@@ -29,8 +29,8 @@ def test_only_the_requested_parts_are_evaluated(tmp_path: Path, monkeypatch: pyt
     assert {path.name for path in tmp_path.iterdir()} == {*files, "print"}
     assert {path.name for path in (tmp_path / "print").iterdir()} == {"bone.stl", "manifest.json"}
     assert [built.part.name for built in result.parts] == ["bone"]
-    from fingertip.cad.kernel.solids import SuperconicSolid
     from fingertip.cad.shapes.parts import PARTS
+    from fingertip.design.geometry.solids import SuperconicSolid
 
     assert SuperconicSolid(design.dimensions.outer) not in evaluated
     assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.files.step_process import StepJob, StepProcess
-from fingertip.cad.kernel.solids import Box, Solid, difference
+from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.foundation.errors import GeometryError
 
 GREY = (0.5, 0.5, 0.5)

@@ -10,13 +10,19 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.strength import assess
-from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data, stress_gradients
-from fingertip.cad.strength.stress import hole_in_tension, measure_section, shoulder_in_bending
+from fingertip.cad.verification import strength as assess
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.strength import (
+    assess_strength,
+    describe_strength,
+    measure_section,
+    strength_data,
+    stress_gradients,
+)
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
+from fingertip.design.formulas.stress import hole_in_tension, shoulder_in_bending
 from tests.conftest import design_file, run_fingertip
 
 DESIGN = Design()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import SuperconicSolid
 from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.verification import skin as surface_deviation
 from fingertip.cad.verification.skin import distance_to_surface, max_facet_deviation, surface_patches
 from fingertip.design import Design
+from fingertip.design.geometry.solids import SuperconicSolid
 
 
 def test_points_offset_from_the_surface_have_that_distance(design: Design) -> None:

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, difference, union
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, fold_tail
+from fingertip.design.geometry.features import SLIDING_MM, SensorTail, fold_tail
+from fingertip.design.geometry.solids import Box, difference, union
 from fingertip.tasks.build import build
 from tests.conftest import design_file
 

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.kernel.solids import (
+from fingertip.cad.kernel.tessellate import arc_segments, tessellate
+from fingertip.cad.verification.printing import count_open_edges
+from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, add_draft, arc_point
+from fingertip.design.geometry.solids import (
     Box,
     Cone,
     DraftedExtrusion,
@@ -19,10 +22,6 @@ from fingertip.cad.kernel.solids import (
     cylinder,
     hexagon,
 )
-from fingertip.cad.kernel.tessellate import arc_segments, tessellate
-from fingertip.cad.verification.printing import count_open_edges
-from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, arc_point
-from fingertip.design.geometry.insert_body import add_draft
 
 SECTION = CrossSection(8.5, 6.0, 7.0, 0.8, 0.75)
 PRISM = SuperconicSolid(ConicBody(SECTION, ((-3.0, 1.0), (24.0, 0.94))))

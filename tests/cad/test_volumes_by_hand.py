@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, union
+from fingertip.cad.shapes.mold import luer_cone, sprue
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.shapes.runners import luer_cone, sprue
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, union
 
 PLAIN = (
     "mold.filling=gravity", "mold.engraving_depth_mm=0", "mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01",

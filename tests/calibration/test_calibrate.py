@@ -20,9 +20,9 @@ from fingertip.calibration.printer import (
 )
 from fingertip.calibration.readings import check_readings
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN as DESIGN_KIND
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.toml_files import DESIGN as DESIGN_KIND
 from tests.calibration.simulated import OFFSET_MM, SCALE, THINNEST_MM, simulate
 from tests.conftest import design_file, some_of
 
@@ -139,7 +139,7 @@ def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
 @pytest.mark.full
 def test_silicone_leaks_through_the_printed_gap() -> None:
     """A gap drawn 0.1 mm wider, of which the print takes 0.1 mm, leaks and plays as before."""
-    from fingertip.cad.verification.filling import leak_mm
+    from fingertip.cad.verification.mold import leak_mm
     from fingertip.design.geometry.seat import list_contacts
 
     plain = Design.load(design_file("fsr400"))

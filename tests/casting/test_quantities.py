@@ -7,11 +7,10 @@ import math
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import difference, intersection, union
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import cavity, mold_insert
+from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.shapes.runners import runners
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -22,10 +21,11 @@ from fingertip.casting.quantities import (
     measure_volumes,
     volumes_data,
 )
+from fingertip.catalogues.hardware import THREADS, select_thread
 from fingertip.catalogues.silicones import SILICONES
-from fingertip.catalogues.threads import THREADS, select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts, standard_length_mm
+from fingertip.design.geometry.solids import difference, intersection, union
 from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
 from fingertip.foundation.errors import DesignError
 from tests.conftest import design_file

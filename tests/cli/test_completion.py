@@ -127,11 +127,14 @@ def test_fish_completes(scripts: Path, line: str, expected: set[str]) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("keys", "expected"), [
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
         ("fingertip boa\t", "board"),
         ("fingertip build fsr402_s\t", "fsr402"),
         ("fingertip build --set skin.wid\t18", "skin.width_mm=18"),
-    ])
+    ],
+)
 def test_zsh_completes(scripts: Path, keys: str, expected: str) -> None:
     """An interactive zsh in a pseudo-terminal, which zsh itself provides."""
     zsh = require_tool("zsh", "apt-get install zsh")

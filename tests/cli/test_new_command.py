@@ -13,7 +13,7 @@ import typer
 
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.design.export import list_parameters
+from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, list_hands, write_new_design
 from tests.conftest import run_fingertip, some_of
 

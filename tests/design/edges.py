@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
-from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.design.rules.ruleset import Rule
 
 NUMERIC = [name for name, info in PARAMETERS.items() if info.annotation in (float, int)]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody, CrossSection
-from fingertip.design.geometry.design_tables import DesignTables
 from fingertip.design.geometry.seat import (
     Contact,
     Loss,

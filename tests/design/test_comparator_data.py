@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.design.formulas import supply as data
+from fingertip.design.formulas import filter as data
 
 
 def test_figures_are_the_data_sheets() -> None:

@@ -6,8 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.design.geometry.conic import CrossSection, arc_parameter_at_height, arc_parameter_at_slope, arc_point
-from fingertip.design.geometry.insert_body import add_draft
+from fingertip.design.geometry.conic import (
+    CrossSection,
+    add_draft,
+    arc_parameter_at_height,
+    arc_parameter_at_slope,
+    arc_point,
+)
 
 LENGTHS, WEIGHTS, SLOPES = st.floats(2.0, 30.0), st.floats(0.4, 8.0), st.floats(0.001, 0.3)
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.design.export import json_schema, list_parameters, to_toml
+from fingertip.design.files import json_schema, list_parameters, to_toml
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import DESIGNS, design_file
 

@@ -9,12 +9,12 @@ from collections.abc import Sequence
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.all_rules import RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.tables import PARAMETERS
-from fingertip.design.rules import RULES
-from fingertip.design.rules.force_curve import calibration_spans_forces
-from fingertip.design.rules.search import Search
+from fingertip.design.refusal import Search
+from fingertip.design.rules.skin import calibration_spans_forces
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
 from tools.fuzz.remedies import as_changes, read_alternatives, read_remedy

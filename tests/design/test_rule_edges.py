@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.load import load_tables
+from fingertip.design.all_rules import ELECTRONIC_RULES, RULES
+from fingertip.design.files import load_tables
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit
-from fingertip.design.parameters.tables import PARAMETERS
-from fingertip.design.rules import ELECTRONIC_RULES, RULES
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.foundation.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.design import Design, rules
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design import Design
+from fingertip.design.all_rules import PART_RULES, RULES
+from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import RecordingTables, find_violations
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file
@@ -155,7 +156,7 @@ def find_issues(changes: list[str]) -> dict[str, Issue]:
 
 
 def test_cases_cover_every_field_that_rules_of_the_parts_blame() -> None:
-    assert {rule.field for rule in rules.PART_RULES} == set(CASE_BY_FIELD)
+    assert {rule.field for rule in PART_RULES} == set(CASE_BY_FIELD)
 
 
 @pytest.mark.every_case
@@ -179,7 +180,7 @@ def test_other_tails_fit_as_the_files_say(name: str) -> None:
 
 
 def test_parameters_that_a_rule_reads_are_recorded() -> None:
-    (broken,) = find_violations(rules.RULES, DesignTables().with_values({"bone.wall_mm": 0.6}))
+    (broken,) = find_violations(RULES, DesignTables().with_values({"bone.wall_mm": 0.6}))
     assert broken.reads == {"bone.wall_mm", "printer.min_wall_mm"}
     tables = DesignTables().with_values({"skin.length_mm": 30.0, "bone.groove_depth_mm": 0.0})
     recorder = RecordingTables(tables)
@@ -191,23 +192,23 @@ def test_parameters_that_a_rule_reads_are_recorded() -> None:
 
 def test_parameters_of_prerequisites_are_recorded_too() -> None:
     tables = DesignTables().with_values({"skin.min_thickness_mm": 1.7})
-    (broken,) = find_violations(rules.RULES, tables)
+    (broken,) = find_violations(RULES, tables)
     assert {"skin.min_thickness_mm", "skin.tip_length_mm", "bone.rim_mm"} <= broken.reads
     assert not any(name.startswith(("board.", "detector.", "printer.")) for name in broken.reads)
 
 
 def test_a_rule_that_reads_an_invalid_parameter_is_skipped() -> None:
     tables = DesignTables().with_values({"bone.wall_mm": 0.6, "bone.channel_bend_radius_mm": 1.0})
-    blamed = {broken.rule.field for broken in find_violations(rules.RULES, tables)}
+    blamed = {broken.rule.field for broken in find_violations(RULES, tables)}
     assert blamed == {"bone.wall_mm", "bone.channel_bend_radius_mm"}
-    left = list(find_violations(rules.RULES, tables, frozenset({"printer.min_wall_mm"})))
+    left = list(find_violations(RULES, tables, frozenset({"printer.min_wall_mm"})))
     assert [broken.rule.field for broken in left] == ["bone.channel_bend_radius_mm"]
 
 
 def test_rules_that_depend_on_an_invalid_parameter_through_a_prerequisite_are_skipped() -> None:
     tables = DesignTables().with_values({"skin.min_thickness_mm": 1.7})
-    assert list(find_violations(rules.RULES, tables))
-    assert not list(find_violations(rules.RULES, tables, frozenset({"bone.rim_mm"})))
+    assert list(find_violations(RULES, tables))
+    assert not list(find_violations(RULES, tables, frozenset({"bone.rim_mm"})))
 
 
 def test_dimensions_follow_a_copy_with_other_parameters() -> None:

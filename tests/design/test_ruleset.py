@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import FrozenInstanceError
 
 import pytest
 
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import (
     SLACK,
     InvalidParameterError,
+    Limit,
     RecordingTables,
     Rule,
     RuleChecker,
@@ -22,6 +24,7 @@ from fingertip.design.rules.ruleset import (
 )
 
 TABLES = DesignTables()
+ADC = ("detector.adc_range_v", "detector.adc_bits")
 
 
 def passing(_: DesignTables) -> Violation | None:
@@ -145,3 +148,42 @@ def test_stand_in_has_the_values_of_the_tables_and_refuses_invalid_ones() -> Non
     assert free.as_tables().dimensions is free.as_tables().dimensions
     assert free.as_tables().mold_layout.half_width == TABLES.mold_layout.half_width
     assert {"skin.length_mm", "sensor.distance_from_tip_mm"} <= free.reads
+
+
+@pytest.mark.parametrize(
+    ("read", "names"),
+    [
+        (lambda tables: tables.value("skin.width_mm"), {"skin.width_mm"}),
+        (lambda tables: tables.value("name"), {"name"}),
+        (lambda tables: tables.printed_fit_mm, {"mold.fit_clearance_mm", "printer.offset_mm"}),
+        (lambda tables: tables.detector.adc_low_v, {"detector.adc_polarity"}),
+        (
+            lambda tables: tables.detector.adc_step_v,
+            {"detector.adc_polarity", *ADC},
+        ),
+    ],
+)
+def test_what_a_method_or_property_reads_is_recorded(read: Callable[[DesignTables], object], names: set[str]) -> None:
+    recorder = RecordingTables(TABLES)
+    assert read(recorder.as_tables()) == read(TABLES)
+    assert recorder.reads == names
+    with pytest.raises(InvalidParameterError):
+        read(RecordingTables(TABLES, frozenset(names)).as_tables())
+
+
+def test_a_copy_of_the_tables_cannot_pass_by_the_record() -> None:
+    with pytest.raises((TypeError, AttributeError)):
+        RecordingTables(TABLES).as_tables().with_values({"skin.width_mm": 10.0})
+
+
+def test_a_bound_refuses_values_beyond_it_in_the_unit_of_its_field() -> None:
+    ruleset = Ruleset()
+    most = ruleset.at_most("mold.draft_deg")(lambda design: Limit(2.0, "are steep", "so far", {"mold.wall_mm": 1.0}))
+    least = ruleset.at_least("bone.wall_mm", most, slack=0.0)(lambda design: Limit(1.0 + 1e-9, "is thin"))
+    absent = ruleset.at_most("bone.wall_mm")(lambda design: None)
+    assert list(ruleset) == [most, least, absent]
+    assert least.prerequisites == (most,)
+    assert most.check(TABLES) == Violation("3 degrees are steep", at_most(2.0), "so far", {"mold.wall_mm": 1.0})
+    assert most.check(TABLES.with_values({"mold.draft_deg": 2.0 + SLACK})) is None
+    assert least.check(TABLES) == Violation("1 mm is thin", at_least(1.0 + 1e-9))
+    assert absent.check(TABLES) is None

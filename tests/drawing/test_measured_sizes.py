@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cad.kernel.solids import Axis, Point3
 from fingertip.cad.report import Build
+from fingertip.design.geometry.sizes import AXES, Circle, Length, Size
+from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.pictures.drawing.draw import part_drawings
-from fingertip.pictures.drawing.sizes import AXES, Circle, Length, Size
 from fingertip.tasks.build import build
 from tests.conftest import some_of
 from tests.drawing.conftest import load_variant

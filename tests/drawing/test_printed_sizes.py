@@ -10,9 +10,7 @@ import pytest
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.foundation.numerics import Array
-from fingertip.pictures.drawing.draw import part_drawings
-from fingertip.pictures.drawing.sizes import (
+from fingertip.design.geometry.sizes import (
     AXES,
     FIT,
     MIN_TOLERANCE_MM,
@@ -23,6 +21,8 @@ from fingertip.pictures.drawing.sizes import (
     Tolerance,
     general,
 )
+from fingertip.foundation.numerics import Array
+from fingertip.pictures.drawing.draw import part_drawings
 from tests.drawing.conftest import FILES, load_variant
 
 OFFSET_MM = 0.12

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fingertip.filling.air import ClosingVent, LastPoint, TrappedAir, find_air
+from fingertip.filling.hele_shaw import ClosingVent, LastPoint, TrappedAir, find_air
 from fingertip.foundation.numerics import Array
 from tests.filling.filling_grids import slot
 

@@ -8,7 +8,7 @@ from functools import cache
 
 import pytest
 
-from fingertip.cad.verification.filling import air_rise_s, check_filling
+from fingertip.cad.verification.mold import air_rise_s, check_filling
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone

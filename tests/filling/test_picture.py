@@ -8,7 +8,7 @@ from PIL import Image
 
 from fingertip.design import Design
 from fingertip.filling.predict import Opening, follow_front, predict_filling
-from fingertip.filling.skin_grid import build_skin_grid
+from fingertip.filling.surface_links import build_skin_grid
 from fingertip.pictures.filling import _summarise, draw_filling
 from tests.conftest import design_file
 

@@ -23,7 +23,7 @@ from fingertip.filling.predict import (
     predict_filling,
     syringe_pressure_pa,
 )
-from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
+from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 from tests.conftest import design_file
 

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fingertip.design.parameters.tables import PARAMETERS
+from fingertip.design.parameters import PARAMETERS
 from fingertip.foundation.errors import DesignError, Issue
 from tools.fuzz import in_process, pieces, run, targets
 from tools.fuzz.cases import Case, design_cases
@@ -160,7 +160,7 @@ def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         while True:
             pass
 
-    monkeypatch.setattr("fingertip.design.export.format_parameter_table", never_end)
+    monkeypatch.setattr("fingertip.design.files.format_parameter_table", never_end)
     outcome = in_process.run(Case("test", ("params",), limit_s=0.05), tmp_path)
     assert outcome.code is None
 

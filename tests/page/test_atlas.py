@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fingertip import Design
-from fingertip.design.export import list_parameters
-from fingertip.design.parameters.tables import PARAMETERS
+from fingertip.design.files import list_parameters
+from fingertip.design.parameters import PARAMETERS
 from fingertip.page.atlas import (
     _FARTHER,
     _NEARER,

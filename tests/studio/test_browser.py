@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design
-from fingertip.design.export import to_toml
+from fingertip.design.files import to_toml
 from fingertip.studio.server import StudioServer
 from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.studio.test_server import list_bad_values

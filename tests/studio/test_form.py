@@ -7,9 +7,9 @@ import math
 import pytest
 
 from fingertip import Design
-from fingertip.design.export import json_schema
+from fingertip.design.files import json_schema
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
-from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.studio.answers import make_pointer
 from fingertip.studio.page import Field, make_form, render_studio
 from tests.page.conftest import Page

@@ -23,8 +23,8 @@ import pytest
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.parameters.tables import PARAMETERS
 from fingertip.foundation.errors import DesignError, StudioError
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer

@@ -8,7 +8,7 @@ from typing import Any
 import typer.main
 
 from fingertip.cli import app
-from fingertip.design.export import Parameter, format_value, list_parameters
+from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.design.model import Design
 
 WIDTH = 80

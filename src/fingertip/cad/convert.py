@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.design import Design
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.geometry.solids import Solid
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
 

@@ -12,8 +12,8 @@ from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.shapes.parts import PARTS, Part, hardware
-from fingertip.cad.strength.assess import BoneStrength, strength_data
 from fingertip.cad.verification.check import Check, count_checks, list_warnings
+from fingertip.cad.verification.strength import BoneStrength, strength_data
 from fingertip.catalogues.output_files import ASSEMBLY, DESIGN, PRINT_FOLDER, REPORT, SHEET
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.components.bridge import NEWTON_PER_GRAM
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote

@@ -73,7 +73,7 @@ def format_build(result: Build) -> list[str]:
         lines.append(f"{f'{PRINT_FOLDER}/':28}{', '.join(result.prints.contents)}")
 
     if result.strength:
-        from fingertip.cad.strength.assess import describe_strength
+        from fingertip.cad.verification.strength import describe_strength
 
         lines += describe_strength(result.strength)
     lines += format_failures(result.checks)
@@ -173,8 +173,7 @@ def firmware(
     and memory.
     """
     from fingertip.catalogues.output_files import FIRMWARE
-    from fingertip.firmware.packaging import cost_table, read_costs
-    from fingertip.firmware.wiring import find_warnings
+    from fingertip.firmware.packaging import cost_table, find_warnings, read_costs
     from fingertip.tasks.firmware import firmware_differences, write_firmware
 
     loaded = load_design(design, changes, console)

@@ -68,8 +68,8 @@ def printer(
     from fingertip.cad.verification.verify import verify
     from fingertip.calibration import printer as fit
     from fingertip.calibration.readings import read_readings
-    from fingertip.design.export import to_toml
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.files import to_toml
+    from fingertip.design.parameters.declaration import suggest_name
     from fingertip.foundation.files import write_file
 
     kept = keep or []
@@ -228,9 +228,8 @@ def sensor(
 
     Exit code 0: the force curve is calibrated, 2: the weighings are not usable.
     """
-    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
-    from fingertip.calibration.weighings import read_weighings
-    from fingertip.design.export import to_toml
+    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings, read_weighings
+    from fingertip.design.files import to_toml
     from fingertip.foundation.files import write_file
 
     remedy = "" if force else "overwrite it with --force"

@@ -67,7 +67,7 @@ def check(
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
-    from fingertip.foundation.output_set import verify_sets
+    from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
     for folder in folders:
@@ -126,7 +126,7 @@ def _check_designs(
 
 def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
-    from fingertip.design.load import load_tables
+    from fingertip.design.files import load_tables
 
     load_tables((), changes)  # reports invalid changes once instead of once per file
     loaded: dict[Path, Design] = {}

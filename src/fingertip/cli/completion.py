@@ -108,15 +108,15 @@ def _hands() -> Iterable[str]:
 
 
 def _parameters() -> Iterable[str]:
-    from fingertip.design.parameters.tables import PARAMETERS
+    from fingertip.design.parameters import PARAMETERS
 
     return PARAMETERS
 
 
 def _settings() -> Iterable[str]:
     """Parameters with =, and with each choice of those that have choices."""
+    from fingertip.design.parameters import PARAMETERS
     from fingertip.design.parameters.declaration import list_choices
-    from fingertip.design.parameters.tables import PARAMETERS
 
     return [f"{path}={choice}" for path, field in PARAMETERS.items() for choice in list_choices(field) or ("",)]
 

@@ -65,9 +65,9 @@ def new(
     are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
     """
     from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN
     from fingertip.design.new_design import write_new_design
     from fingertip.foundation.files import write_file
-    from fingertip.foundation.toml_files import DESIGN
 
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     if name in list_bundled_files(DESIGN):
@@ -93,9 +93,9 @@ def new(
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     if preset or hand:
         from fingertip.cad.kernel.mesh import MeshEvaluator
-        from fingertip.cad.strength.assess import assess_strength, describe_strength, strength_data
         from fingertip.cad.verification.bone import check_strength
         from fingertip.cad.verification.check import list_warnings
+        from fingertip.cad.verification.strength import assess_strength, describe_strength, strength_data
 
         strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
         data["strength"] = strength_data(strength)
@@ -125,7 +125,7 @@ def params(
     ] = None,
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
-    from fingertip.design import export
+    from fingertip.design import files as export
 
     issues = list(find_file_issues("--html", html, ".html"))
     if schema or toml:
@@ -177,10 +177,10 @@ def format_schema(kind: str) -> str:
 
 def make_schema(kind: str) -> dict[str, Any]:
     """Make the JSON schema of a kind of TOML file. Raises DesignError."""
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.parameters.declaration import suggest_name
 
     if kind == "design":
-        from fingertip.design.export import json_schema
+        from fingertip.design.files import json_schema
 
         found = json_schema()
     elif kind == "scene":
@@ -226,7 +226,7 @@ def completion(
     For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion
     zsh)" to ~/.zshrc, after compinit. For fish, write the script to ~/.config/fish/completions/fingertip.fish.
     """
-    from fingertip.design.parameters.issues import suggest_name
+    from fingertip.design.parameters.declaration import suggest_name
 
     if shell not in SCRIPTS:
         raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, tuple(SCRIPTS))}"))

@@ -13,6 +13,7 @@ from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import SetOption, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.processes import INTERRUPTIONS, exit_code
+from fingertip.slip.detectors.registry import DEFAULT, describe_detectors
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -35,10 +36,9 @@ def detect(
         str,
         typer.Option(
             "--detector",
-            help="digital (the article's chain in software), analog (on the board's output), fft (the article's "
-            "baseline) or fast (short-time energy).",
+            help=describe_detectors(),
         ),
-    ] = "digital",
+    ] = DEFAULT,
     rate_hz: Annotated[
         float | None,
         typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),
@@ -77,7 +77,7 @@ def detect(
     The detector analog takes the board's output: the column envelope_v of the trace or, if there is none, the output of
     the design's board, simulated for the voltage.
     """
-    from fingertip.design.load import load_tables
+    from fingertip.design.files import load_tables
     from fingertip.detection.files import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import add_to_set, check_set

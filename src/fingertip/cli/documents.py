@@ -91,15 +91,14 @@ def sheet(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.print_files import FDM
-    from fingertip.cad.strength.assess import assess_strength
     from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
+    from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.catalogues.output_files import SHEET, STEPS_FOLDER
     from fingertip.design.silicone import replace_silicone, select_silicone
-    from fingertip.documents.casting.markdown import render_sheet, steps
-    from fingertip.documents.casting.sheet import casting_sheet_data
+    from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
     from fingertip.tasks.build import steps_writer
 
     refuse(find_file_issues("--out", out, ".md"))
@@ -128,7 +127,7 @@ def sheet(
     if pictures:
         from fingertip.pictures.steps.pictures import draw_steps
 
-        drawn = draw_steps(loaded, data, steps(data), console.progress)
+        drawn = draw_steps(loaded, data, [step.picture for step in steps(data)], console.progress)
         steps_writer(loaded, file.path.parent, force).write(drawn)
     drawn_files = [f"{STEPS_FOLDER}/{name}" for name in drawn]
     file.write(render_sheet(data, drawn_files).encode())

@@ -139,7 +139,7 @@ def load_design(file: Path | None, changes: Sequence[str] | None, console: Conso
 def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bool]:
     """Read a design, and whether its file leaves it the default one. Raises DesignError."""
     from fingertip.design import Design
-    from fingertip.design.load import load_tables
+    from fingertip.design.files import load_tables
 
     loaded = load_tables([file] if file else [], changes)
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed), not loaded.before

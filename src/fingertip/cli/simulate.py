@@ -70,7 +70,7 @@ def simulate(
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
-    from fingertip.sim.trace_export import SUFFIXES, signal_writer, write_trace
+    from fingertip.sim.report import SUFFIXES, signal_writer, write_trace
 
     issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
@@ -81,7 +81,7 @@ def simulate(
             file, design, changes=changes or (), surface=surface, speed_m_s=speed_m_s, force_n=force_n, seed=seed
         )
     if grip is not None:
-        from fingertip.lab.campaign.grip import find_grip_issues
+        from fingertip.lab.campaign.closed_loop import find_grip_issues
 
         issues.extend(find_grip_issues(grip, simulation))
     if issues or simulation is None:
@@ -127,7 +127,7 @@ def _simulate(
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
     from fingertip.sim import ManipulationResult
     from fingertip.sim import report as summary
-    from fingertip.sim.trace_export import open_trace
+    from fingertip.sim.report import open_trace
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None
@@ -135,7 +135,7 @@ def _simulate(
     if grip is None:
         result = simulation.run(progress=progress)
     else:
-        from fingertip.lab.campaign.grip import run_with_grip
+        from fingertip.lab.campaign.closed_loop import run_with_grip
 
         gripped = run_with_grip(simulation, grip, progress)
         result, grips_s = gripped.result, gripped.grips_s

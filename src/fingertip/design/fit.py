@@ -13,11 +13,11 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.rules import PART_RULES
-from fingertip.design.rules.remedies import find_remedies
+from fingertip.design.all_rules import PART_RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.refusal import cheapest_first
+from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, find_violations
-from fingertip.design.rules.search import cheapest_first
 from fingertip.foundation.errors import DesignError
 
 FREE: Mapping[str, tuple[float, float]] = {
@@ -177,7 +177,7 @@ def _list_repairs(
 def _is_used(tables: DesignTables, name: str) -> bool:
     """Return whether a free parameter matters: those of the joint do so in a clevis with tendon and stops only."""
     if name.startswith("hand."):
-        return tables.bone.interface == "clevis" and bool(tables.value(name))
+        return tables.dimensions.joint is not None and bool(tables.value(name))
     return True
 
 

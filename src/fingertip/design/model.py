@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.parameters.issues import issues_from_pydantic
-from fingertip.design.rules import RULES
-from fingertip.design.rules.remedies import describe_violations, explain_invalid, explain_violations
+from fingertip.design.all_rules import RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters.declaration import issues_from_pydantic
+from fingertip.design.remedies import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import DesignError
@@ -30,7 +30,7 @@ class Design(DesignTables):
     ------
     DesignError
         With one message for each unknown name, each parameter out of bounds and each field that a broken rule blames.
-        `fingertip.design.rules.remedies` states what the remedies in the messages promise.
+        `fingertip.design.remedies` states what the remedies in the messages promise.
     """
 
     def __init__(self, /, **tables: Any) -> None:
@@ -45,7 +45,7 @@ class Design(DesignTables):
         DesignError
             If a file cannot be read, is not valid TOML or is of another kind, or if the design is refused.
         """
-        from fingertip.design.load import load_tables
+        from fingertip.design.files import load_tables
 
         loaded = load_tables(files, changes)
         return cls.from_tables(loaded.tables, loaded.before, loaded.changed)
@@ -95,7 +95,7 @@ class Design(DesignTables):
 
     def changes(self) -> dict[str, Any]:
         """Return the parameters that differ from the default design, by dotted name."""
-        from fingertip.design.parameters.tables import PARAMETERS
+        from fingertip.design.parameters import PARAMETERS
 
         values = {path: self.value(path) for path in PARAMETERS if path != "name"}
         return {path: value for path, value in values.items() if value != PARAMETERS[path].default}
@@ -110,7 +110,7 @@ class Design(DesignTables):
 
     def _repr_html_(self) -> str:
         """Table of the parameters that differ from the default design, for Jupyter."""
-        from fingertip.design.export import list_parameters
+        from fingertip.design.files import list_parameters
 
         changed = self.changes()
         rows = [
@@ -128,7 +128,7 @@ class Design(DesignTables):
         width_px
             Width of the picture [pixels].
         """
-        return plot("design", self, width_px)
+        return plot("fingertip.pictures.picture:draw", self, width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return every parameter with value, default, unit, bounds and description as a data frame.
@@ -138,7 +138,7 @@ class Design(DesignTables):
         MissingLibraryError
             If pandas is not installed.
         """
-        from fingertip.design.export import list_parameters
+        from fingertip.design.files import list_parameters
 
         listed = list(list_parameters())
         columns = {

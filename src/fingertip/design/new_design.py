@@ -15,18 +15,15 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingertip.catalogues.bundled import PARAMS, list_bundled_files
-from fingertip.design.export import Parameter, list_parameters
+from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import fit_design
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.load import load_tables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters import Hand
-from fingertip.design.parameters.issues import issues_from_pydantic, suggest_name
+from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError
-from fingertip.foundation.toml_files import DESIGN, read_toml
-
-# Hands whose joints are known: the files of `params/hands/`, each with a `[hand]` section and its source.
-
+from fingertip.foundation.toml_files import read_toml
 
 _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 
@@ -181,7 +178,7 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
     """Yield the lines of the file."""
     parameters = {parameter.path: parameter for parameter in list_parameters()}
     name = parameters.pop("name")
-    joint = _JOINT_PARAMETERS if design.bone.interface == "clevis" else ()
+    joint = _JOINT_PARAMETERS if design.dimensions.joint else ()
     main = [parameters.pop(path) for path in (*_MAIN_PARAMETERS, *joint)]
     if design.sensor.model == "custom":
         main[1:1] = [parameters.pop(path) for path in list(parameters) if path.startswith("custom_sensor.")]

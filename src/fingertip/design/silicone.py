@@ -6,9 +6,9 @@ from typing import TypeVar
 
 from fingertip.catalogues.sensors import PART_TO_PART
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ChosenSilicone
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import DesignError, Issue
 
 OWN = "own"

@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.catalogues.silicones import Silicone
-from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
 from fingertip.design.silicone import select_silicone
@@ -35,7 +35,7 @@ from fingertip.filling.predict import (
     predict_filling,
     syringe_pressure_pa,
 )
-from fingertip.filling.skin_grid import SkinGrid, build_skin_grid
+from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 
 MAX_AIR_MM3 = 1.0

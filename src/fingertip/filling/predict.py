@@ -13,15 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.filling.air import ClosingVent, TrappedAir, find_air
-from fingertip.filling.air import LastPoint as Last
-from fingertip.filling.hele_shaw import LEVELS, Filling, fill
+from fingertip.filling.hele_shaw import LEVELS, ClosingVent, Filling, TrappedAir, fill, find_air
+from fingertip.filling.hele_shaw import LastPoint as Last
 from fingertip.filling.mouth import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
-from fingertip.filling.skin_grid import SkinGrid
-from fingertip.filling.surface_links import Layer
+from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
-
-# Location of a maximum between the nodes of a grid, by a parabola along its row and one along its column.
 
 
 def refine_peak(layer: Layer, values: Array, node: int) -> tuple[float, float, float]:

@@ -16,8 +16,7 @@ from fingertip.design import Design
 from fingertip.design.silicone import select_silicone
 from fingertip.filling.mold_filling import build_grid, gate_opening, place_vents, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
-from fingertip.filling.skin_grid import SkinGrid
-from fingertip.filling.surface_links import Layer
+from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.plot_style import RED, REFERENCE, TEAL, TEXT_COLOUR, YELLOW, new_figure, to_png
 

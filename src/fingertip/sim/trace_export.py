@@ -17,8 +17,8 @@ from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL, TRACE
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.output_set import SetWriter
-from fingertip.foundation.output_set.manifest import has_hash
 from fingertip.foundation.output_set.replacement import hash_content
+from fingertip.foundation.output_set.writer import has_hash
 
 SUFFIXES = (".csv", ".npz")
 """Suffixes of the files that are written."""

@@ -13,23 +13,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Solid, scaled
 from fingertip.cad.printing.print_files import FDM, SLA, PlateKind, make_print_files
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
-from fingertip.cad.strength.assess import assess_strength, strength_data
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.strength import assess_strength, strength_data
 from fingertip.cad.verification.verify import check_parts, verify
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.export import to_toml
+from fingertip.design.files import to_toml
+from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.foundation.errors import FingertipError
-from fingertip.page.checks_section import EVERY_FILE, render_checks, render_verdict
-from fingertip.page.model_section import render_boxes
-from fingertip.page.parameters_section import shapes_of_parameters
-from fingertip.page.scene import Item, place_items, scene_data
+from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
+from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict, shapes_of_parameters
 from fingertip.studio.worker import StillWanted
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from fingertip.design import Design
-from fingertip.design.export import json_schema
+from fingertip.design.files import json_schema
 from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_section import shapes_of_parameters
+from fingertip.page.parameters_and_checks import shapes_of_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items, make_pointer
 
 # Form of the studio as HTML: a slider and a number for each number, a list for each choice, a place for refusals.

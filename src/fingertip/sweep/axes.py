@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from fingertip.design.geometry.design_tables import DesignTables
+from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
-from fingertip.design.parameters.issues import find_similar_name, issues_from_pydantic, suggest_name
+from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import Issue, quote_value
 
 Value: TypeAlias = float | int | bool | str
@@ -257,13 +257,13 @@ def _is_finite(value: Any) -> bool:
 
 
 def _load_scene_model() -> type[BaseModel]:
-    from fingertip.sim.scene.scene_file import SceneFile  # imports the whole simulation, which most sweeps do not use
+    from fingertip.sim.files.scene import SceneFile  # imports the whole simulation, which most sweeps do not use
 
     return SceneFile
 
 
 def _load_manipulation_model() -> type[BaseModel]:
-    from fingertip.sim.hand.manipulation_file import ManipulationFile
+    from fingertip.sim.files.manipulation import ManipulationFile
 
     return ManipulationFile
 

@@ -18,7 +18,7 @@ from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
-    from fingertip.sim.scene.scene_file import SceneFile
+    from fingertip.sim.files.scene import SceneFile
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.designs import CachedEvaluator
 
@@ -121,7 +121,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
 
 def compute_noise(context: PointContext) -> OutputValues:
     """Compute what the article's signal chain shows in noise alone."""
-    from fingertip.slip.detectors.noise import noise_level
+    from fingertip.slip.detectors.digital import noise_level
 
     level = noise_level(context.design)
     return {"noise_level_v": level.mean_v, "min_threshold_v": level.threshold_v}
@@ -130,15 +130,15 @@ def compute_noise(context: PointContext) -> OutputValues:
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign.evaluate import (
+    from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.campaign.run import (
+        DetectorResult,
         evaluate,
         find_onset_s,
         measure_vibration_n,
         median_of_known,
         simulate_trace,
     )
-    from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.campaign.run import DetectorResult
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
@@ -171,7 +171,7 @@ def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
     from fingertip.foundation.jit import compiled
     from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.studies.step_sensitivity import compare_grids
+    from fingertip.lab.studies.steps import compare_grids
 
     assert context.scene is not None
     case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector
@@ -199,8 +199,8 @@ def compute_bone(context: PointContext) -> OutputValues:
 
 def compute_strength(context: PointContext) -> OutputValues:
     """Compute the safety factors of the bone."""
-    from fingertip.cad.strength.assess import assess_strength
     from fingertip.cad.verification.bone import filament_grip_factor
+    from fingertip.cad.verification.strength import assess_strength
 
     found = assess_strength(context.design, context.evaluator())
     return {
@@ -233,7 +233,7 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 def compute_filling(context: PointContext) -> OutputValues:
     """Predict how the mold fills with the silicone of the design."""
-    from fingertip.cad.verification.filling import PUSH_S, leak_mm
+    from fingertip.cad.verification.mold import PUSH_S, leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
@@ -269,8 +269,8 @@ def compute_thickness(context: PointContext) -> OutputValues:
 
 def compute_walls(context: PointContext) -> OutputValues:
     """Compute the thinnest wall of the bone and its lid."""
+    from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
-    from fingertip.cad.verification.joint import check_joint
 
     checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
     walls = [check.value for check in checks if check.name.startswith(("bone.wall.", "lid.wall"))]

@@ -15,11 +15,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold
-from fingertip.cad.kernel.solids import Solid
+from fingertip.design.all_rules import ELECTRONIC_RULES
+from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
-from fingertip.design.parameters.tables import ELECTRONIC_TABLES
-from fingertip.design.rules import ELECTRONIC_RULES
-from fingertip.design.rules.remedies import describe_violations
+from fingertip.design.parameters import ELECTRONIC_TABLES
+from fingertip.design.remedies import describe_violations
 from fingertip.foundation.errors import DesignError
 from fingertip.sweep.axes import Value
 from fingertip.sweep.plan import SweepPlan

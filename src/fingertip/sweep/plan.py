@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.rules import RULES
-from fingertip.design.rules.remedies import find_remedies
+from fingertip.design.all_rules import RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, SweepError
@@ -29,7 +29,7 @@ from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.sim.scene.scene_file import SceneFile
+    from fingertip.sim.files.scene import SceneFile
 
 PointNumbers = NDArray[np.int64]
 
@@ -192,7 +192,7 @@ def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], l
 def _read_scene(tables: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Issue]]:
     if tables is None:
         return None, []
-    from fingertip.sim.scene.scene_file import SceneFile
+    from fingertip.sim.files.scene import SceneFile
 
     try:
         return SceneFile(**tables), []

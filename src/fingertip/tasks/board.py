@@ -22,9 +22,8 @@ from fingertip.board.kicad.layout import kicad_pcb_file
 from fingertip.board.kicad.models import MODEL_FOLDER, model_files
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.placement import load_template
-from fingertip.board.kicad.project import kicad_project_file
+from fingertip.board.kicad.project import BoardConfiguration, find_configuration, kicad_project_file
 from fingertip.board.kicad.schematic import kicad_schematic_file
-from fingertip.board.kicad.variants import BoardConfiguration, find_configuration
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import (
     BOARD,

@@ -41,16 +41,15 @@ from fingertip.catalogues.output_files import (
     STEPS_FOLDER,
 )
 from fingertip.design import Design
-from fingertip.design.export import to_toml
-from fingertip.design.parameters.issues import suggest_name
+from fingertip.design.files import to_toml
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.design.silicone import replace_silicone, select_silicone
-from fingertip.documents.casting.markdown import render_sheet
-from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
 from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.progress import Work
 
 
@@ -222,11 +221,11 @@ def _replace_subset(
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
-def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
-    from fingertip.documents.casting.markdown import steps
+def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+    from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps
 
-    return draw_steps(design, casting, steps(casting), progress)
+    return draw_steps(design, casting, [step.picture for step in steps(casting)], progress)
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

@@ -10,7 +10,6 @@ from typing import Any
 
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import scaled
 from fingertip.cad.report import FORMATS
 from fingertip.cad.shapes.coupon import COUPON_PARTS
 from fingertip.cad.shapes.parts import print_scale
@@ -20,6 +19,7 @@ from fingertip.cad.verification.verify import MESH_FORMATS, validate_tolerance
 from fingertip.calibration.readings import identify_coupon, list_lengths, write_template
 from fingertip.catalogues.output_files import COUPON, COUPON_READINGS, COUPON_SHEET, PLAN
 from fingertip.design import Design
+from fingertip.design.geometry.solids import scaled
 from fingertip.documents.coupon import render_instructions
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue

@@ -24,8 +24,8 @@ from fingertip.board.circuits.network import (
 )
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.parts.circuit import FILTERED, TACTILE, Circuit
-from fingertip.catalogues.preferred_series import find_preferred_neighbours
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
+from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.design.parameters import Board
 from fingertip.foundation.numerics import Array
 

@@ -14,7 +14,7 @@ from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, Circuit
 from fingertip.catalogues.amplifiers import Amplifier
-from fingertip.design.formulas.supply import (
+from fingertip.design.formulas.filter import (
     BIAS_A,
     COMPARATOR_DRIFT_V_PER_K,
     COMPARATOR_OFFSET_V,

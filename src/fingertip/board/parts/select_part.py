@@ -25,8 +25,7 @@ from fingertip.board.parts.table import (
     parse_value,
     read_rows,
 )
-from fingertip.catalogues.preferred_series import find_preferred_neighbours
-from fingertip.design.formulas.filter import MAX_1206_F
+from fingertip.design.formulas.filter import MAX_1206_F, find_preferred_neighbours
 
 # Part numbers of chip resistors by their makers' published ordering codes.
 #

@@ -16,7 +16,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.kernel.solids import (
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.solids import (
     Box,
     Cone,
     Difference,
@@ -31,7 +32,6 @@ from fingertip.cad.kernel.solids import (
     Union,
     axis_point,
 )
-from fingertip.design.geometry.conic import ConicBody, CrossSection
 from fingertip.foundation import extras
 from fingertip.foundation.errors import GeometryError, Issue, MissingLibraryError
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.kernel.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
+from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.processes import hold_interruptions

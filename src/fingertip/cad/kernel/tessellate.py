@@ -16,7 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.kernel.solids import (
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, arc_point
+from fingertip.design.geometry.solids import (
     Box,
     Cone,
     DraftedExtrusion,
@@ -27,7 +28,6 @@ from fingertip.cad.kernel.solids import (
     SuperconicSolid,
     axis_point,
 )
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, arc_point
 from fingertip.foundation.numerics import Array
 
 Triangles: TypeAlias = NDArray[np.int64]

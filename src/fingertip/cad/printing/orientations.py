@@ -1,4 +1,4 @@
-"""Orientations of the printed parts on the printer's build plate."""
+"""Orientation of each printed part on the build plate, and the places where its supports may stand."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, difference, scaled
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, bed_pose, find_ceilings
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import facet_cut
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, difference, scaled
+from fingertip.design.interfaces import interface_of
 
 LID_UPRIGHT_DEG, LID_ON_FEET_DEG = 0.0, 90.0
 """Rotations of the lid about x [degrees]: on its proximal end, or on its feet. In others, supports touch the skin."""
@@ -39,12 +40,8 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     is then a wall, on which no layer ends. The foot of their collar overhangs the base and needs supports. So does the
     base above a post. The lid lies as it overhangs least.
     """
-    face = {
-        "post": "the end of the post", "socket": "the proximal end, with the socket", "flange": "the flange",
-        "clevis": "the eyes of the joint",
-    }  # fmt: skip
     orientations = {
-        "bone": Orientation(0.0, face[design.bone.interface], needs_supports=True),
+        "bone": Orientation(0.0, interface_of(design).face_on_plate, needs_supports=True),
         "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),
         "mold_dorsal": Orientation(-90.0, "the outer face, parting plane up", needs_supports=False),
     }
@@ -80,9 +77,6 @@ def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
     excess = [size - limit for size, limit in zip(footprint, bed, strict=True)]
     return max(*excess, float(height.max() - height.min()) - printer.bed_z_mm)
-
-
-# Places at each printed part where supports may stand, as regions of air and in words, and where none may touch.
 
 
 _PAST_END_MM = 0.1
@@ -126,12 +120,8 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
 
 def _bone(design: Design) -> Supports:
     """Supports of the bone: proximal to the skin on the outside, and where a lid covers them."""
-    under = "under the foot of the collar and the end of the base, outside"
-    if design.bone.interface == "clevis":
-        under = "under the foot of the collar; around the eyes of the joint"
-    under += _rim(design)
-    if design.bone.interface == "socket":
-        under += "; inside the socket"
+    interface = interface_of(design)
+    under = interface.supports_below + _rim(design) + interface.supports_inside
     none_on = "anything else above the collar; the seat of the sensor"
     dims, fold = design.dimensions, design.dimensions.fold
     below = _everywhere(design, top=0.0)

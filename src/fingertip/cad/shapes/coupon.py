@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fingertip.cad.kernel.solids import Box, Placed, Point3, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.cad.shapes.bone import sensor_recess
 from fingertip.cad.shapes.coupon_layout import (
     AROUND_MM,
@@ -28,11 +27,21 @@ from fingertip.cad.shapes.coupon_layout import (
     text_unit_mm,
 )
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
-from fingertip.cad.shapes.mold import base_recess, bolt_holes, key_sockets, keys, nut_traps
+from fingertip.cad.shapes.mold import base_recess, bolt_holes, key_sockets, keys, luer_cone, nut_traps
 from fingertip.cad.shapes.parts import Part
-from fingertip.cad.shapes.runners import luer_cone
-from fingertip.catalogues.syringes import NOZZLE_DEPTH_MM
+from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM
 from fingertip.design import Design
+from fingertip.design.geometry.solids import (
+    Box,
+    Placed,
+    Point3,
+    Prism,
+    Solid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
 
 SLICE_MM = 2.4
 """Height of the slice of the bone's base [mm]."""

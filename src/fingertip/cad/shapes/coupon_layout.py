@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from fingertip.cad.kernel.solids import Box
 from fingertip.cad.shapes.engraving import HEIGHT, MIN_STROKE_MM, STROKE_WIDTH, engraved_lines, text_width
-from fingertip.catalogues.syringes import LUER_MOUTH_MM
+from fingertip.catalogues.hardware import LUER_MOUTH_MM
 from fingertip.design import Design
-from fingertip.design.geometry.insert_body import add_draft
+from fingertip.design.geometry.conic import add_draft
+from fingertip.design.geometry.solids import Box
 
 WALLS_MM = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2)
 """Thicknesses of the thin walls [mm]."""

@@ -1,4 +1,4 @@
-"""Checks of the bone: wall thicknesses, seat and clearance of the sensor, and the air vent of the sensor.
+"""Checks of the bone: walls, seat and air vent of the sensor, and safety factors.
 
 The mesh kernel computes the distance between two meshes exactly. Facets deviate from the exact surface by up to the
 tolerance, so the limits are relaxed by the tolerance.
@@ -11,12 +11,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import union
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
-from fingertip.cad.shapes.interface import interface
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.strength.assess import BoneStrength, Weakness
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
     VOLUME_TOLERANCE_MM3,
@@ -26,9 +23,12 @@ from fingertip.cad.verification.check import (
     check_zero_volume,
     complement,
 )
+from fingertip.cad.verification.strength import BoneStrength, Weakness
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.geometry.tail_fold import SLIDING_MM, TailFold
+from fingertip.design.geometry.features import SLIDING_MM, TailFold
+from fingertip.design.geometry.solids import union
+from fingertip.design.interfaces import interface_of
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -65,7 +65,6 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     y_flat = -dims.flat_depth
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
     recess = evaluator.manifold(bone.sensor_recess(design))
-    _, removed = interface(design)
     if dims.fold:
         yield from _check_folded_walls(design, dims.fold, evaluator, outside, wall)
         recess = _cover_trough(recess, dims.fold)
@@ -80,11 +79,13 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     if not dims.window_opens_into_gap:
         tie_hole = evaluator.manifold(bone.tie_hole(design))
         yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, tie_hole, wall)
-    if design.bone.interface == "socket":
-        # The socket opens in the proximal face, so its mouth is left out.
-        deep = above_z(evaluator.manifold(removed[0]), -design.bone.base_length_mm + 2 * wall)
-        yield check_min_distance("bone.wall.socket_to_outside", deep, outside, wall)
-        yield check_min_distance("bone.wall.socket_to_sensor", deep, recess, wall)
+    interface = interface_of(design)
+    if name := interface.walled_hollow:
+        # The hollow opens in the proximal face, so its mouth is left out.
+        hollow = evaluator.manifold(interface.shapes(design)[1][0])
+        deep = above_z(hollow, -design.bone.base_length_mm + 2 * wall)
+        yield check_min_distance(f"bone.wall.{name}_to_outside", deep, outside, wall)
+        yield check_min_distance(f"bone.wall.{name}_to_sensor", deep, recess, wall)
 
 
 def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float) -> Iterator[Check]:
@@ -124,7 +125,7 @@ def _check_folded_walls(
 
 def _list_holes(design: Design, evaluator: MeshEvaluator) -> tuple[tuple[str, Manifold], ...]:
     """List tie hole and first hollow of the interface with their names in checks."""
-    _, removed = interface(design)
+    _, removed = interface_of(design).shapes(design)
     solids = (("tie_hole", bone.tie_hole(design)), ("interface", removed[0]))
     return tuple((name, evaluator.manifold(solid)) for name, solid in solids)
 
@@ -174,9 +175,6 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     sunk = distal.translate((0.0, floor - low, 0.0))
     unsupported = (sunk.volume() - (sunk ^ solid).volume()) / (high - low)
     yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")
-
-
-# Checks of the bone's strength: safety factors against the design's limits, and warnings where it would break.
 
 
 FILAMENT_CHECK = "bone.safety_factor.grip_fdm"

@@ -1,4 +1,4 @@
-"""The `Check` record, and checks of the minimum distance between two solids."""
+"""The `Check` record with the parameters to change if it fails, and checks of the distance between two solids."""
 
 from __future__ import annotations
 
@@ -8,15 +8,11 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, Literal
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.kernel.solids import Box, Solid, difference
+from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.foundation.files import round_for_output
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-
-# Parameters to change if a check fails: the nearest causes, by the names of the checks.
-
 
 _BUG = ()
 """A design that the rules accept never fails these checks: it would be a fault of the program."""

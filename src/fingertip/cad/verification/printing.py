@@ -1,4 +1,4 @@
-"""Checks of the printed parts as they lie on the bed: overhangs, and the files that go to the printer."""
+"""Checks of the files of parts and plates, and of the printed parts as they lie on the bed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, find_degenerate_triangles, to_arrays, to_manifold
-from fingertip.cad.kernel.solids import Solid
 from fingertip.cad.kernel.tessellate import Triangles
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, bed_pose, find_ceilings
@@ -20,9 +19,8 @@ from fingertip.cad.printing.print_files import PLATE_KINDS, Placed, PrintFiles
 from fingertip.cad.shapes.parts import PARTS, Part, print_scale
 from fingertip.cad.verification.check import Check, check_zero_volume
 from fingertip.design import Design
+from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.numerics import Array
-
-# Checks of a single part: topology of its mesh file, and agreement of its B-rep solid with the mesh.
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:

@@ -10,20 +10,18 @@ from dataclasses import dataclass
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.kernel.solids import scaled
 from fingertip.cad.printing.orientations import build_volume_excess
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
 from fingertip.cad.shapes.parts import PARTS, print_scale
-from fingertip.cad.strength.assess import BoneStrength, assess_strength
-from fingertip.cad.verification.assembly import check_assembly
+from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.filling import check_filling, check_seals
-from fingertip.cad.verification.joint import check_joint
-from fingertip.cad.verification.mold import check_mold
+from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
+from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.design import Design
+from fingertip.design.geometry.solids import scaled
 from fingertip.foundation.errors import DesignError, Issue
 
 MESH_FORMATS = {"stl": stl, "3mf": threemf}

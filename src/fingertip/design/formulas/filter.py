@@ -1,7 +1,11 @@
-"""Formulas for the filter's component values, which the rules and the board share.
+"""Formulas for the filter's component values and its supply, which the rules and the board share.
 
 The filter is a third-order Butterworth high-pass: a first-order stage (R1, C1) and a unity-gain Sallen-Key stage (C2,
 C3, R2, R3), with all three capacitors equal to C (article, eqs. 2, 5, 6, 7, 11) and omega_c = 2 pi f_c.
+
+On a single supply its signals swing around the signal ground, and the bridge stands on it. On 5 V it lies in the
+middle. On 3.3 V it lies somewhat lower: the inputs of the bridge's amplifier (AD623), a few tenths of a volt above it,
+must stay 1.5 V below the supply (its data sheet, input voltage range; recalled, unverified).
 """
 
 from __future__ import annotations
@@ -130,11 +134,119 @@ The gain at the cutoff is then reduced by at most 0.5 %.
 """
 
 
-def select_series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
-    """Select C in series with R4 [F]: the smallest whose corner frequency is at least a decade below the cutoff [Hz].
+DIVIDERS_OHM = {"split": None, "single": (10e3, 10e3), "single_3v3": (54.9e3, 44.2e3)}
+"""Upper and lower resistor of the divider [ohm], by the supply's name.
 
-    For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, the
-    largest is selected.
+With its capacitor the divider filters the supply's ripple above 3 Hz, or above 0.7 Hz as that of the bridge's supply
+does: both then follow the supply alike, and their ratio stays.
+"""
+
+CONTROLLER_SUPPLIES = frozenset({"single_3v3"})
+"""Supplies of boards for a controller, which give it their filtered signal beside the tactile voltage."""
+
+
+def signal_ground_ratio(supply: str) -> float:
+    """Voltage of the signal ground above ground as a ratio of the supply voltage: 0 on a split supply."""
+    divider = DIVIDERS_OHM[supply]
+    return divider[1] / (divider[0] + divider[1]) if divider else 0.0
+
+
+def upper_headroom_v(board: Board) -> float:
+    """Voltage from the signal ground to the upper rail [V]."""
+    return board.supply_v * (1.0 - signal_ground_ratio(board.supply))
+
+
+def smaller_headroom_v(board: Board) -> float:
+    """Voltage from the signal ground to the nearer rail [V]."""
+    ratio = signal_ground_ratio(board.supply)
+    return board.supply_v * min(ratio, 1.0 - ratio) if ratio else board.supply_v
+
+
+def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
+    """Largest deviation of the filtered signal from its rest that board and converter pass [V]."""
+    if board.supply not in CONTROLLER_SUPPLIES:
+        return None
+    rest_v = signal_ground_ratio(board.supply) * board.supply_v
+    return min(rest_v, min(board.supply_v, adc_range_v) - rest_v)
+
+
+# Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for rules and the board.
+
+
+MAX_COMPARATOR_V = 5.5
+"""Maximum supply of the comparator [V]."""
+MIN_COMPARATOR_V = 0.011
+"""Minimum threshold [V].
+
+Lower thresholds would need a hysteresis resistor above 10 Mohm, and an offset of 7 mV would be most of the threshold.
+"""
+BIAS_A, MAX_BIAS_A = 25e-9, 250e-9
+"""Input bias current out of the comparator [A], typical and maximum at 25 degrees Celsius.
+
+It raises the averaged envelope by the voltage across R18.
+"""
+COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V = 1.7e-3, 7e-3
+"""Input offset voltage of the comparator [V], typical and maximum."""
+MAX_BIAS_RATIO = 0.5
+"""Maximum ratio of the voltage that the bias current causes to the threshold."""
+
+AVERAGING_OHM = 15e3
+"""Approximate R18 [ohm] of the averaging low-pass.
+
+A larger one raises the bias error, a smaller one needs a larger capacitor.
+"""
+MAX_AVERAGING_F = 1e-6
+"""Largest C17 of the averaging low-pass [F]: the largest X7R of size 0603."""
+
+
+def max_window_s(threshold_v: float) -> float:
+    """Longest window [s] that R18 and C17 can average at a threshold [V]: twice their largest time constant."""
+    max_ohm = MAX_BIAS_RATIO * threshold_v / MAX_BIAS_A
+    return 2.0 * max_ohm * MAX_AVERAGING_F
+
+
+HOT_BIAS_A, COMPARATOR_DRIFT_V_PER_K = 400e-9, 5e-6
+"""Maximum input bias current over temperature [A], and drift of the comparator's offset [V/K], average."""
+TRIMMER_TOLERANCE = 0.2
+"""Tolerance of the trimmer's resistance (a usual figure; unverified)."""
+MIN_TEMPERATURE_C, MAX_TEMPERATURE_C, DATA_SHEET_C = 0.0, 50.0, 25.0
+"""Range of temperatures for which worst cases are stated, and the temperature of data-sheet figures [C]."""
+
+# E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
+_E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
+MANTISSAS: dict[str, tuple[int, ...]] = {
+    "E6": _E24[::4],
+    "E12": _E24[::2],
+    "E24": _E24,
+    "E96": tuple(round(100 * 10 ** (i / 96)) for i in range(96)),
+}
+"""Integer mantissas of one decade by series."""
+
+CAPACITOR_SERIES = "E12"
+"""Series that capacitors are made in. It contains E6."""
+_TOLERANCE = 1e-9
+"""Relative distance from a preferred value that rounding may cause."""
+
+
+def find_preferred_neighbours(value: float, series: str = CAPACITOR_SERIES) -> tuple[float, float]:
+    """Find the largest preferred value up to `value` and the smallest from it on; both are equal for a preferred one.
+
+    Parameters
+    ----------
+    value
+        Positive and finite, in any unit.
+    series
+        Key of `MANTISSAS`.
     """
-    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * r4_ohm * cutoff_hz)
-    return to_farads(next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1]))
+    decade = MANTISSAS[series]
+    exponent = math.floor(math.log10(value)) - len(str(decade[0])) + 1
+    values = [_scale(mantissa, e) for e in (exponent - 1, exponent, exponent + 1) for mantissa in decade]
+    return (
+        max(v for v in values if v <= value * (1.0 + _TOLERANCE)),
+        min(v for v in values if v >= value * (1.0 - _TOLERANCE)),
+    )
+
+
+def _scale(mantissa: int, exponent: int) -> float:
+    """mantissa * 10^exponent, correctly rounded."""
+    return float(mantissa * 10**exponent) if exponent >= 0 else mantissa / 10**-exponent

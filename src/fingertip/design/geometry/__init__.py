@@ -1,1 +1,42 @@
-"""Geometry derived from the parameters: superconics, dimensions, draft, skin thickness, misalignment, mold layout."""
+"""Geometry derived from the parameters, and the tables of a design with it.
+
+The rules between parameters are checked later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, Self
+
+from fingertip.design.geometry.dimensions import Dimensions
+from fingertip.design.geometry.mold_layout import MoldLayout
+from fingertip.design.geometry.seat import Loss, find_losses
+from fingertip.design.parameters import ELECTRONIC_TABLES, Tables
+
+
+class DesignTables(Tables):
+    """Contents of a design file."""
+
+    @cached_property
+    def dimensions(self) -> Dimensions:
+        """Lengths and outlines derived from the parameters."""
+        return Dimensions(self)
+
+    @cached_property
+    def mold_layout(self) -> MoldLayout:
+        """Positions of gate, vents, bolts and keys, derived from the parameters."""
+        return MoldLayout(self, self.dimensions)
+
+    @cached_property
+    def losses(self) -> tuple[Loss, ...]:
+        """Worst losses of silicone where bone or core lies off as far as its supports allow."""
+        return find_losses(self, self.dimensions)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy the tables with changes. What is derived is kept only if no table that it depends on changes."""
+        copy = super().model_copy(update=update, deep=deep)
+        if not ELECTRONIC_TABLES.issuperset(update or ()):
+            for name in ("dimensions", "mold_layout", "losses", "printed_fit_mm"):
+                copy.__dict__.pop(name, None)
+        return copy

@@ -7,18 +7,27 @@ z = 0.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
-from fingertip.design.geometry.chaplet import Chaplet, place_chaplet
-from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
-from fingertip.design.geometry.joint import NOTCH_WIDTH_MM, Joint, TendonAnchor
-from fingertip.design.geometry.tail_fold import SLIDING_MM, SensorTail, TailFold, fold_tail
+from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, add_groove, inset_body, weight_of_fullness
+from fingertip.design.geometry.features import (
+    NOTCH_WIDTH_MM,
+    SLIDING_MM,
+    Chaplet,
+    Joint,
+    SensorTail,
+    TailFold,
+    TendonAnchor,
+    fold_tail,
+    place_chaplet,
+)
 from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters.tables import Tables
+    from fingertip.design.parameters import Tables
 
 MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
@@ -29,6 +38,9 @@ _SEAL_MM = 2.0
 assumption."""
 TAB_WIDTH_MM = 1.0
 """Width of a solder tab [mm]: an assumption."""
+_BODY_OVERLAP_MM = 0.2
+"""Depth to which the body of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
+coincident faces."""
 _RIM_POINTS = 64
 """Intervals at which the flat's margin around the sensor is sampled."""
 
@@ -271,15 +283,6 @@ class Dimensions:
         return self.bone_outline.section.dorsal - covered - bone.wall_mm - bone.tie_hole_diameter_mm / 2
 
     @cached_property
-    def cross_bolt_z(self) -> float:
-        """Axis of the cross bolt: near the end of a post, where bending is least, or halfway up a socket."""
-        bone = self._design.bone
-        end, hole = -bone.base_length_mm, bone.cross_bolt_diameter_mm
-        if bone.interface == "socket":
-            return end + bone.socket_depth_mm / 2
-        return end - bone.post_length_mm + min(hole / 2 + max(bone.wall_mm, hole / 2), bone.post_length_mm / 2)
-
-    @cached_property
     def cheek_top_y(self) -> float:
         """Height above which the base is cut off beside the window of a folded tail: its cheeks are a wall thick there.
 
@@ -304,6 +307,20 @@ class Dimensions:
             weight_of_fullness(skin.nail_fullness),
         )
         return ConicBody(section, ((-bone.collar_length_mm, 1.0), (0.0, 1.0)))
+
+    def insert_body(self) -> tuple[ConicBody, float, float]:
+        """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
+
+        The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
+        """
+        mold, bone = self._design.mold, self._design.bone
+        if mold.method != "sleeve":
+            return add_groove(bone, self.bone_outline), self.flat_depth, 1.0
+        inset = mold.sleeve_interference_mm
+        body = inset_body(self.bone_outline, inset)
+        (_, scale), *stations = body.stations
+        body = add_groove(bone, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))
+        return body, self.flat_depth - inset, self.shrinkage
 
     @cached_property
     def chaplet(self) -> Chaplet | None:

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fingertip.catalogues.syringes import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe
-from fingertip.catalogues.threads import Thread, select_thread
+from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe, Thread, select_thread
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
+    from fingertip.design.parameters import Tables
     from fingertip.design.parameters.mold import Mold
-    from fingertip.design.parameters.tables import Tables
 
 
 _GATE_TO_VENT_MM = 1.2
@@ -241,9 +240,6 @@ class MoldLayout:
             (-self._column_x, first, mold.key_diameter_mm),
             (self._column_x, second, 2 * self._small_key_radius),
         )
-
-
-# Bolts that clamp the mold halves: count, thread and length, for the casting sheet and the assembly.
 
 
 _BOLT_LENGTHS_MM = (

@@ -1,4 +1,16 @@
-"""Parameters of a design. Each one is declared once: default, unit, bounds and description."""
+"""Parameters of a design: all tables of a design file. Each parameter is declared once, with its own bounds.
+
+The rules between parameters are checked later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
 
 from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
@@ -7,6 +19,8 @@ from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, For
 from fingertip.design.parameters.mold import Mold, Printer
 
 __all__ = [
+    "ELECTRONIC_TABLES",
+    "PARAMETERS",
     "Board",
     "Bone",
     "ChosenSilicone",
@@ -20,7 +34,66 @@ __all__ = [
     "Sensor",
     "Skin",
     "Strength",
+    "Tables",
     "choice",
     "quantity",
     "text",
 ]
+
+ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
+"""Tables of the electronics, on which no part's shape depends."""
+
+
+class Tables(BaseModel):
+    """Contents of a design file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip design")
+
+    name: str = Field("fsr400", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the output folder.")
+    sensor: Sensor = Sensor()
+    custom_sensor: CustomSensor = CustomSensor()
+    bone: Bone = Bone()
+    hand: Hand = Hand()
+    skin: Skin = Skin()
+    silicone: ChosenSilicone = ChosenSilicone()
+    mold: Mold = Mold()
+    printer: Printer = Printer()
+    strength: Strength = Strength()
+    force_curve: ForceCurve = ForceCurve()
+    board: Board = Board()
+    detector: Detector = Detector()
+
+    @cached_property
+    def printed_fit_mm(self) -> float:
+        """Gap between base and recess as printed [mm]: that of the design less the growth of one surface of each."""
+        return max(0.0, self.mold.fit_clearance_mm - self.printer.offset_mm)
+
+    def value(self, path: str) -> Any:
+        """Return the value of a parameter, such as "mold.draft_deg"."""
+        table, _, key = path.rpartition(".")
+        return getattr(getattr(self, table), key) if table else getattr(self, key)
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """Copy the tables with other values of some parameters, such as {"mold.draft_deg": 2.0}, unchecked."""
+        update: dict[str, Any] = {}
+        for path, value in values.items():
+            table, _, key = path.rpartition(".")
+            if table:
+                update[table] = update.get(table, getattr(self, table)).model_copy(update={key: value})
+            else:
+                update[key] = value
+        return self.model_copy(update=update)
+
+
+def _list_fields() -> Mapping[str, FieldInfo]:
+    fields: dict[str, FieldInfo] = {}
+    for name, info in Tables.model_fields.items():
+        if isinstance(info.default, ParameterTable):
+            fields |= {f"{name}.{key}": field for key, field in type(info.default).model_fields.items()}
+        else:
+            fields[name] = info
+    return fields
+
+
+PARAMETERS: Mapping[str, FieldInfo] = _list_fields()
+"""Declaration of every parameter by its dotted name, in the order of a design file."""

@@ -1,12 +1,20 @@
-"""Declaration of one parameter: its default, unit, bounds and description, in a single line of its table."""
+"""Declaration of one parameter in a single line of its table, and the messages if its value is not valid."""
 
 from __future__ import annotations
 
+import difflib
+import itertools
+import json
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
+
+from fingertip.catalogues.amplifiers import AUTO, list_dual_amplifiers
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, Issue, quote_value, shorten
 
 
 class ParameterTable(BaseModel):
@@ -92,3 +100,149 @@ def format_unit(unit: str) -> str:
 
 
 _PLURALS = {"degree": "degrees", "bit": "bits"}
+
+_MIN_SIMILARITY = 0.65
+"""Ratio of `difflib.SequenceMatcher` from which a known name is suggested for an unknown one."""
+
+_MAX_DESCRIBED = 300
+"""Maximum number of problems that are described. A design has fewer parameters."""
+_MAX_COMPARED_LENGTH = 60
+"""Maximum length of a word that known names are compared with [characters]."""
+
+_DUALS = ", ".join(f"{a.name} ({a.bandwidth_hz / 1e6:g} MHz)" for a in list_dual_amplifiers())
+REPLACED_PARAMETERS = {
+    "board.gain_bandwidth_hz": (
+        "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
+        f"board.amplifier={AUTO}, or one of {_DUALS}."
+    ),
+}
+"""Parameters of earlier versions, and what to write in their place."""
+
+
+def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
+    """Return one issue for each problem that pydantic found in a `model`.
+
+    Only the first problems are described. A file of a hundred thousand unknown names would take hours otherwise.
+    """
+    found = error.errors(include_url=False, include_context=True)
+    rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
+    return [
+        *(_describe(details, model) for details in found[:_MAX_DESCRIBED]),
+        *(Issue(field, "is not valid either; correct what is listed above first.") for field in rest),
+    ]
+
+
+def suggest_name(word: str, known: Sequence[str]) -> str:
+    """Return the remedy for an unknown name: the most similar known one, or else all of them."""
+    similar = find_similar_name(word, known)
+    return f"did you mean {similar}?" if similar else f"known names: {', '.join(known)}."
+
+
+def find_similar_name(word: str, known: Sequence[str]) -> str | None:
+    """Find the known name that is most similar to a word, with or without units; None if none is really similar."""
+
+    def similarity(name: str) -> float:
+        pairs = itertools.product(_list_forms(word), _list_forms(name))
+        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
+
+    word = word[:_MAX_COMPARED_LENGTH]
+    best = max(known, key=similarity, default=None)
+    return best if best is not None and similarity(best) >= _MIN_SIMILARITY else None
+
+
+def _list_forms(name: str) -> tuple[str, str]:
+    """Return a name as it is and without its last word, which often is a unit."""
+    return name, name.rpartition("_")[0] or name
+
+
+def _describe(details: Any, model: type[BaseModel]) -> Issue:
+    """Describe one problem. The types and their context are pydantic's, see its "Validation Errors"."""
+    location = [str(step) for step in details["loc"]]
+    field = ".".join(location)
+    value, kind, context = details["input"], details["type"], details.get("ctx", {})
+    shown = quote_value(value)
+    if kind == "extra_forbidden" and field in REPLACED_PARAMETERS:
+        return Issue(field, REPLACED_PARAMETERS[field])
+    if kind == "extra_forbidden":
+        return Issue(field, f"there is no such parameter; {_suggest_parameter(location, model)}")
+    info = _find_table(location, model).model_fields.get(location[-1])
+    unit = format_unit(find_unit(info)) if isinstance(info, FieldInfo) else ""
+    match kind:
+        case "greater_than_equal":
+            return Issue(field, f"{shown}{unit} is too small; at least {context['ge']:g}{unit}.")
+        case "greater_than":
+            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}.")
+        case "less_than_equal":
+            return Issue(field, f"{shown}{unit} is too large; at most {context['le']:g}{unit}.")
+        case "finite_number":
+            return Issue(field, f"{shown} is not a finite number; give one{unit and ' in' + unit}.")
+        case "literal_error":
+            similar = find_similar_name(str(value), list_choices(info)) if isinstance(info, FieldInfo) else None
+            suggestion = f" Did you mean {similar}?" if similar else ""
+            return Issue(field, f"{shown} is not known; choose {context['expected']}.{suggestion}")
+        case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
+            return Issue(field, f"{shown} holds several changes; give --set once for each of them.")
+        case "float_type" | "int_type" if isinstance(value, str) and _starts_with_number(value):
+            number = f"the number{unit and ' in' + unit}"
+            return Issue(field, f"{shown} is not a number; write {number}, without its unit.")
+        case "float_type" | "int_type":
+            number = "a whole number" if kind == "int_type" else "a number"
+            quotes = ", without quotes" if isinstance(value, str) else ""
+            return Issue(field, f"{shown} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
+        case "string_type":
+            return Issue(
+                field, f'{shown} is not text; write it in quotes, such as "{shorten(str(value), MAX_VALUE_LENGTH)}".'
+            )
+        case "bool_type" | "bool_parsing":
+            return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
+        case "list_type":
+            text = shorten(str(value), MAX_VALUE_LENGTH).strip("[]").split(",")
+            items = ",".join(_quote(item.strip()) for item in text)
+            return Issue(field, f"{shown} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
+        case "dict_type":
+            return Issue(field, f"{shown} is not a table; write [{field}] and its entries below it.")
+        case "model_type":
+            return Issue(field, f"{shown} is not a table; {_show_parameter(location, model)}.")
+        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and find_allowed(info):
+            return Issue(field, f"{shown} cannot stand here; {find_allowed(info)}.")
+        case "string_pattern_mismatch":
+            return Issue(field, f"{shown} cannot name a folder; use up to 40 letters, digits, - and _.")
+    return Issue(field, f"{shown} is not valid: {details['msg']}.")
+
+
+def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
+    """Find the model of the table that a parameter stands in."""
+    for step in location[:-1]:
+        info = model.model_fields.get(step)
+        if info and isinstance(info.annotation, type) and issubclass(info.annotation, BaseModel):
+            model = info.annotation
+    return model
+
+
+def _starts_with_number(text: str) -> bool:
+    return re.match(r"\s*[-+]?\.?\d", text) is not None
+
+
+def _quote(value: Any) -> str:
+    """Write a value as TOML does: text in double quotes, true and false in lower case."""
+    return json.dumps(value, ensure_ascii=False, default=str)
+
+
+def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
+    """Show how a parameter of a table is set."""
+    defaults = {key: info.default for key, info in _find_table([*location, ""], model).model_fields.items()}
+    numbers = {key: value for key, value in defaults.items() if isinstance(value, float)}
+    example = next((f"{key}={value:g}" for key, value in numbers.items()), "KEY=VALUE")
+    return f"set its parameters one by one, such as {'.'.join(location)}.{example}"
+
+
+def _suggest_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
+    """Suggest a parameter of the same table, or one of another table that has exactly this name."""
+    *tables, name = location
+    known = list(_find_table(location, model).model_fields)
+    if find_similar_name(name, known) is None:
+        for table, info in model.model_fields.items():
+            if name in getattr(info.annotation, "model_fields", {}):
+                return f"did you mean {table}.{name}?"
+    # The name is compared without its table, which would make all parameters of the table similar.
+    return suggest_name(name, known).replace("did you mean ", f"did you mean {'.'.join([*tables, ''])}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from fingertip.catalogues.threads import MIN_HOLE_MM
+from fingertip.catalogues.hardware import MIN_HOLE_MM
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
 
 

@@ -1,14 +1,77 @@
-"""Rules of the mold: room for everything around the cavity, and halves that can be made."""
+"""Rules of the mold: room around the cavity, a recess that fits base and collar, and a chaplet that holds the bone."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
-from fingertip.catalogues.threads import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_most
+from fingertip.catalogues.hardware import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.conic import add_draft
+from fingertip.design.geometry.features import Chaplet, place_chaplet
+from fingertip.design.geometry.seat import Loss, find_losses, worst
+from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
+from fingertip.design.rules.ruleset import SLACK, Interval, Limit, Ruleset, Violation, at_most
+from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
+from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
+_MIN_COLLAR_LENGTH = 0.6
+"""Minimum length of the collar [mm] where its draft has taken most of it."""
+_MIN_BEHIND_COLLAR = 1.0
+"""Minimum length of the recess behind the collar [mm]."""
+_EDGE_MARGIN = 0.05
+"""Minimum distance of the collar's recess from the skin's edge [mm]."""
+
+_MIN_PRINTED_FIT = 0.01
+"""Minimum gap between base and recess as printed [mm]."""
+
+_SOUND_COLLAR = (bone_left_at_sides, bone_left_dorsally, collar_carries_skin)
+"""Prerequisites of the rules that need the collar's outline."""
+
+
+@RULES.at_most("mold.recess_length_mm", slack=0.0)
+def recess_within_base(design: DesignTables) -> Limit | None:
+    """The recess is not longer than the bone's base."""
+    return Limit(design.bone.base_length_mm, "is longer than the bone's base", "(limited by bone.base_length_mm)")
+
+
+@RULES.at_most("mold.fit_clearance_mm", *_SOUND_COLLAR)
+def fit_stays_within_skin(design: DesignTables) -> Limit | None:
+    """The collar's recess stays within the skin's edge."""
+    section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
+    widening = add_draft(section, slope).half_width - section.half_width if slope else 0.0
+    maximum = design.bone.collar_inset_mm - widening - _EDGE_MARGIN
+    return Limit(maximum, "makes the collar's recess wider than the skin", "(limited by bone.collar_inset_mm)")
+
+
+@RULES.at_least("mold.fit_clearance_mm")
+def fit_stays_open(design: DesignTables) -> Limit | None:
+    """The gap between base and recess does not close in the print."""
+    offset = design.printer.offset_mm
+    if offset <= 0.0:
+        return None
+    return Limit(offset + _MIN_PRINTED_FIT, f"closes in the print, which adds {offset:g} mm (printer.offset_mm)")
+
+
+@RULES.at_least("mold.recess_length_mm")
+def recess_holds_collar(design: DesignTables) -> Limit | None:
+    """The recess holds the collar and a wall behind it."""
+    gap = design.mold.fit_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
+    minimum = design.bone.collar_length_mm + gap + _MIN_BEHIND_COLLAR
+    return Limit(minimum, "does not hold the collar and a wall behind it")
+
+
+@RULES.at_least("bone.collar_length_mm")
+def collar_outlasts_its_draft(design: DesignTables) -> Limit | None:
+    """The collar keeps a minimum length where its draft shortens it most."""
+    section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
+    return Limit(
+        _MIN_COLLAR_LENGTH + slope * max(section.palmar, section.dorsal),
+        f"is used up by a draft of {design.mold.draft_deg:g} degrees before the collar's palmar or dorsal end",
+    )
+
+
 _BESIDE_PRY_SLOT = 0.4
 """Minimum wall between a pry slot and what lies behind it [mm]."""
 _PRY_SLOT_ENDS = 2.0
@@ -27,50 +90,35 @@ _BESIDE_GATE = 0.2
 """Minimum distance of the gate from the cavity's side [mm]."""
 
 
-@RULES.rule("mold.pry_depth_mm")
-def pry_slot_clear_of_bolts(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.pry_depth_mm")
+def pry_slot_clear_of_bolts(design: DesignTables) -> Limit | None:
     """The pry slots end before the nut traps and the keys' sockets."""
     layout, slope = design.mold_layout, design.dimensions.draft_slope
     socket = design.mold.key_diameter_mm / 2 + design.mold.key_clearance_mm * math.hypot(1.0, slope)
     beside = layout.half_inlet + max(0.0, design.printer.min_wall_mm - _BESIDE_PRY_SLOT) if layout.half_inlet else 0.0
     column = layout.bolts[-1][0]
     maximum = layout.half_width - column - max(layout.nut_circumradius, socket, beside) - _BESIDE_PRY_SLOT
-    if design.mold.pry_depth_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.pry_depth_mm:g} mm reaches the keys or the inlet", at_most(maximum), "(limited by mold.land_mm)"
-    )
+    return Limit(maximum, "reaches the keys or the inlet", "(limited by mold.land_mm)")
 
 
-@RULES.rule("mold.pry_width_mm")
-def pry_slot_within_side(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.pry_width_mm")
+def pry_slot_within_side(design: DesignTables) -> Limit | None:
     """The pry slots are shorter than the mold's side."""
     maximum = design.mold_layout.distal_z - design.mold_layout.proximal_z - _PRY_SLOT_ENDS
-    if design.mold.pry_width_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.pry_width_mm:g} mm is longer than the mold's side", at_most(maximum))
+    return Limit(maximum, "is longer than the mold's side")
 
 
-@RULES.rule("mold.engraving_depth_mm")
-def engraving_keeps_a_wall(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.engraving_depth_mm")
+def engraving_keeps_a_wall(design: DesignTables) -> Limit | None:
     """The engraving leaves enough of the mold's wall."""
-    maximum = design.mold.wall_mm - _BEHIND_ENGRAVING
-    if design.mold.engraving_depth_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.engraving_depth_mm:g} mm leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm",
-        at_most(maximum),
-    )
+    return Limit(design.mold.wall_mm - _BEHIND_ENGRAVING, f"leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm")
 
 
-@RULES.rule("mold.gate_diameter_mm")
-def gate_within_funnel(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.gate_diameter_mm", slack=0.0)
+def gate_within_funnel(design: DesignTables) -> Limit | None:
     """The gate is not wider than its funnel."""
-    if design.mold.filling != "gravity" or design.mold.gate_diameter_mm <= design.mold.funnel_diameter_mm:
-        return None
-    return Violation(
-        f"{design.mold.gate_diameter_mm:g} mm is wider than its funnel", at_most(design.mold.funnel_diameter_mm)
-    )
+    mold = design.mold
+    return Limit(mold.funnel_diameter_mm, "is wider than its funnel") if mold.filling == "gravity" else None
 
 
 @RULES.rule("mold.funnel_diameter_mm")
@@ -87,14 +135,14 @@ def gate_within_cavity(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("mold.funnel_diameter_mm")
-def funnel_within_block(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.funnel_diameter_mm")
+def funnel_within_block(design: DesignTables) -> Limit | None:
     """The mold keeps a wall palmar and dorsal of the funnel's mouth."""
-    layout, mold = design.mold_layout, design.mold
-    maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
-    if mold.filling != "gravity" or mold.funnel_diameter_mm <= maximum + SLACK:
+    if design.mold.filling != "gravity":
         return None
-    return Violation(f"{mold.funnel_diameter_mm:g} mm goes through the outside of the mold", at_most(maximum))
+    layout = design.mold_layout
+    maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
+    return Limit(maximum, "goes through the outside of the mold")
 
 
 @RULES.rule("mold.runner_width_mm")
@@ -109,53 +157,41 @@ def gate_within_straight_skin(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm makes the gate end on the rounded tip", at_most(width - excess))
 
 
-@RULES.rule("mold.runner_depth_mm")
-def gate_meets_cavity(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.runner_depth_mm")
+def gate_meets_cavity(design: DesignTables) -> Limit | None:
     """The runner is less deep than the cavity is high, so that it enters at the side."""
-    maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio
-    depth = design.mold.runner_depth_mm
-    if design.mold.filling == "gravity" or depth <= maximum + SLACK:
+    if design.mold.filling == "gravity":
         return None
-    return Violation(f"{depth:g} mm ends above the side of the cavity", at_most(maximum))
+    maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio
+    return Limit(maximum, "ends above the side of the cavity")
 
 
-@RULES.rule("mold.draft_deg")
-def keys_keep_a_top(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.draft_deg")
+def keys_keep_a_top(design: DesignTables) -> Limit | None:
     """The draft does not bring the registration keys to a point."""
     radius = 0.4 * design.mold.key_diameter_mm  # of the smaller key
     maximum = math.degrees(math.atan((radius - _KEY_TOP) / design.mold.key_height_mm)) if radius > _KEY_TOP else 0.0
-    if design.mold.draft_deg <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.draft_deg:g} degrees bring the registration keys to a point", at_most(maximum))
+    return Limit(maximum, "bring the registration keys to a point")
 
 
-@RULES.rule("mold.key_diameter_mm")
-def keys_between_bolts(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.key_diameter_mm")
+def keys_between_bolts(design: DesignTables) -> Limit | None:
     """The registration keys fit between the bolts."""
-    maximum = design.mold_layout.key_space - 2 * design.mold.land_mm
-    if design.mold.key_diameter_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.key_diameter_mm:g} mm does not fit between the bolts", at_most(maximum))
+    return Limit(design.mold_layout.key_space - 2 * design.mold.land_mm, "does not fit between the bolts")
 
 
-@RULES.rule("mold.key_height_mm")
-def key_socket_keeps_a_floor(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.key_height_mm")
+def key_socket_keeps_a_floor(design: DesignTables) -> Limit | None:
     """The sockets of the keys do not go through the palmar half."""
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - design.mold.key_clearance_mm - _SOCKET_FLOOR
-    if design.mold.key_height_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.key_height_mm:g} mm goes through the palmar half", at_most(maximum))
+    return Limit(maximum, "goes through the palmar half")
 
 
-@RULES.rule("mold.nut_depth_mm")
-def nut_trap_keeps_a_floor(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.nut_depth_mm")
+def nut_trap_keeps_a_floor(design: DesignTables) -> Limit | None:
     """The nut traps keep a floor under the nut."""
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - _NUT_FLOOR
-    if design.mold.nut_depth_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.nut_depth_mm:g} mm leaves less than {_NUT_FLOOR:g} mm under the nut", at_most(maximum)
-    )
+    return Limit(maximum, f"leaves less than {_NUT_FLOOR:g} mm under the nut")
 
 
 @RULES.rule("mold.nut_width_mm")
@@ -172,3 +208,109 @@ def trap_fits_its_nut(design: DesignTables) -> Violation | None:
     nut = f"the {thread.label} nut ({thread.nut_flats_mm:g} mm across flats) of {hole}"
     problem = f"is too narrow for {nut}" if width < minimum else f"is too wide: {nut} would turn"
     return Violation(f"{width:g} mm {problem}", ((minimum, maximum),))
+
+
+MIN_RETAINED_OVER_SENSOR, MIN_RETAINED = 0.9, 0.8
+"""Smallest shares of the skin's thickness that a misplaced bone may leave, over the sensor and elsewhere."""
+_HALVINGS = 6
+"""Halvings with which the largest clearance that holds is found: a solution takes milliseconds."""
+_STEP_MM = 0.25
+"""Step in which positions of the chaplet are tried."""
+_SOUND_BONE = (bone_left_at_sides, bone_left_dorsally, tip_within_skin, groove_clear_of_sensor)
+
+
+@RULES.at_least("mold.chaplet_diameter_mm")
+def boss_keeps_a_wall(design: DesignTables) -> Limit | None:
+    """The boss keeps a wall around the hole of its screw."""
+    chaplet = design.dimensions.chaplet
+    if chaplet is None:
+        return None
+    return Limit(2 * (chaplet.hole_radius + design.printer.min_wall_mm), "leaves no wall around its screw")
+
+
+@RULES.rule("mold.chaplet_from_tip_mm", *_SOUND_BONE)
+def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
+    """The facet lies on the bone, clear of collar, groove and trough, and the pilot hole ends above the sensor."""
+    distance = design.mold.chaplet_from_tip_mm
+    if design.dimensions.chaplet is None or (missing := _find_missing_mm(design, distance)) <= SLACK:
+        return None
+    return Violation(
+        f"{distance:g} mm leaves no room for the chaplet's facet and the hole of its screw",
+        _find_passing(design, lambda value: _find_missing_mm(design, value) <= SLACK),
+        alternatives={"mold.chaplet_diameter_mm": 5.0},
+        shortfall=missing,
+    )
+
+
+@RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin, chaplet_stands_on_bone, takes_long=True)
+def bone_is_held(design: DesignTables) -> Violation | None:
+    """A bone or core that lies off as far as its supports allow leaves most of the skin, everywhere."""
+    losses = design.losses
+    sensor, elsewhere = worst(losses, over_sensor=True), worst(losses, over_sensor=False)
+    least = min(loss.left_mm for loss in losses)
+    nominal = min(loss.point.thickness_mm for loss in losses)
+    if nominal <= design.skin.min_thickness_mm:
+        return None  # Too thin without any play, which another rule reports.
+    if all(_leaves_enough(design, loss) for loss in losses):
+        return None
+    clearance = design.mold.fit_clearance_mm
+
+    # A point that keeps enough silicone does so with less clearance too.
+    failing = [loss.point for loss in losses if not _leaves_enough(design, loss)]
+
+    def holds(value: float) -> bool:
+        return all(_leaves_enough(design, loss) for loss in find_losses(design, design.dimensions, value, failing))
+
+    limit = bisect(holds, 0.0, clearance, halvings=_HALVINGS)[0] if holds(0.0) else 0.0
+    return Violation(
+        f"{clearance:g} mm lets bone or core lie off until {100 * max(sensor.retained, 0.0):.0f} % of the skin are "
+        f"left over the sensor, {100 * max(elsewhere.retained, 0.0):.0f} % elsewhere and {least:.2f} mm at the "
+        f"thinnest place; {100 * MIN_RETAINED_OVER_SENSOR:g} %, {100 * MIN_RETAINED:g} % and "
+        f"{design.skin.min_thickness_mm:g} mm are needed",
+        at_most(limit) if limit else (),
+        shortfall=max(_find_share_missing(design, loss) for loss in losses),
+    )
+
+
+def _leaves_enough(design: DesignTables, loss: Loss) -> bool:
+    """Return whether a loss leaves enough skin."""
+    return _find_share_missing(design, loss) <= SLACK
+
+
+def _find_share_missing(design: DesignTables, loss: Loss) -> float:
+    """Return the share of the skin's thickness that is missing at a point; negative if there is more than is needed."""
+    minimum = MIN_RETAINED_OVER_SENSOR if loss.point.over_sensor else MIN_RETAINED
+    too_thin_mm = design.skin.min_thickness_mm - loss.left_mm
+    return max(minimum - loss.retained, too_thin_mm / loss.point.thickness_mm)
+
+
+def _find_missing_mm(design: DesignTables, from_tip_mm: float) -> float:
+    """Return the length [mm] that the chaplet lacks at this distance from the tip; not positive where it fits."""
+    dims, bone, wall = design.dimensions, design.bone, design.bone.wall_mm
+    placed = dims.chaplet
+    assert placed
+    z = design.skin.length_mm - from_tip_mm
+    low = z - placed.facet_radius
+    groove = bone.groove_distance_mm + 2 * bone.groove_depth_mm + bone.groove_width_mm if bone.groove_depth_mm else 0.0
+    begins = max(groove, dims.fold.trough_end_z if dims.fold else 0.0) + wall
+    if low < begins - SLACK:
+        return begins - low
+    moved = place_chaplet(dims.bone_outline, z, design.mold.chaplet_diameter_mm, placed.thread.diameter_mm)
+    return _least_facet_y(design, moved) - moved.facet_y
+
+
+def _least_facet_y(design: DesignTables, chaplet: Chaplet) -> float:
+    """Height [mm] that the facet needs above everything that is cut into the bone from its palmar side."""
+    dims = design.dimensions
+    hollow = dims.pocket_depth
+    ends = dims.tail_end_z + dims.relief_half_length + design.bone.wall_mm + chaplet.pilot_radius
+    if not dims.tail_passes_collar and chaplet.z < ends:
+        hollow = dims.channel_depth + design.bone.channel_diameter_mm / 2
+    return -dims.flat_depth + hollow + design.bone.wall_mm + chaplet.pilot_depth
+
+
+def _find_passing(design: DesignTables, passes: Callable[[float], bool]) -> tuple[Interval, ...]:
+    """Find the distances from the tip that pass, as one interval on the grid of steps."""
+    count = int(design.skin.length_mm / _STEP_MM)
+    passing = [_STEP_MM * i for i in range(4, count) if passes(_STEP_MM * i)]
+    return ((passing[0], passing[-1]),) if passing else ()

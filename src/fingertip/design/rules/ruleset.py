@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, cast
+from types import MappingProxyType
+from typing import Any, NamedTuple, cast
 
 from pydantic import BaseModel
 
-from fingertip.design.geometry.design_tables import DesignTables
-from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.mold_layout import MoldLayout
-from fingertip.design.geometry.seat import Loss, find_losses
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_unit, format_unit
 
 SLACK = 1e-6
 """Slack of the rules for lengths. A bound that is computed from other lengths carries rounding errors, and a design at
@@ -43,7 +45,7 @@ class Violation:
     passing: tuple[Interval, ...] = ()
     """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell.
 
-    They may lie outside the field's own bounds, or break another rule. `fingertip.design.rules.remedies` recommends
+    They may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends
     none of them unchecked.
     """
     note: str = ""
@@ -71,8 +73,24 @@ class Rule:
     """True if the check takes longer than most others together."""
 
 
+class Limit(NamedTuple):
+    """Limit of the blamed field in a design, and what a value beyond it does."""
+
+    value: float
+    problem: str
+    """Rest of the sentence that begins with the field's value and its unit, without a final full stop."""
+    note: str = ""
+    """As in `Violation`."""
+    alternatives: Mapping[str, Any] = MappingProxyType({})
+    """As in `Violation`."""
+
+
+LimitFunction = Callable[[DesignTables], Limit | None]
+"""Computes the limit of a field in a design; None where there is none."""
+
+
 class Ruleset:
-    """Rules of one module, in the order in which they are written there."""
+    """Rules of one subject, in the order in which they are written."""
 
     def __init__(self) -> None:
         self._rules: list[Rule] = []
@@ -83,6 +101,36 @@ class Ruleset:
         def add(check: RuleFunction) -> Rule:
             self._rules.append(Rule(field, check, prerequisites, takes_long))
             return self._rules[-1]
+
+        return add
+
+    def at_most(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
+        """Add a rule whose function returns the maximum of `field`."""
+        return self._bound(field, prerequisites, lambda value, limit: value <= limit + slack, at_most)
+
+    def at_least(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
+        """Add a rule whose function returns the minimum of `field`."""
+        return self._bound(field, prerequisites, lambda value, limit: value >= limit - slack, at_least)
+
+    def _bound(
+        self,
+        field: str,
+        prerequisites: tuple[Rule, ...],
+        passes: Callable[[float, float], bool],
+        passing: Callable[[float], tuple[Interval, ...]],
+    ) -> Callable[[LimitFunction], Rule]:
+        unit = format_unit(find_unit(PARAMETERS[field]))
+
+        def add(find_limit: LimitFunction) -> Rule:
+            @functools.wraps(find_limit)
+            def check(design: DesignTables) -> Violation | None:
+                limit = find_limit(design)
+                if limit is None or passes(value := design.value(field), limit.value):
+                    return None
+                text = f"{value:g}{unit} {limit.problem}"
+                return Violation(text, passing(limit.value), limit.note, limit.alternatives)
+
+            return self.rule(field, *prerequisites)(check)
 
         return add
 
@@ -162,7 +210,8 @@ def find_violations(
 class RecordingTables:
     """Stand-in for a design's tables that records which parameters are read, as "table.key".
 
-    Dimensions are derived through the stand-in, so that the parameters behind them are recorded too.
+    What is derived, such as `dimensions` and `value`, is derived through the stand-in, so that the parameters behind it
+    are recorded too.
     """
 
     def __init__(self, design: DesignTables, invalid: frozenset[str] = frozenset()) -> None:
@@ -180,22 +229,10 @@ class RecordingTables:
         if name in self._invalid:
             raise InvalidParameterError(name)
 
-    @cached_property
-    def dimensions(self) -> Dimensions:
-        """Dimensions that read their parameters through this object."""
-        return Dimensions(self.as_tables())
-
-    @cached_property
-    def mold_layout(self) -> MoldLayout:
-        """Layout that reads its parameters through this object."""
-        return MoldLayout(self.as_tables(), self.dimensions)
-
-    @cached_property
-    def losses(self) -> tuple[Loss, ...]:
-        """Losses that read their parameters through this object."""
-        return find_losses(self.as_tables(), self.dimensions)
-
     def __getattr__(self, name: str) -> Any:
+        tables = type(self._design)
+        if name not in tables.model_fields:
+            return _derive(self, tables, name)
         value = getattr(self._design, name)
         if isinstance(value, BaseModel):
             if name in self._invalid:
@@ -212,5 +249,12 @@ class _RecordingTable:
         self._recorder, self._name, self._table = recorder, name, table
 
     def __getattr__(self, key: str) -> Any:
+        if key not in type(self._table).model_fields:
+            return _derive(self, type(self._table), key)
         self._recorder.record(f"{self._name}.{key}")
         return getattr(self._table, key)
+
+
+def _derive(stand_in: object, model: type[BaseModel], name: str) -> Any:
+    """Evaluate a method or property of a model on its stand-in, so that what it reads is recorded too."""
+    return inspect.getattr_static(model, name).__get__(stand_in, model)

@@ -8,12 +8,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-from fingertip.cad.kernel.solids import Solid
+from fingertip.design.geometry.sizes import ViewName
+from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import errors
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import end_with_parent
-from fingertip.pictures.drawing.views import PROJECTIONS, ProjectedView, ViewName
+from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
 # Program that projects parts: `python -m fingertip.pictures.drawing.projection FOLDER`, with a pickled job on stdin.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from fingertip.catalogues.output_files import DETECTION, SIGNAL, TRACE
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set.writer import has_hash
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,6 @@ def parse_origin(detection: bytes | None) -> Origin:
 
 
 # Start of a robot's motion, and how well encoders know it: the article reads its robot's at 100 Hz (section III.C).
-
 
 ENCODER_HZ = 100.0
 """Rate at which the encoders are read [Hz] (article, section III.C)."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.export import to_toml
+from fingertip.design.files import to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError
 from fingertip.sweep.designs import apply_changes

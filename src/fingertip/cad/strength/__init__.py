@@ -1,1 +1,0 @@
-"""Strength of the bone: loads, stresses by beam theory on its true cross-sections, and safety factors."""

@@ -1,0 +1,280 @@
+"""Safety factor of the bone, by beam theory on cross-sections of its mesh.
+
+The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. Its interface brings its own
+stresses, and the share of the bending moment that it carries (`fingertip.design.interfaces`).
+
+At each cross-section all load distal to it gives a normal force and two bending moments, and these a stress at every
+corner of the section. The stress is linear in the load, so its largest value over all directions of the load is the
+length of a vector: no direction is missed, and none is assumed.
+
+Not included: shear and torsion, the skin (too soft to carry anything), creep, fatigue, defects of the print.
+
+Areas, first and second moments of polygons follow from Green's theorem (C. Steger, On the calculation of arbitrary
+moments of polygons, TU Munich FGBV-96-05, 1996).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.design import Design
+from fingertip.design.formulas.stress import StressFactors, at_shoulder
+from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.foundation.files import round_for_output
+from fingertip.foundation.numerics import Array
+
+STATIONS = 160
+"""Number of cross-sections."""
+WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
+"""Safety factors below which a build warns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Cross-section of a beam along z; second moments are about its centroid."""
+
+    area_mm2: float
+    centroid_mm: tuple[float, float]
+    """x and y of the centroid [mm]."""
+    second_xx_mm4: float
+    """Integral of y^2 [mm4], which resists bending about x."""
+    second_yy_mm4: float
+    """Integral of x^2 [mm4], which resists bending about y."""
+    second_xy_mm4: float
+    """Integral of x y [mm4]; 0 for a section that is symmetric to an axis."""
+    edge_mm: Array
+    """Corners of the outline, (corners, 2), from the centroid [mm]. Bending stress is largest at one of them."""
+
+    @cached_property
+    def inverse_second_per_mm4(self) -> Array:
+        """Inverse of the matrix of second moments, (2, 2) [1/mm4]."""
+        xx, yy, xy = self.second_xx_mm4, self.second_yy_mm4, self.second_xy_mm4
+        return np.array([[xx, -xy], [-xy, yy]]) / (xx * yy - xy * xy)
+
+
+def measure_section(polygons: Sequence[Array]) -> Section | None:
+    """Measure a section bounded by polygons: outlines counter-clockwise, holes clockwise. None if it has no area."""
+    area = sx = sy = xx = yy = xy = 0.0
+    for polygon in polygons:
+        x, y = polygon[:, 0], polygon[:, 1]
+        u, v = np.roll(x, -1), np.roll(y, -1)
+        cross = x * v - u * y
+        area += float(cross.sum()) / 2
+        sx += float(((x + u) * cross).sum()) / 6
+        sy += float(((y + v) * cross).sum()) / 6
+        xx += float(((y * y + y * v + v * v) * cross).sum()) / 12
+        yy += float(((x * x + x * u + u * u) * cross).sum()) / 12
+        xy += float(((x * v + 2 * x * y + 2 * u * v + u * y) * cross).sum()) / 24
+    if area <= 0.0:
+        return None
+    cx, cy = sx / area, sy / area
+    corners = np.concatenate([np.asarray(polygon, dtype=np.float64) for polygon in polygons]) - [cx, cy]
+    return Section(area, (cx, cy), xx - area * cy * cy, yy - area * cx * cx, xy - area * cx * cy, corners)
+
+
+@dataclass(frozen=True)
+class LoadPoint:
+    """Point at which the finger is loaded."""
+
+    name: str
+    position_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Weakness:
+    """Place and load at which the bone breaks first."""
+
+    load: str
+    """Name of the load point."""
+    z_mm: float
+    """Height of the cross-section."""
+    place: str
+    """Name of what breaks there."""
+    stress_per_n: float
+    """Largest tensile stress per newton of load in the worst direction, with stress concentration [MPa/N]."""
+    concentration: float
+    """Stress concentration factor that it contains."""
+    direction: tuple[float, float, float]
+    """Worst direction of the load."""
+    at_shock: bool = True
+    """False for what a shock does not load."""
+
+
+@dataclass(frozen=True)
+class BoneStrength:
+    """Safety factors of a bone."""
+
+    material: PrintMaterial
+    weakest: Weakness
+    by_load: tuple[Weakness, ...]
+    """Weakest place for each load point."""
+    at_shock: Weakness
+    """Weakest place of those that a shock loads."""
+    grip_safety_factor: float
+    """Strength over the stress at the load of a firm grip."""
+    shock_safety_factor: float
+    """Strength over the stress at the load of a fall or knock."""
+    tendon_force_n: float
+    """Force of the tendon at the grip force on the apex; 0 without a tendon."""
+
+
+def list_load_points(design: Design) -> tuple[LoadPoint, ...]:
+    """Pad centre over the sensor, apex, and side of the finger at the sensor's height."""
+    dims, skin = design.dimensions, design.skin
+    scale = dims.outer.scale_at(dims.sensor_z)
+    return (
+        LoadPoint("pad centre", (0.0, -skin.semi_axis_palmar_mm * scale, dims.sensor_z)),
+        LoadPoint("apex", (0.0, 0.0, skin.length_mm)),
+        LoadPoint("side", (skin.width_mm / 2 * scale, 0.0, dims.sensor_z)),
+    )
+
+
+def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
+    """Find the weakest place of the bone, and its safety factors. Raises GeometryError."""
+    material = PRINT_MATERIALS[design.strength.print_material]
+    sections = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
+    places = [
+        [
+            *_find_weakest_section(design, point, [cut for cut in sections if cut[0] < point.position_mm[2]]),
+            *(
+                Weakness(point.name, found.z_mm, found.place, found.stress_per_n, found.concentration, found.direction,
+                         found.at_shock)
+                for found in interface_of(design).local_stresses(design, point.position_mm[2])
+            ),
+        ]
+        for point in list_load_points(design)
+    ]  # fmt: skip
+    by_load = tuple(_find_weakest(found) for found in places)
+    weakest = _find_weakest(by_load)
+    at_shock = _find_weakest(place for found in places for place in found if place.at_shock)
+    strength = material.across_mpa if design.strength.print_direction == "upright" else material.strength_mpa
+    grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
+    return BoneStrength(
+        material, weakest, by_load, at_shock,
+        strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
+        grip * tendon_force_per_n(design, design.skin.length_mm),
+    )  # fmt: skip
+
+
+def _find_weakest(places: Iterable[Weakness]) -> Weakness:
+    """Find the place with the largest stress per newton."""
+    return max(places, key=lambda weakness: weakness.stress_per_n)
+
+
+def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
+    """Cut the bone from its proximal end to the rounded tip, which the skin around it loads as a whole."""
+    solid = evaluator.manifold(PARTS["bone"].solid(design))
+    low, high = solid.bounding_box()[2], design.dimensions.taper_end_z
+    low = interface_of(design).beam_begin_z(design, low)
+    for i in range(STATIONS):
+        z = low + (i + 0.5) * (high - low) / STATIONS
+        section = measure_section([np.asarray(polygon) for polygon in solid.slice(z).to_polygons()])
+        if section:
+            yield z, section
+
+
+def _find_weakest_section(design: Design, point: LoadPoint, cuts: Sequence[_CutPlane]) -> Iterator[Weakness]:
+    """Find the section with the largest stress that a load at a point gives; none without sections."""
+
+    def largest(cut: _CutPlane) -> float:
+        return math.sqrt((_raise_gradients(design, point, *cut)[1] ** 2).sum(axis=1).max())
+
+    if cuts:
+        yield _find_stress(design, point, *max(cuts, key=largest))
+
+
+def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, factors: StressFactors) -> Weakness:
+    """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
+    plain, gradients = _raise_gradients(design, point, z, section, factors)
+    sizes = np.linalg.norm(gradients, axis=1)
+    worst = int(sizes.argmax())
+    direction = gradients[worst] / sizes[worst]
+    x, y, along = (round(float(value), 6) + 0.0 for value in direction)
+    factor = float(sizes[worst] / np.linalg.norm(plain[worst]))
+    return Weakness(point.name, z, "cross-section", float(sizes[worst]), factor, (x, y, along))
+
+
+def _raise_gradients(
+    design: Design, point: LoadPoint, z: float, section: Section, factors: StressFactors
+) -> tuple[Array, Array]:
+    """Stress at each corner of a section per newton in x, y and z, without and with stress concentration [MPa/N]."""
+    plain = stress_gradients(section, np.array(point.position_mm), z, interface_of(design).moment_share(design, z))
+    # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
+    return plain, plain * [factors.width, factors.height, max(factors.width, factors.height)]
+
+
+def stress_gradients(section: Section, point_mm: Array, z_mm: float, moment_share: float = 1.0) -> Array:
+    """Stress at each corner of a section per newton in x, y and z of a load at a point, (corners, 3) [MPa/N]."""
+    x, y, z = (float(value) for value in point_mm - np.array([*section.centroid_mm, z_mm]))
+    # Columns: the moment r x F of a unit force along each axis, turned into the bending of the section along x and y.
+    bending = np.array([[-z, 0.0, x], [0.0, -z, y]])
+    gradients: Array = section.edge_mm @ (moment_share * (section.inverse_second_per_mm4 @ bending))
+    gradients[:, 2] += 1.0 / section.area_mm2
+    return gradients
+
+
+_CutPlane: TypeAlias = tuple[float, Section, StressFactors]
+"""Height of a section [mm], the section, and the stress concentration there."""
+
+
+def _find_concentration(design: Design, z: float) -> StressFactors:
+    """Find the stress concentration factors of the bone at a height.
+
+    A shoulder acts about half the height of the thinner side far. The collar is one on both sides.
+    """
+    dims, fillet, foot = design.dimensions, design.strength.root_fillet_mm, -design.bone.collar_length_mm
+    section, collar = dims.bone_outline.section, dims.collar.section
+    base, body = ((2 * section.half_width, section.dorsal + flat) for flat in (dims.base_flat_depth, dims.flat_depth))
+    factors, step = StressFactors(), (2 * collar.half_width, collar.palmar + collar.dorsal)
+    if 0.0 <= z <= min(body) / 2:
+        factors = at_shoulder(step, body, fillet)
+    if foot - min(base) / 2 <= z <= foot:
+        factors = at_shoulder(step, base, fillet)
+    return factors.combined_with(interface_of(design).stress_factors(design, z))
+
+
+def describe_strength(strength: BoneStrength) -> list[str]:
+    """Describe safety factors and weakest place as lines of text."""
+    weakest = strength.weakest
+    lines = [
+        f"bone in {strength.material.label}: safety factor {strength.grip_safety_factor:.2f} at the grip force, "
+        f"{strength.shock_safety_factor:.2f} at the shock; weakest at the {weakest.place} at z = {weakest.z_mm:.1f} mm "
+        f"under a load at the {weakest.load}"
+    ]
+    if strength.grip_safety_factor < WANTED_AT_GRIP or strength.shock_safety_factor < WANTED_AT_SHOCK:
+        lines.append(
+            f"warning: {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted; a larger "
+            "interface, a shorter finger or a stronger material raises them"
+        )
+    return lines
+
+
+def strength_data(strength: BoneStrength) -> dict[str, Any]:
+    """Return the entry of report.json."""
+    weakest = strength.weakest
+    return {
+        "material": strength.material.name,
+        "strength_mpa": strength.material.strength_mpa,
+        "strength_verified": "strength_mpa" in strength.material.verified,
+        "grip_safety_factor": round_for_output(strength.grip_safety_factor),
+        "shock_safety_factor": round_for_output(strength.shock_safety_factor),
+        "tendon_force_n": round_for_output(strength.tendon_force_n),
+        "weakest": {
+            "load": weakest.load,
+            "place": weakest.place,
+            "z_mm": round_for_output(weakest.z_mm),
+            "stress_concentration": round_for_output(weakest.concentration),
+            "stress_mpa_per_n": round_for_output(weakest.stress_per_n),
+            "direction": list(weakest.direction),
+        },
+    }

@@ -1,0 +1,189 @@
+"""Files of designs: tables are read and merged before anything is validated, and written as TOML or a JSON schema."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.file_kinds import DESIGN, FileKind, read_file
+from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
+from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, FingertipError, Issue, shorten
+from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_toml
+
+
+@dataclass(frozen=True)
+class LoadedTables:
+    """Contents of files, merged with changes."""
+
+    tables: dict[str, Any]
+    before: dict[str, Any]
+    """The tables without the changes."""
+    changed: tuple[str, ...]
+    """Names of the changed parameters, such as "mold.draft_deg"."""
+
+
+def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN) -> LoadedTables:
+    """Merge TOML files, and then changes of the form `table.key=value`, into nested tables; later values win.
+
+    Raises DesignError.
+    """
+    if isinstance(changes, str):
+        raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
+    before: dict[str, Any] = {}
+    parsed: list[dict[str, Any]] = []
+    issues: list[Issue] = []
+    for file in files:
+        try:
+            _merge(before, read_file(find_file(file, kind), kind))
+        except FingertipError as error:
+            issues.extend(error.issues)
+    for change in changes:
+        try:
+            parsed.append(parse_change(change))
+        except DesignError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise DesignError(issues)
+    tables = copy.deepcopy(before)
+    for nested in parsed:
+        _merge(tables, nested)
+    return LoadedTables(tables, before, tuple(name for nested in parsed for name in _flatten(nested)))
+
+
+def parse_change(change: str) -> dict[str, Any]:
+    """Parse "mold.draft_deg=2" as ``{"mold": {"draft_deg": 2}}``.
+
+    A value that is not TOML is taken as text, and words in square brackets as a list of texts, because a shell takes
+    their quotes away.
+    """
+    key, equals, text = change.partition("=")
+    steps = [step.strip() for step in key.split(".")]
+    field = f"--set {shorten(change, MAX_VALUE_LENGTH)}"
+    if not equals or not all(steps):
+        raise DesignError(Issue(field, "is not of the form table.key=value, such as mold.draft_deg=2."))
+    if len(steps) > MAX_DEPTH:
+        raise DesignError(Issue(field, "names tables in too many tables; write table.key=value."))
+    if re.search(r",\s*[a-z_]+\.[a-z0-9_.]+\s*=", text):
+        raise DesignError(Issue(field, "holds several changes; give --set once for each of them."))
+    try:
+        value: Any = parse_toml(f"v = {text}")["v"]
+    except UnusableTomlError as error:
+        raise DesignError(Issue(field, f"{error}.")) from None
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+        if re.fullmatch(r"\[\s*\w+(\s*,\s*\w+)*\s*\]", value):
+            value = [word.strip() for word in value[1:-1].split(",")]
+    for step in reversed(steps):
+        value = {step: value}
+    return dict(value)
+
+
+def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
+    """Merge nested tables in place."""
+    for key, value in new.items():
+        if isinstance(value, Mapping) and isinstance(into.get(key), dict):
+            _merge(into[key], value)
+        else:
+            into[key] = value
+
+
+def _flatten(tables: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the dotted names of nested tables."""
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from (f"{name}.{inner}" for inner in _flatten(value))
+        else:
+            yield name
+
+
+_MAX_COLUMN_WIDTH = 60
+"""Maximum width of a column of the parameter table. A longer entry shifts the rest of its own row only."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """Entry of one parameter in the list of all parameters."""
+
+    path: str
+    """Dotted name, such as "mold.draft_deg"."""
+    default: Any
+    unit: str
+    bounds: str
+    """Bounds of a number, such as ">= 0, <= 15", or the words that are accepted."""
+    description: str
+
+
+def list_parameters() -> Iterator[Parameter]:
+    """Yield every parameter of a design file, in its order."""
+    for path, field in PARAMETERS.items():
+        yield Parameter(path, field.default, find_unit(field), _format_bounds(field), field.description or "")
+
+
+def format_parameter_table(rows: Iterable[Sequence[str]]) -> str:
+    """Format rows of name, value, unit, bounds and description as a table with a header."""
+    rows = [("parameter", "value", "unit", "bounds", "description"), *rows]
+    widths = [max(len(row[i]) for row in rows if len(row[i]) <= _MAX_COLUMN_WIDTH) for i in range(4)]
+    lines = (
+        f"{name:{widths[0]}}  {value:>{widths[1]}}  {unit:{widths[2]}}  {bounds:{widths[3]}}  {description}"
+        for name, value, unit, bounds, description in rows
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def format_value(value: Any) -> str:
+    """Format a value as it is written in a TOML file, text without its quotes."""
+    if isinstance(value, bool | list | tuple):
+        return json.dumps(value)
+    return str(value)
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of a design file, which editors of TOML use too."""
+    return Tables.model_json_schema()
+
+
+def to_toml(design: Tables, heading: str = "") -> str:
+    """Write a whole design as TOML, each parameter with its description and bounds in a comment.
+
+    Reading the text gives an equal design.
+    """
+    import tomlkit
+
+    described = {parameter.path: parameter for parameter in list_parameters()}
+    document = tomlkit.document()
+    for line in heading.splitlines():
+        document.add(tomlkit.comment(line) if line else tomlkit.nl())
+    for name in Tables.model_fields:
+        value = getattr(design, name)
+        if not isinstance(value, ParameterTable):
+            document.add(name, value)
+            continue
+        table = tomlkit.table()
+        for line in (type(value).__doc__ or "").splitlines():
+            table.add(tomlkit.comment(line))
+        for key in type(value).model_fields:
+            parameter = described[f"{name}.{key}"]
+            item = tomlkit.item(getattr(value, key))
+            item.comment(parameter.description + (f" [{parameter.bounds}]" if parameter.bounds else ""))
+            table.add(key, item)
+        document.add(tomlkit.nl())
+        document.add(name, table)
+    return tomlkit.dumps(document)
+
+
+def _format_bounds(field: FieldInfo) -> str:
+    if choices := list_choices(field):
+        return " | ".join(choices)
+    bounds = find_bounds(field)
+    limits = ((">=", bounds.minimum), (">", bounds.above), ("<=", bounds.maximum))
+    return ", ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

@@ -1,0 +1,72 @@
+"""Stress concentration at a shoulder with a fillet, and at a hole.
+
+W. C. Young, R. G. Budynas, A. M. Sadegh, Roark's Formulas for Stress and Strain, 8th ed., 2012, table 17.1.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+MIN_RATIO, MAX_RATIO = 0.25, 20.0
+"""Range of the step's height over the fillet's radius in which the formula holds."""
+VON_MISES_SHEAR = math.sqrt(3.0)
+"""Tensile stress that is equivalent to a shear stress of 1 (von Mises)."""
+
+
+def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> float:
+    """Factor at a shoulder between two round shafts. It multiplies the stress of the thinner one."""
+    h = (large_mm - small_mm) / 2
+    if h <= 0.0:
+        return 1.0
+    q = min(max(h / fillet_mm if fillet_mm > 0.0 else math.inf, MIN_RATIO), MAX_RATIO)
+    root = math.sqrt(q)
+    if q <= 2.0:
+        c1, c2 = 0.927 + 1.149 * root - 0.086 * q, 0.015 - 3.281 * root + 0.837 * q
+        c3, c4 = 0.847 + 1.716 * root - 0.506 * q, -0.790 + 0.417 * root - 0.246 * q
+    else:
+        c1, c2 = 1.225 + 0.831 * root - 0.010 * q, -3.790 + 0.958 * root - 0.257 * q
+        c3, c4 = 7.374 - 4.834 * root + 0.862 * q, -3.809 + 3.046 * root - 0.595 * q
+    s = 2 * h / large_mm
+    return max(1.0, c1 + s * (c2 + s * (c3 + s * c4)))
+
+
+def hole_in_tension(hole_mm: float, width_mm: float) -> float:
+    """Factor at a hole in the middle of a flat bar. It multiplies the stress of the section beside the hole.
+
+    In bending, where the stress falls towards the middle, the factor is smaller.
+    """
+    s = min(hole_mm / width_mm, 1.0)
+    return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3
+
+
+@dataclass(frozen=True)
+class StressFactors:
+    """Stress concentration factors of a section that is bent in its width and in its height."""
+
+    width: float = 1.0
+    height: float = 1.0
+
+    def combined_with(self, other: StressFactors) -> StressFactors:
+        """Take the larger factor in each direction."""
+        return StressFactors(max(self.width, other.width), max(self.height, other.height))
+
+
+def at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> StressFactors:
+    """Find the factors of a shoulder, each with the sizes in the direction in which the shaft bends."""
+    return StressFactors(*(shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True)))
+
+
+@dataclass(frozen=True)
+class LocalStress:
+    """Stress at one place per newton of load on the fingertip, apart from that of cross-sections in bending."""
+
+    place: str
+    z_mm: float
+    stress_per_n: float
+    """With stress concentration [MPa/N]."""
+    concentration: float = 1.0
+    at_shock: bool = True
+    """False for what a shock does not load."""
+    direction: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    """Direction of the load."""

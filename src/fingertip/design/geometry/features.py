@@ -1,0 +1,260 @@
+"""Features of bone and mold: the chaplet with its screw, the joint of a clevis, and the folded tail of the sensor.
+
+The base alone is a cantilever, whose play grows towards the tip. The chaplet is a second support, a boss on the dorsal
+half of the mold: the screw pulls a flat facet of the bone against it, so that neither gap nor pressure of the silicone
+moves it. It leaves a round hole in the skin there, which is closed after casting. No object is touched with it.
+
+The fingertip turns on the pin of a clevis. The hand's knuckle, a tongue or a fork, is round about the pin within a
+clearance radius, and its shoulder is a plane at that distance behind the pin. The eyes of the bone are round about the
+pin too, but a joint clearance smaller. Two flats at the full radius meet the shoulder where the finger is straight and
+where it is bent to the end of its travel: they are its hard stops. Without stops the eyes are round all over, and
+narrower.
+
+A straight tail makes the base as long as itself. A folded one runs around a web of the bone and ends under the dorsal
+side of the skin, so that the base is only as long as the fold. The film bends around a half-round nose, the proximal
+end of the web. The nose stands in a window through the base, in which the tail is threaded. Tabs and crimps are stiff,
+so they cannot be pushed into a closed passage around a bend: the trough is open, and a lid closes it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fingertip.catalogues.hardware import Thread, find_thread
+from fingertip.design.geometry.conic import TANGENT_STEP_MM
+
+if TYPE_CHECKING:
+    from fingertip.design.geometry.conic import ConicBody
+
+
+_BESIDE_BOSS_MM = 0.5
+"""Width of the facet beside the boss, so that a misplaced bone still rests on it [mm]."""
+_FACET_DEPTH_MM = 0.2
+"""Least depth of the facet in the bone [mm]."""
+_ENGAGED_DIAMETERS = 2.0
+"""Engaged length of the self-tapping screw, in diameters. An assumption for printed resin."""
+_PILOT_RATIO = 0.8
+"""Diameter of the pilot hole over that of the screw. An assumption for printed resin."""
+_PILOT_END_MM = 0.7
+"""Length of the pilot hole beyond the screw [mm]."""
+_POINTS = 16
+"""Points of the facet's edge at which the height of the bone is taken."""
+_HOLE_CLEARANCE_MM = 0.1
+"""Clearance of the screw in its hole, over its diameter [mm]. The hole is drilled, because a print closes it."""
+_HEAD_CLEARANCE_MM = 0.3
+"""Gap beside the head of the screw [mm]."""
+SCREW_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50)
+"""Standard lengths of small machine screws (ISO 888)."""
+
+
+@dataclass(frozen=True)
+class Chaplet:
+    """Boss, facet and screw [mm]. The axis is parallel to y, in the middle plane."""
+
+    z: float
+    """Axis, along the finger."""
+    facet_y: float
+    """Height of the facet."""
+    radius: float
+    """Radius of the boss where it meets the facet."""
+    facet_radius: float
+    thread: Thread
+
+    @property
+    def hole_radius(self) -> float:
+        """Radius of the hole in the mold, which the screw passes."""
+        return (self.thread.diameter_mm + _HOLE_CLEARANCE_MM) / 2
+
+    @property
+    def head_radius(self) -> float:
+        """Radius of the counterbore for the screw's head, which is at most as wide as a nut."""
+        return self.thread.nut_flats_mm / 2 + _HEAD_CLEARANCE_MM
+
+    @property
+    def pilot_radius(self) -> float:
+        """Radius of the hole in the bone, into which the screw cuts its thread."""
+        return _PILOT_RATIO * self.thread.diameter_mm / 2
+
+    @property
+    def engaged(self) -> float:
+        """Engaged length of the screw."""
+        return _ENGAGED_DIAMETERS * self.thread.diameter_mm
+
+    @property
+    def pilot_depth(self) -> float:
+        """Depth of the hole in the bone, below the facet."""
+        return self.engaged + _PILOT_END_MM
+
+    @property
+    def play(self) -> float:
+        """Distance by which the bone can shift across the axis, before the screw meets its hole."""
+        return _HOLE_CLEARANCE_MM / 2
+
+    def screw_length(self, dorsal_height: float) -> float:
+        """Select the longest screw whose head does not stand out of the dorsal face, at this height."""
+        longest = dorsal_height - self.facet_y + self.engaged
+        return float(max((length for length in SCREW_LENGTHS_MM if length <= longest), default=SCREW_LENGTHS_MM[0]))
+
+
+def place_chaplet(outline: ConicBody, z: float, diameter: float, screw_mm: float) -> Chaplet:
+    """Place the chaplet at a height of the finger, with its facet as high as the bone allows."""
+    radius = diameter / 2
+    facet = radius + _BESIDE_BOSS_MM
+    lowest = min(
+        outline.dorsal_height_at(facet * math.sin(angle), z + facet * math.cos(angle))
+        for angle in (math.pi * i / _POINTS for i in range(_POINTS + 1))
+    )
+    return Chaplet(z, lowest - _FACET_DEPTH_MM, radius, facet, find_thread(screw_mm))
+
+
+NOTCH_WIDTH_MM = 2.5
+"""Width of the notch in which the tendon reaches its anchor, where no window does [mm]."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Joint of a clevis [mm]. All positions are (y, z), in the middle plane of the finger."""
+
+    axis_y: float
+    """Axis of the pin, across."""
+    axis_z: float
+    """Axis of the pin, along the finger."""
+    pin_radius: float
+    """Radius of the pin's bore."""
+    radius: float
+    """Radius within which the hand's knuckle lies, and distance of its shoulder behind the axis."""
+    clearance: float
+    """Gap between the bone and the hand."""
+    is_fork: bool
+    """True if the bone is a fork around the hand's tongue, false if it is a tongue in the hand's fork."""
+    half_width: float
+    """Half the width between the bone's cheeks, or of its tongue."""
+    travel_deg: float
+    """Angle between the hard stops; 0 without stops."""
+
+    @property
+    def eye_radius(self) -> float:
+        """Radius of the bone's eyes."""
+        return self.radius - self.clearance
+
+    @property
+    def shoulder_z(self) -> float:
+        """Proximal end of the full base, from which the eyes stand out."""
+        return self.axis_z + self.radius + self.clearance
+
+    @property
+    def low_z(self) -> float:
+        """Proximal end of the eyes."""
+        return self.axis_z - self.radius
+
+    def stopped_profile(self, reach: float) -> tuple[tuple[float, float], ...]:
+        """Return the corners (y, z) of the eye between its stops, counter-clockwise; the arc about the pin is missing.
+
+        In the frame of the bone the hand's shoulder turns about the pin towards the palmar side while the finger bends.
+        The dorsal edge is the shoulder of the straight finger, the palmar one that at the end of the travel. What lies
+        between them never meets the shoulder on the way, because the outline is convex there.
+
+        Units: `reach` [mm].
+        """
+        angle = math.radians(self.travel_deg)
+        foot = (-self.radius * math.sin(angle), -self.radius * math.cos(angle))
+        along = min(reach, reach / math.sin(angle))
+        far = (foot[0] - along * math.cos(angle), foot[1] + along * math.sin(angle))
+        corners = ((0.0, -self.radius), (reach, -self.radius), (reach, reach), (far[0], reach), far, foot, (0.0, 0.0))
+        return tuple((self.axis_y + y, self.axis_z + z) for y, z in corners)
+
+
+@dataclass(frozen=True)
+class TendonAnchor:
+    """Hole across the finger for the pin or thread that holds the tendon [mm]."""
+
+    y: float
+    z: float
+    radius: float
+    distance: float
+    """Distance of the tendon from the joint's axis."""
+    inner_half_width: float
+    """Half the width of the notch or window that it crosses; beyond it lie the cheeks that hold it."""
+
+
+SLIDING_MM = 0.3
+"""Gap beside and above film, crimps and wires [mm]. An assumption."""
+END_ROOM_MM = 1.5
+"""Room between the tabs and the end of the trough, for tails longer than stated [mm]. An assumption."""
+_BELOW_SEAL_MM = 0.5
+"""Distance of the window from the sealing part of the collar [mm]."""
+
+
+@dataclass(frozen=True)
+class SensorTail:
+    """Tail of a sensor as it is folded [mm]."""
+
+    film_mm: float
+    """Length of the film from the centre of the head to its end."""
+    thickness_mm: float
+    """Thickness of the film."""
+    tab_length_mm: float
+    """Length of the tabs beyond the film."""
+    tabs_width_mm: float
+    """Width over both tabs."""
+    crimp_height_mm: float
+    """Height of crimps and solder above the film."""
+    wire_diameter_mm: float
+    """Diameter of the wires, which lie on the crimps."""
+
+
+@dataclass(frozen=True)
+class TailFold:
+    """Course of a folded tail [mm]."""
+
+    nose_y: float
+    """Axis of the nose, across."""
+    nose_z: float
+    """Axis of the nose, along the finger, which is the distal face of the window."""
+    radius: float
+    """Radius of the nose, at which the film bends."""
+    window_low_z: float
+    """Proximal face of the window; crimps and wires pass between it and the nose."""
+    floor_y: float
+    """Floor of the trough, on which the end of the tail lies."""
+    film_end_z: float
+    """End of the film in the trough."""
+    tabs_end_z: float
+    """End of the tabs."""
+    film_space_mm: float
+    """Height between floor and lid beside the tabs."""
+    tabs_space_mm: float
+    """Height between floor and lid over the tabs, and of all openings through which they are threaded."""
+    tabs_half_width: float
+    """Half the width of the higher space."""
+
+    @property
+    def trough_end_z(self) -> float:
+        """Distal end of the trough."""
+        return self.tabs_end_z + END_ROOM_MM
+
+
+def fold_tail(
+    pocket_floor_y: float, sensor_z: float, seal_length_mm: float, radius_mm: float, tail: SensorTail
+) -> TailFold:
+    """Lay the tail around its nose. Units: `pocket_floor_y` [mm], `sensor_z` [mm]."""
+    nose_y = pocket_floor_y + TANGENT_STEP_MM + radius_mm
+    nose_z = -(seal_length_mm + _BELOW_SEAL_MM)
+    # The neutral line of the film runs half its thickness outside the nose.
+    left = tail.film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + tail.thickness_mm / 2)
+    film_end_z = nose_z + left
+    tabs_space = tail.thickness_mm + tail.crimp_height_mm + tail.wire_diameter_mm + SLIDING_MM
+    return TailFold(
+        nose_y,
+        nose_z,
+        radius_mm,
+        nose_z - radius_mm - tabs_space,
+        nose_y + radius_mm + TANGENT_STEP_MM,
+        film_end_z,
+        film_end_z + tail.tab_length_mm,
+        tail.thickness_mm + SLIDING_MM,
+        tabs_space,
+        tail.tabs_width_mm / 2 + SLIDING_MM,
+    )

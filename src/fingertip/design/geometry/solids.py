@@ -1,0 +1,181 @@
+"""Constructive solid geometry: parts as trees of primitives and boolean operations, independent of any kernel.
+
+Each part is described once as a tree of the frozen dataclasses below. Two geometry kernels evaluate the tree and share
+no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (cadquery). All lengths are in mm and
+all axes are parallel to x, y or z. Solids compare and hash by value, so that a kernel evaluates equal solids once.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from fingertip.design.geometry.conic import ConicBody, DraftedSection
+
+Axis = Literal["x", "y", "z"]
+Point3: TypeAlias = tuple[float, float, float]
+
+
+def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
+    """Return (x, y, z) of the point at `w` along an axis and at (`u`, `v`) across it.
+
+    `u` and `v` follow the axis in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z.
+    """
+    match axis:
+        case "x":
+            return w, u, v
+        case "y":
+            return v, w, u
+        case "z":
+            return u, v, w
+
+
+@dataclass(frozen=True)
+class Box:
+    """Axis-parallel box between two opposite corners [mm]."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Cone:
+    """Frustum of a cone about an axis-parallel line; a cylinder if both radii are equal.
+
+    `centre` holds the two coordinates of the line in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z [mm].
+    """
+
+    axis: Axis
+    centre: tuple[float, float]
+    low: float
+    high: float
+    low_radius: float
+    high_radius: float
+
+
+def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, radius: float) -> Cone:
+    """Create a cylinder about an axis-parallel line [mm]; `centre` as in `Cone`."""
+    return Cone(axis, centre, low, high, radius, radius)
+
+
+@dataclass(frozen=True)
+class Prism:
+    """Polygon extruded along an axis from `low` to `high` [mm].
+
+    `corners` hold the two other coordinates in cyclic order, as in `Cone`, and run counter-clockwise in that order. For
+    the y axis this is (z, x), which is clockwise seen from the dorsal side. `holes` run clockwise.
+    """
+
+    axis: Axis
+    corners: tuple[tuple[float, float], ...]
+    low: float
+    high: float
+    holes: tuple[tuple[tuple[float, float], ...], ...] = ()
+
+
+def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
+    """Create a hexagonal prism along y around (`z`, `x`), as for a nut trap.
+
+    Two corners point along +x and -x. `width` is measured across flats [mm].
+    """
+    r = width / math.sqrt(3.0)
+    half, side = r / 2, width / 2
+    ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))
+    return Prism("y", tuple((z + dz, x + dx) for dz, dx in ring), low, high)
+
+
+@dataclass(frozen=True)
+class ElbowTube:
+    """Round tube in the plane x = 0: straight along -z, a 90 degree bend, then straight along +y [mm].
+
+    The centre line starts at (`start_y`, `start_z`), bends with `bend_radius`, and ends at (`end_y`, `exit_z`).
+    """
+
+    start_y: float
+    start_z: float
+    exit_z: float
+    end_y: float
+    bend_radius: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class SuperconicSolid:
+    """Solid bounded by a superconic surface, as `design.geometry.conic` defines it."""
+
+    body: ConicBody
+
+
+@dataclass(frozen=True)
+class DraftedExtrusion:
+    """Cross-section with draft, extruded along z from `low` to `high` [mm]."""
+
+    section: DraftedSection
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Union:
+    """Boolean union of solids."""
+
+    solids: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Boolean difference: `solid` minus every solid of `subtracted`."""
+
+    solid: Solid
+    subtracted: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Intersection:
+    """Boolean intersection of solids."""
+
+    solids: tuple[Solid, ...]
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """Solid scaled about the origin."""
+
+    solid: Solid
+    factor: float
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Solid turned about the x axis by quarter turns, and then moved."""
+
+    solid: Solid
+    quarter_turns: Literal[-1, 0, 1]
+    """Quarter turns by the right-hand rule: one turns y to z."""
+    shift: Point3
+    """Displacement after the turn [mm]."""
+
+
+Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | DraftedExtrusion
+Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled | Placed
+
+
+def union(*solids: Solid) -> Solid:
+    """Unite solids; a single one is returned as it is."""
+    return solids[0] if len(solids) == 1 else Union(solids)
+
+
+def difference(solid: Solid, *subtracted: Solid) -> Solid:
+    """Subtract solids from `solid`; without any, it is returned as it is."""
+    return Difference(solid, subtracted) if subtracted else solid
+
+
+def intersection(*solids: Solid) -> Solid:
+    """Intersect solids; a single one is returned as it is."""
+    return solids[0] if len(solids) == 1 else Intersection(solids)
+
+
+def scaled(solid: Solid, factor: float) -> Solid:
+    """Scale a solid about the origin; a factor of one returns it as it is."""
+    return solid if factor == 1.0 else Scaled(solid, factor)

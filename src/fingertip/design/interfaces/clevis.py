@@ -1,0 +1,266 @@
+"""Clevis: the eyes of the bone about the joint's pin, their hard stops, and the anchor of the tendon.
+
+A load on the fingertip turns it about the pin. On a straight finger a hard stop holds it, and the pin then pulls at
+the ends of the eyes. On a bent one the tendon holds it: it pulls at its anchor, and the eyes press on the pin.
+Forces are those of statics; stresses are nominal ones of a lug with a pin (net section, bearing, shear-out), the
+first with the concentration at a hole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from fingertip.design.formulas.stress import VON_MISES_SHEAR, LocalStress, StressFactors, at_shoulder, hole_in_tension
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.conic import TANGENT_STEP_MM
+from fingertip.design.geometry.dimensions import Dimensions
+from fingertip.design.geometry.features import NOTCH_WIDTH_MM, Joint, TendonAnchor
+from fingertip.design.geometry.sizes import (
+    ARROW_DEG,
+    BEHIND_FACE,
+    FINISHED,
+    INNER,
+    OUTER,
+    STEP,
+    Circle,
+    Length,
+    Size,
+    bore,
+    clearance,
+)
+from fingertip.design.geometry.solids import Box, Point3, Prism, Solid, cylinder, difference, intersection, union
+from fingertip.design.interfaces.interface import JointInterface, Shapes, base_size
+
+_PIN_PLAY_MM = 0.2
+"""Play of the anchor pin in its printed hole [mm]."""
+
+
+class Clevis(JointInterface):
+    """Joint with a pin, whose sizes stand in the table [hand]."""
+
+    name = "clevis"
+    face_on_plate = weakest = "the eyes of the joint"
+    supports_below = "under the foot of the collar; around the eyes of the joint"
+
+    def shapes(self, design: DesignTables) -> Shapes:
+        """Build the palmar stop, and what is removed: first the space of the joint, then the holes.
+
+        The eyes are cut from the base. The stop stands out below it.
+        """
+        joint, anchor = _joint_of(design), design.dimensions.anchor
+        added = (_palmar_stop(design, joint),) if joint.travel_deg else ()
+        across = 2 * design.dimensions.collar.section.half_width
+        removed = [space(design, joint), pin_bore(joint, across)]
+        if anchor:
+            removed.append(cylinder("x", (anchor.y, anchor.z), -across, across, anchor.radius))
+            if not design.dimensions.window_opens_into_gap:
+                removed.append(notch(design, anchor))
+        return added, tuple(removed)
+
+    def genus(self, design: DesignTables) -> int:
+        """Count a hole in each cheek of a fork, and two of the anchor, on either side of the notch that it crosses."""
+        return (2 if _joint_of(design).is_fork else 1) + (2 if design.dimensions.anchor else 0)
+
+    def depth(self, design: DesignTables) -> float:
+        joint = _joint_of(design)
+        return joint.radius + joint.clearance
+
+    def low_z(self, design: DesignTables) -> float:
+        joint = _joint_of(design)
+        return joint.low_z if joint.travel_deg else joint.axis_z - joint.eye_radius
+
+    def features(self, design: DesignTables) -> Iterator[tuple[str, tuple[float, float]]]:
+        joint, anchor = _joint_of(design), design.dimensions.anchor
+        yield "joint", (joint.axis_z, joint.axis_y)
+        if anchor:
+            yield "tendon's anchor", (anchor.z, anchor.y)
+
+    def beam_begin_z(self, design: DesignTables, low_z: float) -> float:
+        """Past the pin only the joint's own forces act, which are assessed for themselves."""
+        joint = _joint_of(design)
+        return joint.axis_z + joint.pin_radius
+
+    def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
+        """Find the factors at the root of the eyes, which are as high as the base if they have stops."""
+        joint, base = _joint_of(design), base_size(design.dimensions)
+        if not joint.shoulder_z - joint.eye_radius / 2 <= z <= joint.shoulder_z:
+            return StressFactors()
+        width = base[0] if joint.is_fork else 2 * joint.half_width
+        height = base[1] if joint.travel_deg else 2 * joint.eye_radius
+        return at_shoulder(base, (width, height), design.strength.root_fillet_mm)
+
+    def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
+        """Yield the stresses of eyes and anchor, in the plane in which the finger bends."""
+        joint, anchor = _joint_of(design), design.dimensions.anchor
+        thickness = _eye_thickness(design.dimensions, joint)
+        if joint.travel_deg:
+            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself.
+            dorsal = design.dimensions.bone_outline.section.dorsal
+            # The pressure on the stop grows outwards, so its force acts at two thirds of the length.
+            lever = 2 / 3 * (dorsal - joint.axis_y)
+            pull = (load_z - joint.axis_z) / lever + 1.0
+            width, bore = 2 * joint.eye_radius, 2 * joint.pin_radius
+            factor = hole_in_tension(bore, width)
+            yield LocalStress("eye", joint.axis_z, factor * pull / (thickness * (width - bore)), factor)
+            shear = pull / (2 * thickness * (joint.eye_radius - joint.pin_radius))
+            yield LocalStress("end of the eye", joint.low_z, VON_MISES_SHEAR * shear)
+        if anchor:
+            force = tendon_force_per_n(design, load_z)
+            yield LocalStress(
+                "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_shock=False
+            )
+            length = _anchor_length(design.dimensions, anchor)
+            yield LocalStress("bearing of the anchor", anchor.z, force / (length * 2 * anchor.radius), at_shock=False)
+            shear = force / (2 * length * design.bone.wall_mm)
+            yield LocalStress("wall at the anchor", anchor.z, VON_MISES_SHEAR * shear, at_shock=False)
+
+    def sizes(self, design: DesignTables) -> list[Size]:
+        joint = _joint_of(design)
+        y, z, half = joint.axis_y, joint.axis_z, joint.half_width
+        across = design.dimensions.bone_outline.section.half_width
+        place = "gap between the cheeks" if joint.is_fork else "width of the tongue"
+        remedy = "narrow: file it until the hand's tongue turns" if joint.is_fork else "wide: sand it until it turns"
+        pin: Point3 = (across, y, z)
+        sizes: list[Size] = [
+            Length("skin's end to the joint axis", BEHIND_FACE, "front", "below", "z", (across, 0.0, 0.0), pin),
+            Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
+                   "narrow: ream it to the pin; wide: take a thicker pin, or a bush"),
+            Circle("eyes of the joint", BEHIND_FACE, "front", "x", pin, joint.eye_radius, is_radius=True,
+                   hidden_deg=_beside_stops_deg(joint)),
+            Length(place, INNER if joint.is_fork else OUTER, "end", "below", "x", (half, y, z), (-half, y, z),
+                   clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
+        ]  # fmt: skip
+        if abs(y) > 1e-6:
+            sizes.append(
+                Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
+            )
+        if anchor := design.dimensions.anchor:
+            at = (across, anchor.y, anchor.z)
+            sizes += [
+                Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius),
+                Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
+            ]
+        return sizes
+
+    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
+        """List the pin, and what holds the tendon."""
+        anchor = design.dimensions.anchor
+        pin: dict[str, Any] = {
+            "item": "joint pin (hardened steel, such as a dowel pin)",
+            "diameter_mm": design.hand.pin_diameter_mm,
+            "count": 1,
+        }
+        if design.hand.knuckle == "tongue":  # else it is as long as the hand's fork is wide
+            pin["length_mm"] = design.dimensions.pin_length
+        items = [pin]
+        if anchor:
+            items.append({
+                "item": "anchor pin of the tendon (spring steel wire)",
+                "diameter_mm": round(design.bone.anchor_diameter_mm - _PIN_PLAY_MM, 1),
+                "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
+            })  # fmt: skip
+            items.append({
+                "item": "tendon (braided line, as long as the hand needs)",
+                "diameter_mm": design.hand.tendon_diameter_mm,
+                "count": 1,
+            })  # fmt: skip
+        return items
+
+
+def _joint_of(design: DesignTables) -> Joint:
+    joint = design.dimensions.joint
+    assert joint
+    return joint
+
+
+def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
+    """Directions in the front view in which the eyes are not round: all but those between the stops."""
+    return ((180.0 + joint.travel_deg - ARROW_DEG, 540.0 + ARROW_DEG),) if joint.travel_deg else ((-90.0, 90.0),)
+
+
+def _palmar_stop(design: DesignTables, joint: Joint) -> Solid:
+    """Build the stop of the bent finger: it fills the finger's outline below the flat of the base, outside the mold."""
+    dims, section = design.dimensions, design.dimensions.bone_outline.section
+    half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
+    top = min(-design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance
+    low = Box((-half, -dims.collar.section.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
+    return intersection(eye_profile(joint, 2 * half), low)
+
+
+def space(design: DesignTables, joint: Joint) -> Solid:
+    """Build the space that the hand needs: all but the eyes proximal to the base, and the gap between them."""
+    dims = design.dimensions
+    section = dims.collar.section
+    reach = 2 * (section.half_width + section.palmar + section.dorsal)
+    low, high = joint.low_z - reach, joint.shoulder_z
+    beyond = Box((-reach, -reach, low), (reach, reach, high))
+    around = difference(beyond, eye_profile(joint, reach))
+    half = joint.half_width
+    if not joint.is_fork:
+        beside = (Box((-reach, -reach, low), (-half, reach, high)), Box((half, -reach, low), (reach, reach, high)))
+        return union(around, *beside)
+    # The window of a folded tail lies above the gap, and opens into it.
+    top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
+    return union(around, Box((-half, -reach, low), (half, reach, top)))
+
+
+def eye_profile(joint: Joint, reach: float) -> Solid:
+    """Build an eye of any width: round about the pin, and with the hard stops or narrower than the base."""
+    y, z = joint.axis_y, joint.axis_z
+    around = cylinder("x", (y, z), -reach, reach, joint.eye_radius)
+    if joint.travel_deg:
+        return union(Prism("x", joint.stopped_profile(reach), -reach, reach), around)
+    half = joint.eye_radius - TANGENT_STEP_MM
+    return union(Box((-reach, y - half, z), (reach, y + half, z + reach)), around)
+
+
+def pin_bore(joint: Joint, half_length: float) -> Solid:
+    """Build the bore of the joint's pin."""
+    return cylinder("x", (joint.axis_y, joint.axis_z), -half_length, half_length, joint.pin_radius)
+
+
+def notch(design: DesignTables, anchor: TendonAnchor) -> Solid:
+    """Build the notch of the tendon, from its anchor to the palmar and the proximal side."""
+    section, joint = design.dimensions.collar.section, _joint_of(design)
+    half = NOTCH_WIDTH_MM / 2
+    return Box(
+        (-half, -2 * section.palmar, joint.low_z - section.palmar),
+        (half, anchor.y + anchor.radius, anchor.z + 2 * anchor.radius),
+    )
+
+
+def knuckle(design: DesignTables, joint: Joint) -> Solid:
+    """Build the hand's part of the joint as `[hand]` describes it, for checks and pictures: knuckle and shoulder."""
+    hand, reach = design.hand, 4 * joint.radius
+    y, z, half = joint.axis_y, joint.axis_z, hand.width_mm / 2
+    # The hand ends on its palmar side at the height from which its axis is measured.
+    palmar = y - hand.axis_height_mm
+    shoulder = Box((-reach, palmar, z - joint.radius - reach), (reach, y + reach, z - joint.radius))
+    flat = joint.radius - TANGENT_STEP_MM
+    neck = union(
+        Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)),
+        cylinder("x", (y, z), -reach, reach, joint.radius),
+    )
+    inner = Box((-half, y - reach, z - reach), (half, y + reach, z + reach))
+    return union(shoulder, intersection(neck, inner) if joint.is_fork else difference(neck, inner))
+
+
+def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
+    """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0 without a tendon."""
+    joint, anchor = design.dimensions.joint, design.dimensions.anchor
+    return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
+
+
+def _eye_thickness(dims: Dimensions, joint: Joint) -> float:
+    """Thickness [mm] of both cheeks beside the pin, or of the tongue."""
+    if not joint.is_fork:
+        return 2 * joint.half_width
+    section = dims.bone_outline.section
+    edges = (joint.axis_y - joint.pin_radius, joint.axis_y + joint.pin_radius)
+    return 2 * (min(section.half_width_at(y) for y in edges) - joint.half_width)
+
+
+def _anchor_length(dims: Dimensions, anchor: TendonAnchor) -> float:
+    """Length [mm] of the anchor's hole in both cheeks together."""
+    return 2 * (dims.collar.section.half_width_at(anchor.y) - anchor.inner_half_width)

@@ -1,0 +1,194 @@
+"""What every interface of the bone to the proximal phalanx brings: shapes, sizes to check, strength and words.
+
+Its parameters stand in the table [bone], and its rules beside it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from fingertip.catalogues.hardware import select_thread
+from fingertip.design.formulas.stress import LocalStress, StressFactors, hole_in_tension
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.dimensions import Dimensions
+from fingertip.design.geometry.mold_layout import standard_length_mm
+from fingertip.design.geometry.sizes import BEHIND_FACE, INNER, OUTER, Circle, Length, Size, Tolerance, clearance
+from fingertip.design.geometry.solids import Solid, cylinder
+from fingertip.design.rules.ruleset import SLACK
+
+_CIRCLE_POINTS = 64
+"""Intervals at which half a circle is sampled."""
+MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 2.5
+"""Play between the interface and a printed mating part, and the wall of the example [mm]. Recommendations."""
+Shapes = tuple[tuple[Solid, ...], tuple[Solid, ...]]
+"""Solids that are added to the filled bone, and those that are removed from it."""
+
+
+class JointInterface:
+    """Interface of the bone to the proximal phalanx. All lengths are in mm."""
+
+    name: str
+    """Value of bone.interface."""
+    face_on_plate: str
+    """Face on which the bone stands while it prints, in words."""
+    weakest: str
+    """What must not be pushed when the finger is taken out of the mold, in words."""
+    supports_below = "under the foot of the collar and the end of the base, outside"
+    """Places of supports at the proximal end, in words."""
+    supports_inside = ""
+    """Further places of supports, in words."""
+    walled_hollow = ""
+    """Name of a hollow in the base around which checks measure the walls; the first solid that is removed."""
+
+    def shapes(self, design: DesignTables) -> Shapes:
+        """Build what the interface adds to the filled bone, and what it removes."""
+        raise NotImplementedError
+
+    def genus(self, design: DesignTables) -> int:
+        """Count the through holes of the interface."""
+        raise NotImplementedError
+
+    def depth(self, design: DesignTables) -> float:
+        """Length of the base that the interface takes."""
+        return 0.0
+
+    def low_z(self, design: DesignTables) -> float:
+        """Proximal end of the bone."""
+        return -design.bone.base_length_mm
+
+    def sizes(self, design: DesignTables) -> list[Size]:
+        """List the sizes for the drawing of the bone."""
+        raise NotImplementedError
+
+    def features(self, design: DesignTables) -> Iterator[tuple[str, tuple[float, float]]]:
+        """Yield what a picture of the section names, with (z, y) of a point on it."""
+        yield from ()
+
+    def beam_begin_z(self, design: DesignTables, low_z: float) -> float:
+        """Height from which on the bone bends as a beam; `low_z` is its proximal end."""
+        return low_z
+
+    def moment_share(self, design: DesignTables, z: float) -> float:
+        """Fraction of the bending moment that a section carries, because the phalanx holds the interface."""
+        return 1.0
+
+    def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
+        """Find the stress concentration factors of the interface at a height.
+
+        A shoulder acts about half the height of the thinner side far.
+        """
+        return StressFactors()
+
+    def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
+        """Yield stresses besides those of bent cross-sections, under a load at a height of the finger."""
+        yield from ()
+
+    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
+        """List the items to buy that hold the bone to the proximal phalanx."""
+        raise NotImplementedError
+
+    def mounting(self, design: DesignTables) -> dict[str, Any] | None:
+        """Describe what the interface fits into; None for a joint, which the casting steps fit.
+
+        The clearance of the mating part is a recommendation: the design does not hold one.
+        """
+        return None
+
+
+def middle_y(dims: Dimensions) -> float:
+    """Middle of the base's height."""
+    return (dims.bone_outline.section.dorsal - dims.base_flat_depth) / 2
+
+
+def base_size(dims: Dimensions) -> tuple[float, float]:
+    """Width and height of the base."""
+    section = dims.bone_outline.section
+    return 2 * section.half_width, section.dorsal + dims.base_flat_depth
+
+
+def base_length_size(design: DesignTables) -> Length:
+    """Length of a base that ends in a plane."""
+    y, end = middle_y(design.dimensions), -design.bone.base_length_mm
+    return Length("length of the base", OUTER, "front", "below", "z", (0.0, y, end), (0.0, y, 0.0))
+
+
+def bolt_clearance(design: DesignTables, hole_mm: float) -> Tolerance:
+    """Tolerance of a printed hole that a bolt passes."""
+    return clearance(hole_mm - design.printer.offset_mm - select_thread(hole_mm).diameter_mm)
+
+
+def base_holds_circle(design: DesignTables, radius: float, half_height: float = math.inf) -> bool:
+    """Return whether a circle [mm] about the middle of the base's height stays inside the base's section.
+
+    The circle may have two flats, which leave `half_height` [mm] on either side of the middle.
+    """
+    section, flat = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth
+    middle = (section.dorsal - flat) / 2
+    half_height = min(radius, half_height)
+    if half_height >= (section.dorsal + flat) / 2:
+        return False
+    last = math.asin(half_height / radius) if radius > 0.0 else 0.0
+    angles = (last * (2 * i / _CIRCLE_POINTS - 1) for i in range(_CIRCLE_POINTS + 1))
+    return all(
+        radius * math.cos(angle) <= section.half_width_at(max(middle + radius * math.sin(angle), -flat)) + SLACK
+        for angle in angles
+    )
+
+
+class CrossBolted(JointInterface):
+    """Interface that a bolt across it holds in place."""
+
+    def cross_bolt_z(self, design: DesignTables) -> float:
+        """Axis of the cross bolt."""
+        raise NotImplementedError
+
+    def bolt_hole(self, design: DesignTables) -> Solid:
+        """Build the hole of the cross bolt."""
+        dims = design.dimensions
+        across = 2 * dims.bone_outline.section.half_width
+        centre = (middle_y(dims), self.cross_bolt_z(design))
+        return cylinder("x", centre, -across, across, design.bone.cross_bolt_diameter_mm / 2)
+
+    def bolt_sizes(self, design: DesignTables, begin_z: float) -> list[Size]:
+        """Place of the cross bolt's axis from a face of the interface, and its hole."""
+        dims, hole = design.dimensions, design.bone.cross_bolt_diameter_mm
+        y, z = middle_y(dims), self.cross_bolt_z(design)
+        return [
+            Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (0.0, y, begin_z), (0.0, y, z)),
+            Circle("hole of the cross bolt", INNER, "front", "x", (dims.bone_outline.section.half_width, y, z),
+                   hole / 2, bolt_clearance(design, hole)),
+        ]  # fmt: skip
+
+    def hole_factors(self, design: DesignTables, z: float, across_mm: float) -> StressFactors:
+        """Factors at the hole of the cross bolt, through a bar of this width."""
+        diameter = design.bone.cross_bolt_diameter_mm
+        if abs(z - self.cross_bolt_z(design)) > diameter / 2:
+            return StressFactors()
+        factor = hole_in_tension(diameter, across_mm)
+        return StressFactors(factor, factor)
+
+    def list_bolt(self, design: DesignTables, crossed_mm: float) -> list[dict[str, Any]]:
+        """List bolt and nut to buy; `crossed_mm` is what the bolt passes of the bone."""
+        thread_mm = select_thread(design.bone.cross_bolt_diameter_mm).diameter_mm
+        return [
+            {
+                "item": "cross bolt (machine screw)", "thread_mm": thread_mm,
+                "crossed_mm": round(crossed_mm, 1), "count": 1,
+            },
+            {"item": "cross bolt nut (hexagon nut)", "thread_mm": thread_mm, "count": 1},
+        ]  # fmt: skip
+
+    def mount(
+        self, design: DesignTables, fit: str, crossed_mm: float, walls: int, from_mm: float, start: str
+    ) -> dict[str, Any]:
+        """Describe the fit, and the bolt: it crosses the interface or its bore, and walls of a mating part."""
+        thread, wall_mm = select_thread(design.bone.cross_bolt_diameter_mm), _MATING_WALL_MM if walls else 0.0
+        needed = crossed_mm + walls * wall_mm + thread.nut_height_mm
+        bolt = {
+            "crossed_mm": crossed_mm, "walls": walls, "wall_mm": wall_mm,
+            "item": "cross bolt", "thread_mm": thread.diameter_mm, "nut_mm": thread.nut_height_mm,
+            "length_mm": standard_length_mm(needed), "from_mm": round(from_mm, 2), "from": start,
+        }  # fmt: skip
+        return {"fit": fit, "bolt": bolt, "play_mm": MATING_PLAY_MM}

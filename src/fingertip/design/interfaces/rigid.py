@@ -1,0 +1,390 @@
+"""Interfaces that hold the bone without a joint: post, socket and flange."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from fingertip.catalogues.hardware import select_thread
+from fingertip.design.formulas.stress import LocalStress, StressFactors, at_shoulder
+from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.sizes import (
+    ARROW_DEG,
+    INNER,
+    OUTER,
+    STEP,
+    Circle,
+    Length,
+    Size,
+)
+from fingertip.design.geometry.solids import Box, Solid, cylinder, intersection
+from fingertip.design.interfaces.interface import (
+    MATING_PLAY_MM,
+    CrossBolted,
+    JointInterface,
+    Shapes,
+    base_holds_circle,
+    base_length_size,
+    base_size,
+    bolt_clearance,
+    middle_y,
+)
+from fingertip.design.parameters.bone import Bone
+from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
+from fingertip.foundation.numerics import bisect
+
+RULES = Ruleset()
+
+_MIN_SHOULDER = 0.1
+"""Minimum height of the shoulder above and below a post [mm]."""
+_MIN_FLAT_MM = 0.02
+"""Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
+_HEAD_CLEARANCE = 0.3
+"""Clearance around the head of a flange's bolt [mm]."""
+
+
+class Post(CrossBolted):
+    """Post on the bone, with two flats. It is held along its length."""
+
+    name = "post"
+    face_on_plate = "the end of the post"
+    weakest = "the post, its weakest section"
+
+    def cross_bolt_z(self, design: DesignTables) -> float:
+        """Axis of the cross bolt: near the end of the post, where bending is least."""
+        bone, hole = design.bone, design.bone.cross_bolt_diameter_mm
+        return self.low_z(design) + min(hole / 2 + max(bone.wall_mm, hole / 2), bone.post_length_mm / 2)
+
+    def low_z(self, design: DesignTables) -> float:
+        return -design.bone.base_length_mm - design.bone.post_length_mm
+
+    def shapes(self, design: DesignTables) -> Shapes:
+        """Build a round post with a dorsal and a palmar flat, or without them if it is as high as wide."""
+        y, low, high = middle_y(design.dimensions), self.low_z(design), design.bone.wall_mm / 2
+        high -= design.bone.base_length_mm
+        radius, half = design.bone.post_width_mm / 2, design.bone.post_height_mm / 2
+        post: Solid = cylinder("z", (0.0, y), low, high, radius)
+        if half <= radius - _MIN_FLAT_MM:
+            margin = radius  # past the round sides and the ends, by a length that scales with the design
+            post = intersection(
+                post, Box((-radius - margin, y - half, low - margin), (radius + margin, y + half, high + margin))
+            )
+        return (post,), (self.bolt_hole(design),)
+
+    def genus(self, design: DesignTables) -> int:
+        return 1
+
+    def sizes(self, design: DesignTables) -> list[Size]:
+        bone, y, foot = design.bone, middle_y(design.dimensions), self.low_z(design)
+        half = bone.post_height_mm / 2
+        return [
+            base_length_size(design),
+            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(bone)),
+            Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
+                   (0.0, y + half, foot)),
+            *self.bolt_sizes(design, foot),
+        ]  # fmt: skip
+
+    def features(self, design: DesignTables) -> Iterator[tuple[str, tuple[float, float]]]:
+        yield "cross bolt", (self.cross_bolt_z(design), middle_y(design.dimensions))
+
+    def moment_share(self, design: DesignTables, z: float) -> float:
+        """The moment falls from the root, in proportion to the distance, to nothing at the end."""
+        bone = design.bone
+        return min(1.0, max(0.0, (z + bone.base_length_mm) / bone.post_length_mm + 1.0))
+
+    def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
+        bone, factors, end = design.bone, StressFactors(), -design.bone.base_length_mm
+        across = min(bone.post_height_mm, bone.post_width_mm)
+        if end - across / 2 <= z <= end:
+            size = (bone.post_width_mm, across)
+            factors = at_shoulder(base_size(design.dimensions), size, design.strength.root_fillet_mm)
+        return factors.combined_with(self.hole_factors(design, z, across))
+
+    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
+        return self.list_bolt(design, design.bone.post_width_mm)
+
+    def mounting(self, design: DesignTables) -> dict[str, Any]:
+        bone, play = design.bone, MATING_PLAY_MM
+        flats = f" with two flats, {bone.post_height_mm + play:g} mm apart"
+        fit = (
+            f"The post goes into a bore of {round(bone.post_width_mm + play, 2):g} mm"
+            f"{flats if bone.post_height_mm < bone.post_width_mm else ''}, at least "
+            f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. The bone stands on the end "
+            "of its post while it prints: file the lip of the first layers off that end before you try it."
+        )
+        from_mm = -bone.base_length_mm - self.cross_bolt_z(design)
+        return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
+
+
+def _flats_deg(bone: Bone) -> tuple[tuple[float, float], ...]:
+    """Directions in the end view in which the post has its flats."""
+    if bone.post_height_mm >= bone.post_width_mm:
+        return ()
+    begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
+    return (begin, 180.0 - begin), (180.0 + begin, 360.0 - begin)
+
+
+@RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
+def post_not_higher_than_base(design: DesignTables) -> Violation | None:
+    """The base is higher than the post, so that it ends in a shoulder."""
+    height = min(design.bone.post_height_mm, design.bone.post_width_mm)
+    maximum = base_size(design.dimensions)[1] - 2 * _MIN_SHOULDER
+    if design.bone.interface != "post" or height <= maximum + SLACK:
+        return None
+    return Violation(f"{height:g} mm is higher than the base with its shoulder", at_most(maximum))
+
+
+@RULES.rule("bone.post_width_mm", bone_left_at_sides, bone_left_dorsally, post_not_higher_than_base)
+def post_within_base(design: DesignTables) -> Violation | None:
+    """The post is not wider than the base."""
+    height = design.bone.post_height_mm
+
+    def holds(width: float) -> bool:
+        return base_holds_circle(design, (width - SLACK) / 2, height / 2)
+
+    if design.bone.interface != "post" or holds(design.bone.post_width_mm):
+        return None
+    highest = 2 * design.dimensions.bone_outline.section.half_width
+    return Violation(
+        f"{design.bone.post_width_mm:g} mm is wider than the base", at_most(bisect(holds, 0.0, highest, halvings=30)[0])
+    )
+
+
+class Socket(CrossBolted):
+    """Hole for a post of the phalanx, which holds the bone along its bore."""
+
+    name = "socket"
+    face_on_plate = "the proximal end, with the socket"
+    weakest = "the thin wall of the socket"
+    supports_inside = "; inside the socket"
+    walled_hollow = "socket"
+
+    def cross_bolt_z(self, design: DesignTables) -> float:
+        """Axis of the cross bolt: halfway up the socket."""
+        return -design.bone.base_length_mm + design.bone.socket_depth_mm / 2
+
+    def depth(self, design: DesignTables) -> float:
+        return design.bone.socket_depth_mm
+
+    def shapes(self, design: DesignTables) -> Shapes:
+        radius, end = design.bone.socket_diameter_mm / 2, -design.bone.base_length_mm
+        centre = (0.0, middle_y(design.dimensions))
+        bore = cylinder("z", centre, end - radius, end + design.bone.socket_depth_mm, radius)
+        return (), (bore, self.bolt_hole(design))
+
+    def genus(self, design: DesignTables) -> int:
+        """Count two: the socket is blind, but it opens into the hole of the cross bolt, which has three mouths then."""
+        return 2
+
+    def sizes(self, design: DesignTables) -> list[Size]:
+        bone, y, end = design.bone, middle_y(design.dimensions), -design.bone.base_length_mm
+        return [
+            base_length_size(design),
+            Circle("socket", INNER, "end", "z", (0.0, y, end), bone.socket_diameter_mm / 2),
+            Length("depth of the socket", STEP, "section", "below", "z", (0.0, y, end),
+                   (0.0, y, end + bone.socket_depth_mm)),
+            *self.bolt_sizes(design, end),
+        ]  # fmt: skip
+
+    def moment_share(self, design: DesignTables, z: float) -> float:
+        """The moment falls from the bottom of the bore to nothing at its mouth."""
+        bone = design.bone
+        return min(1.0, max(0.0, (z + bone.base_length_mm) / bone.socket_depth_mm))
+
+    def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
+        return self.hole_factors(design, z, design.bone.socket_diameter_mm + 2 * design.bone.wall_mm)
+
+    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
+        """List the cross bolt, which passes through the whole bone."""
+        return self.list_bolt(design, design.dimensions.bone_outline.section.half_width * 2)
+
+    def mounting(self, design: DesignTables) -> dict[str, Any]:
+        bone, play = design.bone, MATING_PLAY_MM
+        fit = (
+            f"The socket takes a post of {round(bone.socket_diameter_mm - play, 2):g} mm, at most "
+            f"{bone.socket_depth_mm:g} mm long: {play:g} mm of play, recommended for prints. Ream the socket, or sand "
+            "the post, until it slides in."
+        )
+        across = round(2 * design.dimensions.bone_outline.section.half_width, 1)
+        from_mm = self.cross_bolt_z(design) + bone.base_length_mm
+        return self.mount(design, fit, across, 0, from_mm, "the rim of the socket")
+
+
+@RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
+def socket_within_base(design: DesignTables) -> Violation | None:
+    """The base keeps a wall around the socket."""
+    wall, diameter = design.bone.wall_mm, design.bone.socket_diameter_mm
+    if design.bone.interface != "socket" or base_holds_circle(design, (diameter - SLACK) / 2 + wall):
+        return None
+    highest = base_size(design.dimensions)[1] / 2
+    room = 2 * bisect(lambda radius: base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
+    return Violation(f"{diameter:g} mm leaves less than {wall:g} mm of base around it", at_most(room - 2 * wall))
+
+
+@RULES.at_most("bone.cross_bolt_diameter_mm")
+def cross_bolt_within_interface(design: DesignTables) -> Limit | None:
+    """Post or socket keeps a wall around the hole of the cross bolt."""
+    bone = design.bone
+    if bone.interface == "socket":
+        across, along = bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm
+    elif bone.interface == "post":
+        across, along = min(bone.post_height_mm, bone.post_width_mm), bone.post_length_mm
+    else:
+        return None
+    maximum = min(across, along) - 2 * bone.wall_mm
+    return Limit(maximum, f"leaves less than {bone.wall_mm:g} mm around it in the {bone.interface}")
+
+
+class Flange(JointInterface):
+    """Plate with bolt holes at the proximal end of the base. It bends between base and bolts."""
+
+    name = "flange"
+    face_on_plate = "the flange"
+    weakest = "the flange, whose root is its weakest section"
+
+    def depth(self, design: DesignTables) -> float:
+        return design.bone.flange_thickness_mm
+
+    def shapes(self, design: DesignTables) -> Shapes:
+        bone, y = design.bone, middle_y(design.dimensions)
+        end, x, half = -bone.base_length_mm, bone.flange_width_mm / 2, bone.flange_height_mm / 2
+        top, radius = end + bone.flange_thickness_mm, bone.flange_hole_diameter_mm / 2
+        hole_x, rows = bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2
+        holes = tuple(
+            cylinder("z", (side * hole_x, y + row), end - radius, top + radius, radius)
+            for row in ((-rows, rows) if rows else (0.0,))
+            for side in (-1.0, 1.0)
+        )
+        return (Box((-x, y - half, end), (x, y + half, top)),), holes
+
+    def genus(self, design: DesignTables) -> int:
+        return 4 if design.bone.flange_spacing_y_mm else 2
+
+    def sizes(self, design: DesignTables) -> list[Size]:
+        bone, y, end = design.bone, middle_y(design.dimensions), -design.bone.base_length_mm
+        x, half, rows = bone.flange_width_mm / 2, bone.flange_height_mm / 2, bone.flange_spacing_y_mm / 2
+        hole_x, top = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm
+        sizes: list[Size] = [
+            base_length_size(design),
+            Length("width of the flange", OUTER, "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
+            Length("height of the flange", OUTER, "end", "left", "y", (x, y - half, end), (x, y + half, end)),
+            Length("thickness of the flange", OUTER, "front", "above", "z", (0.0, y + half, end), (0.0, y + half, top)),
+            Length("spacing of the bolt holes", STEP, "end", "above", "x", (hole_x, y + rows, end),
+                   (-hole_x, y + rows, end)),
+            Circle("bolt holes of the flange", INNER, "end", "z", (hole_x, y + rows, end),
+                   bone.flange_hole_diameter_mm / 2, bolt_clearance(design, bone.flange_hole_diameter_mm),
+                   count=self.genus(design)),
+        ]  # fmt: skip
+        if rows:
+            low, high = (-hole_x, y - rows, end), (-hole_x, y + rows, end)
+            sizes.append(Length("spacing of the rows", STEP, "end", "right", "y", low, high))
+        return sizes
+
+    def beam_begin_z(self, design: DesignTables, low_z: float) -> float:
+        return low_z + design.bone.flange_thickness_mm
+
+    def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
+        bone, base = design.bone, base_size(design.dimensions)
+        root = -bone.base_length_mm + bone.flange_thickness_mm
+        if not root <= z <= root + min(base) / 2:
+            return StressFactors()
+        return at_shoulder((bone.flange_width_mm, bone.flange_height_mm), base, design.strength.root_fillet_mm)
+
+    def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
+        """Find the bending stress of the flange where the base stands on it, which its bolts pull off the phalanx.
+
+        A load from the side or from above is held by a couple: bolts on one side, and bolts or the flange's edge on the
+        other. The plate is a cantilever between the couple's line and the base.
+        """
+        bone, (base_width, base_height) = design.bone, base_size(design.dimensions)
+        arm = load_z + bone.base_length_mm
+        modulus = bone.flange_thickness_mm**2 / 6
+        per_n = []
+        for spacing, size, base, across in (
+            (bone.flange_spacing_x_mm, bone.flange_width_mm, base_width, bone.flange_height_mm),
+            (bone.flange_spacing_y_mm, bone.flange_height_mm, base_height, bone.flange_width_mm),
+        ):
+            # Without a second row the flange turns about its edge, and the bolts pull in its middle.
+            couple = arm / (spacing if spacing else size / 2)
+            lever = max((spacing if spacing else size) - base, 0.0) / 2
+            per_n.append(couple * lever / (across * modulus))
+        stress = math.hypot(*per_n)
+        direction = (round(per_n[0] / stress, 6), round(per_n[1] / stress, 6), 0.0) if stress else (0.0, 1.0, 0.0)
+        yield LocalStress("flange", -bone.base_length_mm + bone.flange_thickness_mm, stress, direction=direction)
+
+    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
+        bone = design.bone
+        return [
+            {
+                "item": "flange bolt (machine screw)",
+                "thread_mm": select_thread(bone.flange_hole_diameter_mm).diameter_mm,
+                "crossed_mm": bone.flange_thickness_mm, "count": self.genus(design),
+            }
+        ]  # fmt: skip
+
+    def mounting(self, design: DesignTables) -> dict[str, Any]:
+        fit = (
+            "The flange lies flat on the mating part: file the lip of the first layers off its face. Its bolts pass "
+            f"{design.bone.flange_thickness_mm:g} mm of it and enter threads or nuts in the mating part."
+        )
+        return {"fit": fit, "bolt": None, "play_mm": MATING_PLAY_MM}
+
+
+@RULES.at_least("bone.flange_spacing_x_mm")
+def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
+    """The heads of the flange's bolts lie beside the base, or above and below it."""
+    bone, (width, height) = design.bone, base_size(design.dimensions)
+    # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
+    head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + _HEAD_CLEARANCE
+    if bone.interface != "flange" or bone.flange_spacing_y_mm >= height + 2 * head:
+        return None
+    return Limit(2 * (width / 2 + head), "leaves no room for bolt heads beside the base")
+
+
+@RULES.at_least("bone.flange_width_mm")
+def flange_wide_enough(design: DesignTables) -> Limit | None:
+    """The flange keeps a wall beside its bolt holes, and covers the base."""
+    bone = design.bone
+    if bone.interface != "flange":
+        return None
+    minimum = bone.flange_spacing_x_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
+    base = 2 * (design.dimensions.bone_outline.section.half_width + _MIN_SHOULDER)
+    holes = f"leaves less than {bone.wall_mm:g} mm beside the bolt holes"
+    return Limit(max(minimum, base), holes if minimum > base else "is less than the base's")
+
+
+@RULES.at_least("bone.flange_height_mm")
+def flange_high_enough(design: DesignTables) -> Limit | None:
+    """The flange keeps a wall above and below its bolt holes, and covers the base."""
+    bone = design.bone
+    if bone.interface != "flange":
+        return None
+    minimum = bone.flange_spacing_y_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
+    base = base_size(design.dimensions)[1] + 2 * _MIN_SHOULDER
+    what = "leaves too little above and below the bolt holes" if minimum > base else "is less than the base's height"
+    return Limit(max(minimum, base), what)
+
+
+@RULES.rule("bone.flange_spacing_y_mm")
+def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
+    """Two rows of the flange's bolt holes keep a wall between them."""
+    bone = design.bone
+    minimum = bone.flange_hole_diameter_mm + bone.wall_mm
+    if bone.interface != "flange" or not 0.0 < bone.flange_spacing_y_mm < minimum - SLACK:
+        return None
+    return Violation(
+        f"{bone.flange_spacing_y_mm:g} mm leaves less than {bone.wall_mm:g} mm between the rows of bolt holes",
+        ((0.0, 0.0), *at_least(minimum)),
+    )
+
+
+@RULES.at_least("bone.flange_thickness_mm")
+def flange_prints(design: DesignTables) -> Limit | None:
+    """The flange is not thinner than a wall."""
+    return Limit(design.bone.wall_mm, "is thinner than a wall") if design.bone.interface == "flange" else None
+
+
+RIGID_INTERFACES = (Post(), Socket(), Flange())

@@ -1,0 +1,346 @@
+"""Remedies for a design that breaks rules: values that pass, found by algebra or by search, and always verified.
+
+What is promised
+----------------
+- Every message ends in a remedy: a bound of the blamed field ("at least 3.2 mm", "at most", "between"), or values of
+  other fields ("set mold.land_mm=6.3").
+- The remedies of one refusal, all applied together at the values they print, give a design that passes every rule.
+  `find_remedies` checks all rules with exactly these values before it prints them.
+- Where one parameter that was changed resolves several issues, its issue comes first, with the nearest value that
+  resolves all of them.
+- Where no single value helps, the messages name a combination. The last resort is to return changed parameters towards
+  their values before the change, as far as necessary.
+- An alternative ("or board.variant=article") resolves the refusal by itself, and also beside the other remedy.
+
+Rules that read a parameter which is not valid by itself are not checked. They may find more once it is valid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from fingertip.design.all_rules import RULES
+from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS, ParameterTable
+from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
+from fingertip.design.refusal import (
+    PassingRange,
+    Refusal,
+    Search,
+    Values,
+    cheapest_first,
+    describe_refusal,
+    find_parameter_bounds,
+    is_number,
+    round_inwards,
+)
+from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
+from fingertip.foundation.errors import Issue
+
+_MAX_STEPS = 8
+"""Maximum number of values that a combination changes one after another."""
+
+
+def find_remedies(
+    tables: DesignTables,
+    broken: Sequence[BrokenRule],
+    before: DesignTables | None = None,
+    changed: Sequence[str] = (),
+    invalid: frozenset[str] = frozenset(),
+    rules: Iterable[Rule] = RULES,
+) -> list[Issue]:
+    """Describe what is wrong with a design, each problem with a remedy."""
+    before = before or DesignTables()
+    names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
+    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)
+    refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
+    for resolve in (_move_blamed_field, _move_one_field, _return_blamed_choice, _move_to_bounds, _move_step_by_step):
+        if values := resolve(refusal):
+            return list(describe_refusal(refusal, values))
+    return list(describe_refusal(refusal, _return_towards_before(refusal)))
+
+
+# Ways to resolve a refusal, the simplest first. Each returns the values to set, or nothing.
+
+
+def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Sequence[BrokenRule]) -> Any:
+    """Find the value of a parameter that passes all rules and is nearest to its present one; None if there is none.
+
+    The bounds of the broken rules are tried first, because they are exact.
+    """
+    own = [one for one in broken if one.rule.field == name]
+    passing = _round_range(tables, name, _intersect_intervals(own)) if own else None
+    if passing and search.passes(tables.with_values({name: passing.value})):
+        return passing.value
+    return search.nearest(tables, name)
+
+
+def _move_blamed_field(refusal: Refusal) -> Values:
+    """Move the only blamed field to the bound of its rules, or to the nearest value that passes."""
+    if len(refusal.blamed) > 1:
+        return {}
+    (name,) = refusal.blamed
+    passing = _find_range(refusal, name)
+    if passing and refusal.resolves({name: passing.value}):
+        refusal.ranges[name] = passing
+        return {name: passing.value}
+    if not passing and all(broken.violation.passing for broken in refusal.broken):
+        return {}  # By algebra, no value within the field's own bounds passes.
+    value = refusal.search.nearest(refusal.tables, name)
+    return {} if value is None else {name: value}
+
+
+def _move_one_field(refusal: Refusal) -> Values:
+    """Move one field that all broken rules read to the nearest value that passes; changed fields are tried first."""
+    common = frozenset.intersection(*(broken.own_reads for broken in refusal.broken))
+    if len(refusal.blamed) == 1:
+        common -= set(refusal.blamed)  # tried before
+        names = [*refusal.changed, *PARAMETERS]
+    else:
+        names = sorted(refusal.changed, key=lambda name: name not in refusal.blamed)
+    names = [name for name in dict.fromkeys(names) if name in common]
+    for name in names:
+        value = refusal.search.nearest(refusal.tables, name, thorough=name in refusal.changed)
+        if value is not None:
+            return {name: value}
+    return {}
+
+
+def _return_blamed_choice(refusal: Refusal) -> Values:
+    """Return the only blamed field to its value before the change, if it is a choice: choices have no nearest value."""
+    if len(refusal.blamed) > 1:
+        return {}
+    (name,) = refusal.blamed
+    value = refusal.before.value(name)
+    return {name: value} if not is_number(name) and refusal.resolves({name: value}) else {}
+
+
+def _move_to_bounds(refusal: Refusal) -> Values:
+    """Move every blamed field to the bound of its own rules."""
+    ranges = {name: _find_range(refusal, name) for name in refusal.blamed}
+    known = {name: passing for name, passing in ranges.items() if passing is not None}
+    values = {name: passing.value for name, passing in known.items()}
+    if len(known) < len(ranges) or not refusal.resolves(values):
+        return {}
+    refusal.ranges |= known
+    return values
+
+
+def _move_step_by_step(refusal: Refusal) -> Values:
+    """Resolve one broken rule after another, each by the field that leaves the fewest rules broken."""
+    values: Values = {}
+    tables, broken = refusal.tables, refusal.broken
+    for _ in range(_MAX_STEPS):
+        if not broken:
+            return _use_bounds(refusal, _leave_out_needless(refusal, values))
+        # Repair the first broken rule. The first field that reduces the number of broken rules is good enough.
+        best: tuple[int, Values, tuple[BrokenRule, ...]] | None = None
+        for name in _candidates(refusal, broken[0]):
+            value = None if name in values else _repair(refusal, tables, broken[0], name)
+            if value is None:
+                continue
+            moved = tables.with_values({name: value})
+            left = tuple(find_violations(refusal.search.rules, moved, refusal.search.invalid))
+            if best is None or len(left) < best[0]:
+                best = (len(left), {name: value}, left)
+            if len(left) < len(broken):
+                break
+        # Give up where every repair breaks more rules than it mends.
+        if best is None or best[0] > len(broken):
+            return {}
+        values |= best[1]
+        tables, broken = tables.with_values(best[1]), best[2]
+    return {}
+
+
+def _repair(refusal: Refusal, tables: DesignTables, broken: BrokenRule, name: str) -> Any:
+    """Find the value of a field with which one rule passes, by algebra or by search; None if there is none."""
+    if name == broken.rule.field and broken.violation.passing:
+        passing = _round_range(tables, name, broken.violation.passing)
+        return passing and passing.value
+    return refusal.search.nearest(tables, name, broken.rule)
+
+
+def _candidates(refusal: Refusal, broken: BrokenRule) -> Iterator[str]:
+    """Yield the fields that may repair a rule: the blamed and the changed ones; all it reads if none was changed."""
+    changed = [name for name in refusal.changed if is_number(name)]
+    for name in dict.fromkeys((broken.rule.field, *(changed or PARAMETERS))):
+        if name in broken.own_reads:
+            yield name
+
+
+def _return_towards_before(refusal: Refusal) -> Values:
+    """Find the changed parameters that must return towards their values before the change, and how far.
+
+    The defaults pass all rules, so that this succeeds for every design.
+    """
+    before = refusal.before
+    if not refusal.search.passes(before):
+        before = DesignTables()
+    tables, values = before, Values()
+    differing = [name for name in PARAMETERS if refusal.tables.value(name) != before.value(name)]
+    # Restore what the design has, one parameter after another, as long as that passes. What was changed comes last.
+    for name in sorted(differing, key=lambda name: name in refusal.changed):
+        restored = tables.with_values({name: refusal.tables.value(name)})
+        if refusal.search.passes(restored):
+            tables = restored
+        else:
+            values[name] = before.value(name)
+    # The others cannot be restored. Numbers among them move as near as possible to what the design has.
+    for name in values:
+        if is_number(name):
+            values[name] = refusal.search.refine(tables, name, refusal.tables.value(name), values[name])
+            tables = tables.with_values({name: values[name]})
+    return _use_bounds(refusal, _leave_out_needless(refusal, values))
+
+
+def _leave_out_needless(refusal: Refusal, values: Values) -> Values:
+    """Leave out values without which the rest still resolves the refusal."""
+    for name in list(values):
+        fewer = {other: value for other, value in values.items() if other != name}
+        if fewer and refusal.resolves(fewer):
+            values = fewer
+    return values
+
+
+def _use_bounds(refusal: Refusal, values: Values) -> Values:
+    """Replace values of blamed fields by the bounds of their rules, where that passes too."""
+    for name in values:
+        if name in refusal.blamed and (passing := _find_range(refusal, name)):
+            exact = {**values, name: passing.value}
+            if refusal.resolves(exact):
+                refusal.ranges[name] = passing
+                values = exact
+    return values
+
+
+def _find_range(refusal: Refusal, name: str) -> PassingRange | None:
+    """Compute the values of a blamed field that pass its broken rules; None if none lies within its own bounds."""
+    return _round_range(refusal.tables, name, _intersect_intervals(refusal.blamed[name]))
+
+
+def _intersect_intervals(broken: Iterable[BrokenRule]) -> tuple[Interval, ...]:
+    """Intersect the values of the blamed field that pass each of several broken rules."""
+    passing: tuple[Interval, ...] = ((-math.inf, math.inf),)
+    for one in broken:
+        passing = tuple(
+            (max(low, other_low), min(high, other_high))
+            for low, high in passing
+            for other_low, other_high in one.violation.passing
+        )
+    return passing
+
+
+def _round_range(tables: DesignTables, name: str, passing: Iterable[Interval]) -> PassingRange | None:
+    """Round intervals of a field inwards, to what lies within the field's own bounds; None if nothing does."""
+    rounded = [
+        (_round_end(name, low, up=True), _round_end(name, high, up=False)) for low, high in passing if low <= high
+    ]
+    intervals = tuple((low, high) for low, high in rounded if low is None or high is None or low <= high)
+    ends = [end for interval in intervals for end in interval if end is not None]
+    present = tables.value(name)
+    return PassingRange(intervals, min(ends, key=lambda end: abs(end - present))) if ends else None
+
+
+def _round_end(name: str, end: float, up: bool) -> float | None:
+    """Round an end of an interval inwards; None if it lies outside the field's own bounds."""
+    if not math.isfinite(end):
+        return None
+    rounded = round_inwards(name, end, up)
+    return rounded if find_parameter_bounds(name).contain(rounded) else None
+
+
+def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
+    """Yield the first problem of each field that a broken rule blames, without a remedy."""
+    blamed: set[str] = set()
+    for broken in find_violations(rules, tables):
+        if broken.rule.field not in blamed:
+            blamed.add(broken.rule.field)
+            yield Issue(broken.rule.field, f"{broken.violation.problem}.")
+
+
+def explain_violations(
+    tables: DesignTables, broken: Sequence[BrokenRule], before: Mapping[str, Any] | None, changed: Sequence[str]
+) -> list[Issue]:
+    """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
+
+    try:
+        valid_before = None if before is None else DesignTables(**before)
+    except ValidationError:
+        valid_before = None
+    return find_remedies(tables, broken, valid_before, changed)
+
+
+def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]) -> list[Issue]:
+    """Describe all that is wrong with tables of which some parameters are not valid by themselves.
+
+    The rules between the other parameters are checked too, so that one run reports everything.
+    """
+
+    issues = issues_from_pydantic(error, DesignTables)
+    invalid = frozenset(issue.field for issue in issues)
+    valid = _keep_valid(tables, invalid)
+    broken = list(find_violations(RULES, valid, invalid))
+    issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
+    known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
+    return issues + (find_remedies(valid, broken, None, known, invalid) if broken else [])
+
+
+def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:
+    """Make tables of the valid parameters, with the defaults in place of the others."""
+    fields: dict[str, Any] = {}
+    for name, info in DesignTables.model_fields.items():
+        table, default = tables.get(name), info.default
+        if isinstance(default, ParameterTable):
+            values = table if isinstance(table, Mapping) else {}
+            known = type(default).model_fields
+            valid = {key: v for key, v in values.items() if key in known and f"{name}.{key}" not in invalid}
+            fields[name] = default.model_copy(update=valid)
+        else:
+            fields[name] = default
+    return DesignTables.model_construct(**fields)
+
+
+def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
+    """Add to a violated bound the value that the rules require, if the bound itself would break them."""
+    from fingertip.design.refusal import Search, cheapest_first, format_value, round_digits
+
+    name = issue.field
+    table, _, key = name.partition(".")
+    if name not in PARAMETERS or not key:
+        return issue
+    value, bounds = tables[table][key], find_bounds(PARAMETERS[name])
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return issue
+    if bounds.maximum is not None and value > bounds.maximum:
+        word, bound = "at most", bounds.maximum
+    elif bounds.minimum is not None and value < bounds.minimum:
+        word, bound = "at least", bounds.minimum
+    elif bounds.above is not None and value <= bounds.above:
+        word, bound = "at least", bounds.above + 1e-6 * (bounds.maximum or 1.0)
+    else:
+        return issue
+    others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
+    if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
+        default = round_digits(PARAMETERS[name].default, 3, up=True)
+        if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
+            more = f", such as {format_value(name, default)}{unit}."
+            return Issue(name, issue.message.removesuffix(".") + more)
+    at_bound = valid.with_values({name: bound})
+    violations = list(find_violations(RULES, at_bound, others))
+    broken = [one for one in violations if name in one.reads]
+    if not broken:
+        return issue
+    # Rules that fail whatever this parameter is have issues of their own.
+    unrelated = {one.rule for one in violations} - {one.rule for one in broken}
+    rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
+    search = Search(rules, cheapest_first(one.rule for one in broken), others)
+    passing = find_passing_value(search, at_bound, name, broken)
+    if passing is None:
+        return issue
+    more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."
+    return Issue(name, issue.message.removesuffix(".") + more)

@@ -138,7 +138,6 @@ def board(
 
 
 def _assess(console: Console, design: Design, readings: Path) -> None:
-    """Compare the readings of a soldered board with their limits."""
     from fingertip.board.bringup.readings import format_assessment
     from fingertip.tasks.board import assess_board
 
@@ -147,7 +146,6 @@ def _assess(console: Console, design: Design, readings: Path) -> None:
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
-    """Compare the folder of a board with its design."""
     from fingertip.catalogues.output_files import BOARD
     from fingertip.tasks.board import board_differences, fabrication_differences
 
@@ -191,7 +189,6 @@ def _write(
 def _write_responses(
     console: Console, design: Design, values: BoardValues, bode: Path | None, plot: Path | None
 ) -> list[str]:
-    """Write table and plot of the response where they are asked for; return their paths."""
     from fingertip.foundation.files import write_file
 
     contents: list[tuple[str, Path, bytes]] = []
@@ -277,7 +274,6 @@ def _gate_lines(values: BoardValues) -> list[str]:
 
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
-    """Component values: ideal, preferred, deviation and function."""
     from fingertip.board.parts.circuit import format_component_value
 
     ideal, preferred, bridge, adc = values.ideal, values.preferred, values.bridge, values.adc_interface
@@ -317,7 +313,6 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
 
 
 def _response_lines(values: BoardValues) -> list[str]:
-    """Target and achieved frequency response."""
     from fingertip.foundation.files import format_figure
 
     target, achieved = values.target_response, values.achieved_response

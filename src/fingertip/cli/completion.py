@@ -93,9 +93,9 @@ def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
         import glob
 
         from fingertip.catalogues.bundled import list_bundled_files
-        from fingertip.foundation import toml_files
+        from fingertip.catalogues import file_kinds
 
-        bundled = list_bundled_files(*(getattr(toml_files, kind) for kind in kinds))
+        bundled = list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
         return [*bundled, *sorted(glob.glob(f"{glob.escape(incomplete)}*.toml"))]
 
     return complete

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues, gather
-from fingertip.foundation.errors import FingertipError
+from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues
+from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import TemporaryFolder
 
 if TYPE_CHECKING:

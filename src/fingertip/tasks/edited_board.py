@@ -249,7 +249,6 @@ def _reference(item: Node) -> str:
 
 
 def _properties(item: Node) -> Iterator[tuple[str, list[Word]]]:
-    """Yield name and words of each property."""
     for entry in item.children("property"):
         words = [word for word in entry.items if isinstance(word, Word)]
         if len(words) > 2:

@@ -129,7 +129,6 @@ def make(
 
 
 def _can_draw(progress: Callable[[str], None]) -> bool:
-    """Return whether the packages of the drawings are there, and say so if not."""
     if extras.is_installed("reportlab"):
         return True
     progress(f"{PDF} is left out: it needs {extras.describe_missing('reportlab')}")
@@ -137,7 +136,6 @@ def _can_draw(progress: Callable[[str], None]) -> bool:
 
 
 def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:
-    """Make the page from the files that were written."""
     if not all("stl" in part.files for part in parts.parts):
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
         return None

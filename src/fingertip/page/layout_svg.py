@@ -270,7 +270,6 @@ def _draw_text(content: str, item: Node, origin: Point, angle: float = 0.0, *, i
 
 
 def _draw_place(footprint: Node) -> list[Markup]:
-    """Draw a frame around the pads of a part."""
     boxes = [pad.box for pad in list_pads(footprint)]
     if not boxes:
         return []
@@ -285,7 +284,6 @@ def _draw_place(footprint: Node) -> list[Markup]:
 
 
 def _draw_pins(footprint: Node) -> list[Markup]:
-    """Draw the pads that come through the board."""
     return [
         element(
             "circle", cx=f"{-pad.centre[0]:.3f}", cy=f"{pad.centre[1]:.3f}", r=f"{pad.drill / 2:.3f}", fill=_HOLE,

@@ -101,7 +101,6 @@ def _draw(
 
 
 def _mark_delay(upper: Frame, lower: Frame, onset_s: float, detected_s: float) -> list[Markup]:
-    """Mark onset and detection, with the time between them."""
     parts = []
     for time_s, colour in ((onset_s, "var(--slip)"), (detected_s, "var(--series-2)")):
         (x, low), (_, high) = lower.point(time_s, 0.0), upper.point(time_s, upper.y.high)

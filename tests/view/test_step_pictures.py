@@ -18,8 +18,7 @@ from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.design.silicone import select_silicone
-from fingertip.documents.casting.markdown import render_sheet, steps
-from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.pictures.steps import scene as drawing
 from fingertip.pictures.steps.pictures import SCENES, draw_steps
@@ -106,7 +105,7 @@ def test_labels_state_numbers_of_the_sheet(name: str, changes: tuple[str, ...]) 
 def test_pictures_are_reproducible_and_show_the_design() -> None:
     design, data = load("fsr400")
     again = Design.load(design_file("fsr400"))
-    chosen = [step for step in steps(data) if step.picture in ("fill", "hold")]
+    chosen = ["hold", "fill"]
     first, second = draw_steps(design, data, chosen), draw_steps(again, data, chosen)
     assert first == second
     wider = draw_steps(*load("fsr400", "skin.width_mm=18"), chosen)

@@ -1,7 +1,9 @@
-"""Metric threads: clearance hole of the bolt, and size of the nut. The one table for rules, traps and casting sheet.
+"""Catalogues of bought parts: metric threads, and the syringes that fill a mold with the cone on which they sit.
 
-Clearance holes are those of the fine series of ISO 273. Widths across flats and maximum heights are those of hexagon
-nuts, style 1, of ISO 4032.
+Threads: clearance holes are those of the fine series of ISO 273. Widths across flats and maximum heights are those of
+hexagon nuts, style 1, of ISO 4032.
+
+Syringes: figures that are not `verified` were not found in a document of the product or of its kind.
 """
 
 from __future__ import annotations
@@ -54,11 +56,6 @@ def find_thread(diameter_mm: float) -> Thread:
 def select_thread(hole_mm: float) -> Thread:
     """Select the thickest thread whose bolt passes a hole [mm], which is at least `MIN_HOLE_MM`."""
     return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)
-
-
-# Catalogue of the syringes that fill a mold, and of the cone on which they sit.
-#
-# Figures that are not `verified` were not found in a document of the product or of its kind.
 
 
 @dataclass(frozen=True)

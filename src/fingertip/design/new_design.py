@@ -15,6 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingertip.catalogues.bundled import PARAMS, list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
@@ -22,10 +23,7 @@ from fingertip.design.model import Design
 from fingertip.design.parameters import Hand
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError
-from fingertip.foundation.toml_files import DESIGN, read_toml
-
-# Hands whose joints are known: the files of `params/hands/`, each with a `[hand]` section and its source.
-
+from fingertip.foundation.toml_files import read_toml
 
 _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 

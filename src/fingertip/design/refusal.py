@@ -1,4 +1,4 @@
-"""Search in one dimension for the value of a parameter that passes the rules, and numbers as they are typed."""
+"""Search for values of a parameter that pass the rules, and description of a refused design with its remedies."""
 
 from __future__ import annotations
 
@@ -185,9 +185,6 @@ def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
 
 def _is_electronic(name: str) -> bool:
     return name.partition(".")[0] in ELECTRONIC_TABLES
-
-
-# A design that breaks rules, and its description: one message for each blamed field, with its part of the remedy.
 
 
 _MAX_ALTERNATIVES = 2

@@ -254,11 +254,6 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
     return rounded if find_parameter_bounds(name).contain(rounded) else None
 
 
-# Explanation of why a design is refused: parameters that are not valid by themselves, and broken rules between them.
-#
-# `fingertip.design.remedies` is imported only for a refusal, which keeps the loading of designs fast.
-
-
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
     """Yield the first problem of each field that a broken rule blames, without a remedy."""
     blamed: set[str] = set()

@@ -12,7 +12,12 @@ over volume. At full volume, u is the solution of one linear Neumann problem, an
 
 Each volume is solved with a primal-dual active set, warm-started from the next larger volume. Where all conductances
 are positive (M-matrix), the iteration ends after a few linear solves; the few slightly negative ones of skewed quads
-near the apex do not disturb it. Air is assumed to escape freely: `air.py` finds where it cannot.
+near the apex do not disturb it. Air is assumed to escape freely.
+
+The unfilled region shrinks as silicone enters, and may split. A part that splits off without an open vent is trapped
+air. So is what is left of a part when the front has covered its last vent. Parts follow from the arrival field alone:
+each local maximum is a last point, and two parts split at the saddle between their maxima. The pressure of trapped air
+is not computed: the front moves on as if it escaped.
 
 References: C. M. Elliott and V. Janovsky, Proc. R. Soc. Edinburgh A 88 (1981) 93 (the transform); M. Hintermueller, K.
 Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865 (the active set).
@@ -197,15 +202,6 @@ def _conserve(network: FlowNetwork, arrival: Array, levels: int) -> Array:
         found, np.concatenate(([0.0], knots, [total])), np.concatenate(([0.0], passed, [total]))
     )
     return corrected
-
-
-# Last points to fill, and air that is trapped there.
-#
-# The unfilled region shrinks as silicone enters, and may split. A part that splits off without an open vent is trapped
-# air. So is what is left of a part when the front has covered its last vent. Parts follow from the arrival field
-# alone: each local maximum is a last point, and two parts split at the saddle between their maxima.
-#
-# Trapped air is found, but its pressure is not computed: the front moves on as if it escaped.
 
 
 SMALLEST_POCKET_MM3 = 0.5

@@ -4,7 +4,12 @@ The inflow of a gate is spread evenly over its mouth, and from each point to the
 source the pressure rises as ln(1/r), but that of a node ends at the node's equivalent radius. The difference between
 the mouth's rim and what the nodes show follows in closed form.
 
-Reference: D. W. Peaceman, SPE J. 23 (1983) 531 (equivalent radius of a node).
+The laminar resistance of the ducts between syringe and cavity is dp / (mu Q) [1/mm3]: pressure drop of unit flow at
+unit viscosity. Entrance losses are left out: the Reynolds number of silicone in a mold is far below 1. The cone is
+locally a round duct (lubrication approximation), good for slopes below 0.2.
+
+References: D. W. Peaceman, SPE J. 23 (1983) 531 (equivalent radius of a node); F. M. White, Viscous Fluid Flow, 3rd
+ed., eqs. 3-38 (round duct) and 3-48 (rectangle); H. Bruus, Theoretical Microfluidics, section 3.4.
 """
 
 from __future__ import annotations
@@ -131,15 +136,6 @@ def _project(quad: NDArray[np.intp], corners: Array, target: Array) -> tuple[Arr
         t = min(max(t + (rb * aa - ra * ab) / determinant, 0.0), 1.0)
     weights = np.array([(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t])
     return weights @ corners, quad, weights
-
-
-# Laminar resistance of the ducts between syringe and cavity.
-#
-# The resistance is dp / (mu Q) [1/mm3]: pressure drop of unit flow at unit viscosity. Entrance losses are left out:
-# the Reynolds number of silicone in a mold is far below 1.
-#
-# References: F. M. White, Viscous Fluid Flow, 3rd ed., eqs. 3-38 (round) and 3-48 (rectangle); H. Bruus, Theoretical
-# Microfluidics, section 3.4. The cone is locally a round duct (lubrication approximation), good for slopes below 0.2.
 
 
 _TERMS = 12

@@ -3,6 +3,9 @@
 Rows run along the finger, columns around it. A last node, the pole, closes the far end. Each node stands for the part
 of the cavity nearest to it. For unit viscosity the flow through a link is its conductance times the difference of
 pressure, so that a conductance has the unit mm3.
+
+Its linear solver eliminates blocks row by row. A moving front needs the solution for one wet region after the other,
+and most rows are as wet as they were before: rows before the first one that changed are not eliminated again.
 """
 
 from __future__ import annotations
@@ -108,12 +111,6 @@ class FlowNetwork:
         next_row[:, j, right] += self.rising_mm3
         next_row[:, right, j] += self.falling_mm3
         return own, next_row, float(diagonal[-1])
-
-
-# Linear solver of a flow network: block elimination, row by row.
-#
-# A moving front needs the solution for one wet region after the other, and most rows are as wet as they were before.
-# Rows before the first one that changed are not eliminated again.
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,6 @@ from fingertip.filling.mouth import Duct, Mouth, fill_in_series, mouth_resistanc
 from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
 
-# Location of a maximum between the nodes of a grid, by a parabola along its row and one along its column.
-
 
 def refine_peak(layer: Layer, values: Array, node: int) -> tuple[float, float, float]:
     """Return the point [mm] of a layer at which values have their maximum near a node."""

@@ -6,6 +6,11 @@ volume divided by its area halfway between the surfaces. Its conductance per wid
 cut along its Delaunay diagonal, which keeps the conductances positive, and linear triangles (cotangent weights) remain
 consistent where rows and columns are not perpendicular. Conductances along grid lines alone would not.
 
+The grid of the mold's cavity unwraps the layer of silicone around the insert. Rows lie across the finger, from the
+collar to the apex, which is the pole. Columns follow the outlines of the sections: both sides (y = 0), the middle of
+the dorsal and the middle of the palmar side are columns. Points of cavity and insert are paired by row and by the
+parameter of the outline's arc. The palmar flat cuts the insert's points off.
+
 References: J. Grandy, Conservative remapping, J. Comput. Phys. 148 (1999) 433, eq. 6 (volume of a hexahedron);
 U. Pinkall and K. Polthier, Exp. Math. 2 (1993) 15 (cotangent weights).
 """
@@ -184,14 +189,6 @@ def _cotangent(corner: Array, a: Array, b: Array) -> Array:
     cosine = np.einsum("...k,...k->...", u, v)
     cotangent: Array = np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
     return cotangent
-
-
-# Grid of the mold's cavity around the insert: the layer of silicone, unwrapped around and along the finger.
-#
-# Rows lie across the finger, from the collar to the apex, which is the pole. Columns follow the outlines of the
-# sections: both sides (y = 0), the middle of the dorsal and the middle of the palmar side are columns. Points of
-# cavity and insert are paired by row and by the parameter of the outline's arc. The palmar flat cuts the insert's
-# points off.
 
 
 ROWS, COLUMNS = 40, 48

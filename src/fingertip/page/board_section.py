@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.board import BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.tolerance import Spread, TolerancedFilter, component_tolerances, monte_carlo
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.kicad.sexpr import read_expression
+from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.numerics import Array
@@ -25,7 +25,7 @@ from fingertip.page.html import Markup, element, figure, join, note, quantity, s
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sources import BOARD_FOLDER, COMMANDS, Sources
+from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend
 
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Note")

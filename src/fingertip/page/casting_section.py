@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.cad.report import SHEET, STEPS_FOLDER
+from fingertip.catalogues.output_files import ACCEPTANCE, SHEET, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.silicone import describe_force_curve
@@ -30,7 +30,7 @@ def render_casting(sources: Sources) -> Markup:
             parts += [element("h3", heading), render(text)]
         else:
             parts.append(element("details", element("summary", heading), render(text)))
-    if page := sources.text("acceptance.md"):
+    if page := sources.text(ACCEPTANCE):
         title = "Tests of sensor and finished finger, with what each failure means"
         parts.append(element("details", element("summary", title), render(page.partition("\n")[2])))
     return join(parts)

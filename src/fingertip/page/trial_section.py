@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fingertip.catalogues.output_files import DETECTION, SIGNAL_FOLDER, TRACE
 from fingertip.detection.files import detect_file
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.numerics import Array
@@ -19,7 +20,7 @@ from fingertip.page.svg import Axis, Frame, figure_svg, legend, line, text
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, describe_detector, format_delay, format_motion_delay
 from fingertip.slip.traces.intervals import Interval
-from fingertip.slip.traces.origin import BAND_LABEL, DETECTION, SIGNAL_FOLDER, TRACE, encoder_band_s, parse_origin
+from fingertip.slip.traces.origin import BAND_LABEL, encoder_band_s, parse_origin
 from fingertip.slip.traces.trace import Trace
 
 _WIDTH, _HEIGHT = 760.0, 420.0

@@ -1,4 +1,4 @@
-"""Orientations of the printed parts on the printer's build plate."""
+"""Orientation of each printed part on the build plate, and the places where its supports may stand."""
 
 from __future__ import annotations
 
@@ -77,9 +77,6 @@ def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
     excess = [size - limit for size, limit in zip(footprint, bed, strict=True)]
     return max(*excess, float(height.max() - height.min()) - printer.bed_z_mm)
-
-
-# Places at each printed part where supports may stand, as regions of air and in words, and where none may touch.
 
 
 _PAST_END_MM = 0.1

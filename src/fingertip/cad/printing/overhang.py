@@ -1,4 +1,11 @@
-"""Poses of parts on the printer's bed: turned by quarter turns, lowest point on z = 0, lowest corner at the origin."""
+"""Poses of parts on the printer's bed, and their overhangs: what is printed over air, and holds on to nothing.
+
+A part is turned by quarter turns, its lowest point on z = 0, its lowest corner at the origin. A facet overhangs if it
+faces down and is steeper than 45 degrees from the vertical. Connected facets form a ceiling. Its edge is held where the
+surface beside it goes down, and free where it rises: there the part ends. The threads of a ceiling run in one
+direction, as a slicer lays them: a thread that is held at both ends is a bridge, one that is held at one end a ledge.
+Short ones of both print over air. The rest of the ceiling is unsupported.
+"""
 
 from __future__ import annotations
 
@@ -50,14 +57,6 @@ def bed_pose(mesh: Mesh, rotate_x_deg: float) -> Pose:
     angle = math.radians(rotate_x_deg)
     c, s = float(round(math.cos(angle))), float(round(math.sin(angle)))
     return Pose(np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]), (0.0, 0.0, 0.0)).on_bed(mesh)
-
-
-# Overhangs of a part that lies on the printer's bed: what is printed over air, and holds on to nothing.
-#
-# A facet overhangs if it faces down and is steeper than 45 degrees from the vertical. Connected facets form a ceiling.
-# Its edge is held where the surface beside it goes down, and free where it rises: there the part ends. The threads of
-# a ceiling run in one direction, as a slicer lays them: a thread that is held at both ends is a bridge, one that is
-# held at one end a ledge. Short ones of both print over air. The rest of the ceiling is unsupported.
 
 
 OVERHANG_DEG = 45.0

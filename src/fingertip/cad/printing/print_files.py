@@ -1,4 +1,4 @@
-"""Files of the printed parts as they lie on the printer's bed: one STL file each, and plates as 3MF."""
+"""Files of the printed parts as they lie on the bed: an STL file each, and plates as 3MF with slicer settings."""
 
 from __future__ import annotations
 
@@ -13,9 +13,6 @@ from fingertip.cad.printing.orientations import Orientation, Supports, print_ori
 from fingertip.cad.printing.overhang import OVERHANG_DEG, Pose, bed_pose
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-
-# Plates: printed parts side by side on the bed of a printer.
-
 
 _ROUNDING_MM = 1e-6
 """Overlap that counts as none [mm]."""
@@ -119,9 +116,6 @@ def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:
     return tuple(
         Placed(part.name, part.is_turned, part.x + dx, part.y + dy, part.width, part.depth) for part in plate
     )  # fmt: skip
-
-
-# Settings of the slicer for each printed part: numbers for the casting sheet and for the plates alike.
 
 
 NOZZLE_MM = 0.4

@@ -1,4 +1,9 @@
-"""Bone: pocket and slot for the sensor, channel for its cables. Its interface has a module of its own."""
+"""Bone with pocket and slot for the sensor and the channel for its cables, and its seals while the skin is cast.
+
+A tape under the skin covers pocket and slot of the sensor, and its relief. Adhesive fills the passage of the tail
+through the collar, and the gap around the lid of a folded tail. The screw of the chaplet closes its own hole. A second
+tape is wound around the base, where the mold holds it, and covers the window of a folded tail.
+"""
 
 from __future__ import annotations
 
@@ -174,13 +179,6 @@ def genus(design: Design) -> int:
     if dims.fold:
         return (1 if dims.window_opens_into_gap else 3) + of_interface
     return 2 + dims.tail_passes_collar + of_interface
-
-
-# Seals of an overmolding: what keeps silicone out of the bone's hollows while the skin is cast around it.
-#
-# A tape under the skin covers pocket and slot of the sensor, and its relief. Adhesive fills the passage of the tail
-# through the collar, and the gap around the lid of a folded tail. The screw of the chaplet closes its own hole. A
-# second tape is wound around the base, where the mold holds it, and covers the window of a folded tail.
 
 
 TAPE_MM = 0.1

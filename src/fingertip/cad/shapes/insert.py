@@ -1,9 +1,13 @@
-"""Pockets in the face on the printer's bed whose ceiling prints without supports, around the hole that leads on.
+"""Inserts of the mold around which silicone is cast, the filled bone or the core of a sleeve, with chaplet and skin.
 
-The plain ceiling of such a pocket is a ring around a hole. A printer has nothing to begin its inner edge on: every
-thread that meets the hole ends in the air. Three steps in the ceiling replace it, each of which ends on the one below.
-The first leaves a slot across the pocket, and two bridges beside it. The second closes the slot up to a square, by two
-bridges across the slot. The third cuts the corners of the square, which leaves an octagon. The round hole follows.
+Overmolding casts the skin around the bone itself. A sleeve is cast around a core and pulled over the bone afterwards;
+the core is smaller than the bone by an interference, which makes the skin fit tightly.
+
+The bottom of a counterbore or nut trap in the face on the printer's bed is a ring around a hole. A printer has nothing
+to begin its inner edge on: every thread that meets the hole ends in the air. Three steps in the ceiling replace it,
+each of which ends on the one below. The first leaves a slot across the pocket, and two bridges beside it. The second
+closes the slot up to a square, by two bridges across the slot. The third cuts the corners of the square, which leaves
+an octagon. The round hole follows.
 """
 
 from __future__ import annotations
@@ -95,15 +99,6 @@ def hexagon_slot_area_mm2(width: float, half: float) -> float:
 def disc_slot_area_mm2(radius: float, half: float) -> float:
     """Compute the area [mm2] of a disc within a slot of half width `half` through its centre."""
     return 2.0 * (half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius))
-
-
-# Inserts of the mold, around which silicone is cast: the filled bone with its collar, and the core of a sleeve.
-#
-# Overmolding casts the skin around the bone itself. A sleeve is cast around a core and pulled over the bone
-# afterwards; the core is smaller than the bone by an interference, which makes the skin fit tightly.
-
-
-# Chaplet of the mold: its boss, the hole of its screw, and what both leave in bone, core and skin.
 
 
 _INTO_HOLLOW_MM = 0.3
@@ -290,9 +285,6 @@ def mold_insert(design: Design) -> Solid:
 def skin_interior(design: Design) -> Solid:
     """Build the region that the finished, unstretched skin encloses."""
     return filled_bone(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
-
-
-# Silicone skin and the mold cavity in which it is cast.
 
 
 def skin(design: Design) -> Solid:

@@ -1,4 +1,8 @@
-"""Ways of the silicone into the mold and of the air out of it: inlet, or gate and funnel, and vents."""
+"""Two-part mold with its parting plane at y = 0.
+
+The halves hold the cavity, the recess for the bone's base, inlet or gate and funnel, vents, registration keys, clamp
+bolts with nut traps, pry slots, and engraved text.
+"""
 
 from __future__ import annotations
 
@@ -178,12 +182,6 @@ def runners_with_axes(design: Design) -> tuple[tuple[Solid, int], ...]:
     if inlet:
         return (sprue(design, inlet), 1), (runner(inlet), 1), *((cone, 1) for cone in luer_cone(design)), *beside
     return (*((solid, 2) for solid in gate_and_funnel(design)), *beside)
-
-
-# Two-part mold with its parting plane at y = 0.
-#
-# The halves hold the cavity, the recess for the bone's base, inlet, vents, registration keys, clamp bolts with nut
-# traps, pry slots, and engraved text.
 
 
 _OVERLAP_MM = 0.25  # united solids overlap by this length: solids that only touch would leave coincident faces

@@ -1,4 +1,7 @@
-"""Registry of the fingertip's parts: solid, expected topology and colour."""
+"""Registry of the fingertip's parts, and bought hardware as plain solids for the assembly.
+
+Threads of the hardware are cylinders of their nominal diameter. No check of a part reads these solids.
+"""
 
 from __future__ import annotations
 
@@ -77,11 +80,6 @@ def parts_by_name(design: Design) -> dict[str, Part]:
 def print_scale(design: Design, part: Part) -> float:
     """Return the scale of a part's STL and 3MF files: the printer's compensation, or 1 for cast parts."""
     return design.printer.scale_percent / 100.0 if part.is_printed else 1.0
-
-
-# Bought hardware as plain solids, for the assembly only: sensor, bolts and nuts of the mold, chaplet screw, joint pin.
-#
-# Threads are cylinders of their nominal diameter. No check of a part reads these solids.
 
 
 _STEEL, _BRASS, _FILM = (0.55, 0.56, 0.58), (0.78, 0.66, 0.33), (0.20, 0.22, 0.25)

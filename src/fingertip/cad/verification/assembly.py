@@ -1,7 +1,8 @@
-"""Checks of the assembly: overlaps, demolding, and volume balances between the parts.
+"""Checks of the assembly: overlaps, demolding, volume balances between the parts, and the joint of a clevis.
 
 A volume balance states that volumes which must add up do so, such as core + skin = cavity. The balances are checked on
-the meshes, and again on the volumes of the B-rep solids, which involve no mesh.
+the meshes, and again on the volumes of the B-rep solids, which involve no mesh. The joint is moved: the finger is
+rotated about the pin against the hand's part of the joint as `[hand]` describes it.
 """
 
 from __future__ import annotations
@@ -224,12 +225,6 @@ def _volume_below_parting_plane_mm3(key: Solid) -> float:
     top, height = key.low_radius, -key.low
     root = top + (key.high_radius - top) * height / (key.high - key.low)
     return math.pi * height / 3.0 * (top * top + top * root + root * root)
-
-
-# Checks of a clevis: walls around pin and anchor, and free travel between the hard stops.
-#
-# The joint is moved: the finger is rotated about the pin against the hand's part of the joint as `[hand]` describes
-# it.
 
 
 _FREE_ANGLES = 8

@@ -1,4 +1,4 @@
-"""Checks of the bone: wall thicknesses, seat and clearance of the sensor, and the air vent of the sensor.
+"""Checks of the bone: walls, seat and air vent of the sensor, and safety factors.
 
 The mesh kernel computes the distance between two meshes exactly. Facets deviate from the exact surface by up to the
 tolerance, so the limits are relaxed by the tolerance.
@@ -175,9 +175,6 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     sunk = distal.translate((0.0, floor - low, 0.0))
     unsupported = (sunk.volume() - (sunk ^ solid).volume()) / (high - low)
     yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")
-
-
-# Checks of the bone's strength: safety factors against the design's limits, and warnings where it would break.
 
 
 FILAMENT_CHECK = "bone.safety_factor.grip_fdm"

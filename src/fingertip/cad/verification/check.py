@@ -1,4 +1,4 @@
-"""The `Check` record, and checks of the minimum distance between two solids."""
+"""The `Check` record with the parameters to change if it fails, and checks of the distance between two solids."""
 
 from __future__ import annotations
 
@@ -13,10 +13,6 @@ from fingertip.foundation.files import round_for_output
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-
-# Parameters to change if a check fails: the nearest causes, by the names of the checks.
-
 
 _BUG = ()
 """A design that the rules accept never fails these checks: it would be a fault of the program."""

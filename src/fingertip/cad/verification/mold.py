@@ -1,4 +1,8 @@
-"""Checks of the mold: gate and vents, walls, fit and draft of the recess, bolts and keys, and unique assembly."""
+"""Checks of the mold: openings, walls, recess and draft, bolts and keys, and its filling with silicone and seals.
+
+Gaps up to the clearance of the recess count as closed in the flood fill of the seals. How far silicone creeps into them
+follows from its pressure and the time until it sets.
+"""
 
 from __future__ import annotations
 
@@ -261,9 +265,6 @@ def _distance_to_sides(inner: Manifold, block: Manifold) -> float:
     return float(min(i[0] - b[0], i[2] - b[2], b[3] - i[3], b[5] - i[5]))
 
 
-# Checks of the filling: time, force on the syringe, trapped air, and loads on bone and mold.
-
-
 PUSH_S = 60.0
 """Time for which a thumb can push [s]. An assumption."""
 _PRELOAD_N_PER_MM = 100.0
@@ -317,12 +318,6 @@ def _bearing_factor(design: Design, prediction: FillingPrediction) -> float:
     load = math.hypot(prediction.static_axial_force_n, prediction.side_force_n)
     pressure = load / (chaplet.thread.diameter_mm * chaplet.engaged)
     return PRINT_MATERIALS[design.strength.print_material].across_mpa / pressure
-
-
-# Check that silicone cannot leave the cavity: a flood fill of the closed assembly, and the leak along the bone's seat.
-#
-# Gaps up to the clearance of the recess count as closed in the flood fill. How far silicone creeps into them follows
-# from its pressure and the time until it sets.
 
 
 _MAX_LEAK_SHARE = 0.5

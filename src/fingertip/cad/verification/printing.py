@@ -1,4 +1,4 @@
-"""Checks of the printed parts as they lie on the bed: overhangs, and the files that go to the printer."""
+"""Checks of the files of parts and plates, and of the printed parts as they lie on the bed."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ from fingertip.cad.verification.check import Check, check_zero_volume
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.numerics import Array
-
-# Checks of a single part: topology of its mesh file, and agreement of its B-rep solid with the mesh.
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:

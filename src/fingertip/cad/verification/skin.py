@@ -1,6 +1,13 @@
 """Checks of the skin: thickness, deviation of its mesh from the exact surface, and stretch of a sleeve.
 
-Thickness is measured above the plane z = 0, where the skin is cut square.
+Thickness is measured above the plane z = 0, where the skin is cut square. The distance of a point inside a convex
+polyhedron from its surface is the distance from the nearest of the facets' planes. Each of these is linear in the
+point, so the smallest distance of a body is that of one of its corners. Were the surface not convex, the planes would
+cut into it, and the result would be too small, never too large.
+
+The exact surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are
+reflected to x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two
+parameters of the patch, which are clamped to it. The distance is the smallest from any patch.
 """
 
 from __future__ import annotations
@@ -28,14 +35,6 @@ from fingertip.foundation.numerics import Array
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-
-# Distance of a body from the surface of a convex one around it, such as the thickness of the skin over the bone.
-#
-# The distance of a point inside a convex polyhedron from its surface is the distance from the nearest of the facets'
-# planes. Each of these is linear in the point, so the smallest distance of a body is that of one of its corners. Were
-# the surface not convex, the planes would cut into it, and the result would be too small, never too large.
-
-
 _BLOCK = 2**15
 """Number of distances that are computed at once. They fit into the cache of a processor, and the linear algebra library
 starts no threads for so few."""
@@ -62,13 +61,6 @@ class EnclosingSurface:
         size = max(1, _BLOCK // self._planes.shape[1])
         blocks = (homogeneous[i : i + size] for i in range(0, len(points), size))
         return -max(float((block @ self._planes).max()) for block in blocks)
-
-
-# Distance of points and facets from the exact surface of a superconic body.
-#
-# The surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are reflected
-# to x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two parameters of
-# the patch, which are clamped to it. The distance from the surface is the smallest distance from any patch.
 
 
 STEPS = 12

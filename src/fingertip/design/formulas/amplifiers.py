@@ -1,4 +1,8 @@
-"""Choice of the board's dual amplifier, and what the choice must withstand."""
+"""Choice of the board's dual amplifier, and what the filter demands of it: stability, currents, swing.
+
+The rules refuse by these formulas, which are closed forms for ideal component values. `fingertip.board.analysis.gate`
+computes the same conditions from the circuit with its preferred values, and a test compares both.
+"""
 
 from __future__ import annotations
 
@@ -57,12 +61,6 @@ def choose_low_offset_amplifier(board: Board) -> Amplifier:
 def find_gain_bandwidth_hz(board: Board) -> float:
     """Return the gain-bandwidth product of the board's dual amplifier [Hz]."""
     return choose_amplifier(board).bandwidth_hz
-
-
-# Demands of the filter on its amplifier, in closed form for ideal component values: stability, currents, swing.
-#
-# The rules refuse by these formulas. `fingertip.board.analysis.gate` computes the same conditions from the circuit
-# with its preferred values, and a test compares both.
 
 
 BAND_CUTOFFS = 3.0

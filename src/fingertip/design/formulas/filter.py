@@ -1,7 +1,11 @@
-"""Formulas for the filter's component values, which the rules and the board share.
+"""Formulas for the filter's component values and its supply, which the rules and the board share.
 
 The filter is a third-order Butterworth high-pass: a first-order stage (R1, C1) and a unity-gain Sallen-Key stage (C2,
 C3, R2, R3), with all three capacitors equal to C (article, eqs. 2, 5, 6, 7, 11) and omega_c = 2 pi f_c.
+
+On a single supply its signals swing around the signal ground, and the bridge stands on it. On 5 V it lies in the
+middle. On 3.3 V it lies somewhat lower: the inputs of the bridge's amplifier (AD623), a few tenths of a volt above it,
+must stay 1.5 V below the supply (its data sheet, input voltage range; recalled, unverified).
 """
 
 from __future__ import annotations
@@ -130,23 +134,6 @@ The gain at the cutoff is then reduced by at most 0.5 %.
 """
 
 
-def select_series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
-    """Select C in series with R4 [F]: the smallest whose corner frequency is at least a decade below the cutoff [Hz].
-
-    For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, the
-    largest is selected.
-    """
-    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * r4_ohm * cutoff_hz)
-    return to_farads(next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1]))
-
-
-# Signal ground of a board on a single supply: the divider that sets it, and the headroom on both sides.
-#
-# The filter's signals swing around the signal ground, and the bridge stands on it. On 5 V it lies in the middle. On
-# 3.3 V it lies somewhat lower: the inputs of the bridge's amplifier (AD623), a few tenths of a volt above it, must
-# stay 1.5 V below the supply (its data sheet, input voltage range; recalled, unverified).
-
-
 DIVIDERS_OHM = {"split": None, "single": (10e3, 10e3), "single_3v3": (54.9e3, 44.2e3)}
 """Upper and lower resistor of the divider [ohm], by the supply's name.
 
@@ -224,10 +211,6 @@ TRIMMER_TOLERANCE = 0.2
 """Tolerance of the trimmer's resistance (a usual figure; unverified)."""
 MIN_TEMPERATURE_C, MAX_TEMPERATURE_C, DATA_SHEET_C = 0.0, 50.0, 25.0
 """Range of temperatures for which worst cases are stated, and the temperature of data-sheet figures [C]."""
-
-
-# Series of preferred values (IEC 60063): the mantissas of a decade, and the values next to a given one.
-
 
 # E96 is 10^(i/96) to three digits; E12 and E24 follow no formula throughout.
 _E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)

@@ -179,16 +179,8 @@ class ConicBody:
         return self.section.dorsal_height_at(x, self.scale_at(z))
 
 
-# Step between a round surface and the flat ones beside it.
-#
-# Tangent surfaces would leave a stray edge in the B-rep solid, so a round end stands a little above its flat sides.
-
-
 TANGENT_STEP_MM = 0.05
-"""Height of the step [mm]."""
-
-
-# Bodies of bone and core in the skin: the outline with its retention groove, and inset for a sleeve's core.
+"""Step between a round surface and the flat ones beside it [mm]: tangent ones leave a stray edge in the B-rep solid."""
 
 
 def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
@@ -227,9 +219,6 @@ def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
     high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
     edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
     return replace(body, stations=(base, (z_a, s_a), *edges, (z_b, s_b)))
-
-
-# Draft of a recess whose outline is a superconic. Beside the parting plane the outline itself has no draft.
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,19 @@
-"""Chaplet: the boss of the mold's dorsal half that carries bone or core near the tip, and the screw that holds it.
+"""Features of bone and mold: the chaplet with its screw, the joint of a clevis, and the folded tail of the sensor.
 
-The base alone is a cantilever, whose play grows towards the tip. The chaplet is a second support: the screw pulls a
-flat facet of the bone against the boss, so that neither gap nor pressure of the silicone moves it. It stands on the
-dorsal side and leaves a round hole in the skin there, which is closed after casting. No object is touched with it.
+The base alone is a cantilever, whose play grows towards the tip. The chaplet is a second support, a boss on the dorsal
+half of the mold: the screw pulls a flat facet of the bone against it, so that neither gap nor pressure of the silicone
+moves it. It leaves a round hole in the skin there, which is closed after casting. No object is touched with it.
+
+The fingertip turns on the pin of a clevis. The hand's knuckle, a tongue or a fork, is round about the pin within a
+clearance radius, and its shoulder is a plane at that distance behind the pin. The eyes of the bone are round about the
+pin too, but a joint clearance smaller. Two flats at the full radius meet the shoulder where the finger is straight and
+where it is bent to the end of its travel: they are its hard stops. Without stops the eyes are round all over, and
+narrower.
+
+A straight tail makes the base as long as itself. A folded one runs around a web of the bone and ends under the dorsal
+side of the skin, so that the base is only as long as the fold. The film bends around a half-round nose, the proximal
+end of the web. The nose stands in a window through the base, in which the tail is threaded. Tabs and crimps are stiff,
+so they cannot be pushed into a closed passage around a bend: the trough is open, and a lid closes it.
 """
 
 from __future__ import annotations
@@ -98,15 +109,6 @@ def place_chaplet(outline: ConicBody, z: float, diameter: float, screw_mm: float
     return Chaplet(z, lowest - _FACET_DEPTH_MM, radius, facet, find_thread(screw_mm))
 
 
-# Joint of a clevis: the eyes of the bone, and the space that they leave to the hand's part of the joint.
-#
-# The fingertip turns on a pin. The hand's knuckle, a tongue or a fork, is round about the pin within a clearance
-# radius, and its shoulder is a plane at that distance behind the pin. The eyes of the bone are round about the pin
-# too, but a joint clearance smaller. Two flats at the full radius meet the shoulder where the finger is straight and
-# where it is bent to the end of its travel: they are its hard stops. Without stops the eyes are round all over, and
-# narrower.
-
-
 NOTCH_WIDTH_MM = 2.5
 """Width of the notch in which the tendon reaches its anchor, where no window does [mm]."""
 
@@ -175,14 +177,6 @@ class TendonAnchor:
     """Distance of the tendon from the joint's axis."""
     inner_half_width: float
     """Half the width of the notch or window that it crosses; beyond it lie the cheeks that hold it."""
-
-
-# Folded tail of the sensor: down the palmar side, around a web of the bone, and up into a trough on the dorsal side.
-#
-# A straight tail makes the base as long as itself. A folded one ends under the dorsal side of the skin, so that the
-# base is only as long as the fold. The film bends around a half-round nose, the proximal end of the web between both
-# sides. The nose stands in a window through the base, in which the tail is threaded. Tabs and crimps are stiff, so
-# they cannot be pushed into a closed passage around a bend: the trough is open, and a lid closes it.
 
 
 SLIDING_MM = 0.3

@@ -242,9 +242,6 @@ class MoldLayout:
         )
 
 
-# Bolts that clamp the mold halves: count, thread and length, for the casting sheet and the assembly.
-
-
 _BOLT_LENGTHS_MM = (
     5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150
 )  # fmt: skip

@@ -1,6 +1,12 @@
-"""Seat of bone or core in the mold: the tape that seals it, and how far silicone creeps along it until it sets.
+"""Seat of bone or core in the mold: the silicone over it, its play, and how far silicone creeps along it until it sets.
 
-Reference of the flow: H. Schlichting, Boundary-Layer Theory, chapter 6 (creeping flow between parallel walls).
+Play: the bone is a rigid body. Base and collar lie in their recess with a clearance on all sides, and the screw of the
+chaplet pulls the facet against the boss. Each surface that locates the bone may be off by the error of the print. For
+small motions, a shift t and a rotation w, a contact at r with the normal n allows n . (t + w x r) <= gap. The silicone
+lost at a point of the skin is the same expression, so its largest value is the solution of a linear program.
+
+References: H. Schlichting, Boundary-Layer Theory, chapter 6 (creeping flow between parallel walls); V. Chvatal, Linear
+Programming, 1983, chapter 3 (simplex method).
 """
 
 from __future__ import annotations
@@ -17,10 +23,6 @@ from fingertip.foundation.numerics import maximise_linear
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
-
-
-# Thickness of the silicone over the bone in a cross-section: the distance between the two outlines.
-
 
 _OUTLINE_POINTS, _OUTLINE_CHORDS = 24, 48
 """Points and chords of a quarter of an outline. The sag of a chord is 1e-3 mm on a finger."""
@@ -145,17 +147,6 @@ def creep_mm(integral: float, gap_mm: float, tape_mm: float, span_mm: tuple[floa
     # a x2^2 + b x2 = c, solved in the form that does not cancel.
     a, b, c = 6.0 / h2**2, 12.0 * h2 * x1 / h1**3, integral - 6.0 * (x1 / h1) ** 2
     return x1 + 2.0 * c / (b + math.sqrt(b * b + 4.0 * a * c))
-
-
-# Play of bone or core in the closed mold: how far it can lie off, and the silicone that this costs.
-#
-# The bone is a rigid body. Base and collar lie in their recess with a clearance on all sides, and the screw of the
-# chaplet pulls the facet against the boss. Each surface that locates the bone may be off by the error of the print.
-# For small motions, a shift t and a rotation w, a contact at r with the normal n allows n . (t + w x r) <= gap. The
-# silicone lost at a point of the skin is the same expression, so its largest value is the solution of a linear
-# program.
-#
-# Reference of the method: V. Chvatal, Linear Programming, 1983, chapter 3 (simplex method).
 
 
 Vector: TypeAlias = tuple[float, float, float]

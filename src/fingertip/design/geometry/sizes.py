@@ -14,9 +14,6 @@ from fingertip.catalogues.hardware import MAX_TRAP_RATIO, Thread
 from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.design.parameters import Tables
 
-# Tolerances of printed sizes: general ones, and those that follow from a fit of the design.
-
-
 GENERAL = "ISO 2768-m"
 """Name of the general tolerances."""
 _GENERAL_MM = ((6.0, 0.1), (30.0, 0.2), (120.0, 0.3), (400.0, 0.5))

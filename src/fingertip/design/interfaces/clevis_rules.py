@@ -7,7 +7,7 @@ import math
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.features import SLIDING_MM, Joint, TendonAnchor
 from fingertip.design.rules.bone import collar_carries_skin
-from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
 
@@ -25,8 +25,8 @@ _DIRECTIONS, _ANGLES = 16, 120
 _SOUND_BASE = (bone_left_at_sides, bone_left_dorsally)
 
 
-@LENGTH_RULES.rule("bone.base_length_mm")
-def joint_clear_of_collar_and_tail(design: DesignTables) -> Violation | None:
+@LENGTH_RULES.at_least("bone.base_length_mm")
+def joint_clear_of_collar_and_tail(design: DesignTables) -> Limit | None:
     """The hand's knuckle is clear of the collar, and of a tail that is folded in the gap of a fork."""
     dims, bone = design.dimensions, design.bone
     joint, fold = dims.joint, dims.fold
@@ -36,12 +36,7 @@ def joint_clear_of_collar_and_tail(design: DesignTables) -> Violation | None:
     if fold and dims.window_opens_into_gap:
         film = -fold.nose_z + fold.radius + dims.sensor.thickness_mm + SLIDING_MM
         above, what = max((above, what), (film, "folded tail"))
-    minimum = above + joint.radius + joint.clearance
-    if bone.base_length_mm >= minimum - SLACK:
-        return None
-    return Violation(
-        f"{bone.base_length_mm:g} mm brings the hand's knuckle into the {what} of the finger", at_least(minimum)
-    )
+    return Limit(above + joint.radius + joint.clearance, f"brings the hand's knuckle into the {what} of the finger")
 
 
 @RULES.rule("skin.length_mm")
@@ -108,8 +103,8 @@ def cheeks_print(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm leaves {what}", ((low, high),) if low <= high else ())
 
 
-@RULES.rule("bone.collar_length_mm")
-def collar_holds_anchor(design: DesignTables) -> Violation | None:
+@RULES.at_least("bone.collar_length_mm")
+def collar_holds_anchor(design: DesignTables) -> Limit | None:
     """The collar is long enough for the anchor of the tendon."""
     dims, bone = design.dimensions, design.bone
     anchor = dims.anchor
@@ -117,13 +112,7 @@ def collar_holds_anchor(design: DesignTables) -> Violation | None:
         return None
     highest = dims.fold.nose_z - _BELOW_SEAL_MM if dims.fold else -bone.wall_mm
     minimum = bone.collar_length_mm + anchor.z + anchor.radius - highest
-    if bone.collar_length_mm >= minimum - SLACK:
-        return None
-    return Violation(
-        f"{bone.collar_length_mm:g} mm does not hold the anchor of the tendon",
-        at_least(minimum),
-        alternatives={"hand.tendon_distance_mm": 0.0},
-    )
+    return Limit(minimum, "does not hold the anchor of the tendon", alternatives={"hand.tendon_distance_mm": 0.0})
 
 
 @RULES.rule("hand.tendon_distance_mm", *_SOUND_BASE, collar_carries_skin, collar_holds_anchor)

@@ -1,4 +1,4 @@
-"""Declaration of one parameter: its default, unit, bounds and description, in a single line of its table."""
+"""Declaration of one parameter in a single line of its table, and the messages if its value is not valid."""
 
 from __future__ import annotations
 
@@ -100,10 +100,6 @@ def format_unit(unit: str) -> str:
 
 
 _PLURALS = {"degree": "degrees", "bit": "bits"}
-
-
-# Messages for single parameters: each problem that pydantic finds, with value, bound and remedy.
-
 
 _MIN_SIMILARITY = 0.65
 """Ratio of `difflib.SequenceMatcher` from which a known name is suggested for an unknown one."""

@@ -1,4 +1,4 @@
-"""Parameters of the finger: sensor and skin. The defaults are the FSR 400 finger's."""
+"""Parameters of the finger: sensor with its force curve, skin with its silicone. Defaults are the FSR 400 finger's."""
 
 from __future__ import annotations
 
@@ -118,9 +118,6 @@ class Skin(ParameterTable):
     )
 
 
-# Parameters of the silicone that the skin is cast from.
-
-
 class ChosenSilicone(ParameterTable):
     """Silicone of the skin. All figures below product are used only if it is "own"; copy them from your data sheet."""
 
@@ -167,9 +164,6 @@ class ChosenSilicone(ParameterTable):
     )
     elongation_percent: float = quantity(300.0, "%", "Elongation at break.", minimum=10, maximum=2000)
     shrinkage_percent: float = quantity(0.2, "%", "Linear shrinkage; 0.001 in/in are 0.1 %.", minimum=0, maximum=5)
-
-
-# Parameters of the sensor's force curve: conductance over force, typical or calibrated.
 
 
 TURN_ON_N = 0.2

@@ -31,7 +31,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import Board
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
-from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_most
+from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_most
 from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
@@ -209,14 +209,12 @@ def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violat
     )
 
 
-@RULES.rule("board.supply_v")
-def comparator_withstands_the_supply(design: DesignTables) -> Violation | None:
+@RULES.at_most("board.supply_v", slack=0.0)
+def comparator_withstands_the_supply(design: DesignTables) -> Limit | None:
     """The supply does not exceed the comparator's maximum."""
-    if design.board.variant != "comparator" or design.board.supply_v <= MAX_COMPARATOR_V:
+    if design.board.variant != "comparator":
         return None
-    return Violation(
-        f"{design.board.supply_v:g} V is too much for variant comparator's LMV331", at_most(MAX_COMPARATOR_V)
-    )
+    return Limit(MAX_COMPARATOR_V, "is too much for variant comparator's LMV331")
 
 
 @RULES.rule("detector.threshold_v")
@@ -234,21 +232,18 @@ def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("detector.window_samples")
-def mean_tolerates_the_bias_current(design: DesignTables) -> Violation | None:
+@RULES.at_most("detector.window_samples", slack=0.0)
+def mean_tolerates_the_bias_current(design: DesignTables) -> Limit | None:
     """The comparator's bias current shifts the averaged signal by at most half of the threshold."""
     if design.board.variant != "comparator" or design.detector.threshold_v < MIN_COMPARATOR_V:
         return None
     n, rate, threshold = design.detector.window_samples, design.detector.sample_rate_hz, design.detector.threshold_v
-    maximum = math.floor(max_window_s(threshold) * rate)
-    if n <= maximum:
-        return None
     averaging_ohm = n / rate / 2.0 / MAX_AVERAGING_F
-    return Violation(
-        f"{n} samples at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the input "
+    return Limit(
+        math.floor(max_window_s(threshold) * rate),
+        f"at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the input "
         f"current of variant comparator's LMV331 (at most {1e9 * MAX_BIAS_A:g} nA) drops "
         f"{1e3 * averaging_ohm * MAX_BIAS_A:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
-        at_most(maximum),
     )
 
 

@@ -1,4 +1,4 @@
-"""Rules between the board's parameters: components that can be bought."""
+"""Rules of the board and its signals: components can be bought, and signals be sampled, averaged and reached."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from fingertip.design.formulas.filter import (
     upper_headroom_v,
 )
 from fingertip.design.geometry import DesignTables
-from fingertip.design.rules.ruleset import Interval, Ruleset, Violation, at_least, at_most
+from fingertip.design.parameters import Board
+from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()
 
@@ -60,17 +61,17 @@ def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
     return _check_resistors("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, design)
 
 
-@RULES.rule("board.cutoff_hz")
-def selected_capacitor_exists(design: DesignTables) -> Violation | None:
+@RULES.at_least("board.cutoff_hz", slack=0.0)
+def selected_capacitor_exists(design: DesignTables) -> Limit | None:
     """A filter capacitor can be selected for the cutoff."""
     # R3 = 2 / (C omega) is the largest of the three.
-    return _check_selected_capacitor("R3", 2.0, "cutoff_hz", design)
+    return _limit_selected_capacitor("R3", 2.0, design.board)
 
 
-@RULES.rule("board.envelope_cutoff_hz")
-def selected_envelope_capacitor_exists(design: DesignTables) -> Violation | None:
+@RULES.at_least("board.envelope_cutoff_hz", slack=0.0)
+def selected_envelope_capacitor_exists(design: DesignTables) -> Limit | None:
     """An envelope capacitor can be selected for the cutoff."""
-    return _check_selected_capacitor("R_LP", 1.0, "envelope_cutoff_hz", design)
+    return _limit_selected_capacitor("R_LP", 1.0, design.board)
 
 
 @RULES.rule("board.passband_gain")
@@ -120,20 +121,14 @@ def series_capacitor_exists(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("board.band_limit_hz")
-def band_limit_above_the_band(design: DesignTables) -> Violation | None:
+@RULES.at_least("board.band_limit_hz", slack=0.0)
+def band_limit_above_the_band(design: DesignTables) -> Limit | None:
     """The band limit of the first stage leaves the vibrations of slip untouched."""
     if design.board.variant == "article":
         return None
-    minimum = BAND_CUTOFFS * design.board.cutoff_hz
-    if design.board.band_limit_hz >= minimum:
-        return None
-    return Violation(
-        f"{design.board.band_limit_hz:g} Hz cuts into the vibrations, which reach {BAND_CUTOFFS:g} cutoffs of "
-        f"{design.board.cutoff_hz:g} Hz",
-        at_least(minimum),
-        alternatives={"board.variant": "article"},
-    )
+    f_c = design.board.cutoff_hz
+    problem = f"cuts into the vibrations, which reach {BAND_CUTOFFS:g} cutoffs of {f_c:g} Hz"
+    return Limit(BAND_CUTOFFS * f_c, problem, alternatives={"board.variant": "article"})
 
 
 @RULES.rule("board.band_limit_hz")
@@ -155,18 +150,14 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     )
 
 
-def _check_selected_capacitor(name: str, factor: float, cutoff: str, design: DesignTables) -> Violation | None:
-    """Refuse a cutoff for which no capacitor can be selected, its resistor being factor / (C omega)."""
-    if design.board.capacitor_series == "given":
+def _limit_selected_capacitor(name: str, factor: float, board: Board) -> Limit | None:
+    """Return the least cutoff for which a capacitor can be selected, its resistor being factor / (C omega)."""
+    if board.capacitor_series == "given":
         return None
-    cutoff_hz = getattr(design.board, cutoff)
-    min_hz = factor / math.tau / filter_components.MAX_SELECTABLE_F / MAX_OHM
-    if cutoff_hz >= min_hz:
-        return None
-    return Violation(
-        f"{cutoff_hz:g} Hz requires {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
+    return Limit(
+        factor / math.tau / filter_components.MAX_SELECTABLE_F / MAX_OHM,
+        f"requires {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
         f"{filter_components.MAX_SELECTABLE_F * 1e6:g} uF",
-        at_least(min_hz),
         alternatives={"board.capacitor_series": "given"},
     )
 
@@ -233,9 +224,6 @@ def _out_of_range(ohm: float) -> str:
     return f"below {MIN_OHM:g} ohm" if ohm < MIN_OHM else f"above {MAX_OHM / 1e6:g} Mohm"
 
 
-# Rules between sampling, filters and detector: signals that cannot be sampled, averaged or reached are refused.
-
-
 SIGNAL_RULES = Ruleset()
 
 SAMPLES_PER_CYCLE = 4.0
@@ -247,33 +235,22 @@ _MAX_THRESHOLD_SHARE = 0.99
 """Maximum threshold that is recommended, as a share of what the supply lets the signal reach."""
 
 
-@SIGNAL_RULES.rule("detector.sample_rate_hz")
-def rate_above_cutoffs(design: DesignTables) -> Violation | None:
+@SIGNAL_RULES.at_least("detector.sample_rate_hz", slack=0.0)
+def rate_above_cutoffs(design: DesignTables) -> Limit | None:
     """The sampling rate resolves the cutoffs of filter and envelope."""
     name, cutoff = max(
         ("board.cutoff_hz", design.board.cutoff_hz),
         ("board.envelope_cutoff_hz", design.board.envelope_cutoff_hz),
         key=lambda pair: pair[1],
     )
-    minimum = SAMPLES_PER_CYCLE * cutoff
-    if design.detector.sample_rate_hz >= minimum:
-        return None
-    return Violation(
-        f"{design.detector.sample_rate_hz:g} Hz is too slow for {name} of {cutoff:g} Hz", at_least(minimum)
-    )
+    return Limit(SAMPLES_PER_CYCLE * cutoff, f"is too slow for {name} of {cutoff:g} Hz")
 
 
-@SIGNAL_RULES.rule("detector.window_samples")
-def window_not_too_long(design: DesignTables) -> Violation | None:
+@SIGNAL_RULES.at_most("detector.window_samples", slack=0.0)
+def window_not_too_long(design: DesignTables) -> Limit | None:
     """The averaging window is not longer than a slide."""
-    maximum = math.floor(MAX_WINDOW_S * design.detector.sample_rate_hz)
-    if design.detector.window_samples <= maximum:
-        return None
-    return Violation(
-        f"{design.detector.window_samples} samples at {design.detector.sample_rate_hz:g} Hz last longer than "
-        f"{MAX_WINDOW_S:g} s",
-        at_most(maximum),
-    )
+    rate = design.detector.sample_rate_hz
+    return Limit(math.floor(MAX_WINDOW_S * rate), f"at {rate:g} Hz last longer than {MAX_WINDOW_S:g} s")
 
 
 @SIGNAL_RULES.rule("detector.threshold_v")

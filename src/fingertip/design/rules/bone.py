@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
@@ -27,28 +27,21 @@ _DIRECTIONS = 16
 """Directions in which the thickness of the lid is measured."""
 
 
-@WALL_RULES.rule("bone.wall_mm")
-def walls_print(design: DesignTables) -> Violation | None:
+@WALL_RULES.at_least("bone.wall_mm")
+def walls_print(design: DesignTables) -> Limit | None:
     """The bone's minimum wall is not below the printer's."""
-    if design.bone.wall_mm >= design.printer.min_wall_mm - SLACK:
-        return None
-    return Violation(
-        f"{design.bone.wall_mm:g} mm is thinner than the {design.printer.min_wall_mm:g} mm of printer.min_wall_mm",
-        at_least(design.printer.min_wall_mm),
-    )
+    minimum = design.printer.min_wall_mm
+    return Limit(minimum, f"is thinner than the {minimum:g} mm of printer.min_wall_mm")
 
 
-@RULES.rule("bone.relief_length_mm")
-def relief_clear_of_pocket(design: DesignTables) -> Violation | None:
+@RULES.at_most("bone.relief_length_mm")
+def relief_clear_of_pocket(design: DesignTables) -> Limit | None:
     """The recess for the solder joints ends before the sensor's pocket."""
     dims = design.dimensions
     if dims.fold:
         return None
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm
-    maximum = 2 * (pocket - dims.tail_end_z)
-    if design.bone.relief_length_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.bone.relief_length_mm:g} mm reaches under the sensor's head", at_most(maximum))
+    return Limit(2 * (pocket - dims.tail_end_z), "reaches under the sensor's head")
 
 
 @RULES.rule("sensor.distance_from_tip_mm")
@@ -68,8 +61,8 @@ def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("bone.collar_inset_mm", bone_left_at_sides, bone_left_dorsally)
-def collar_carries_skin(design: DesignTables) -> Violation | None:
+@RULES.at_most("bone.collar_inset_mm", bone_left_at_sides, bone_left_dorsally)
+def collar_carries_skin(design: DesignTables) -> Limit | None:
     """The collar's face is high enough to carry the end of the skin."""
     dims = design.dimensions
     sides = min(
@@ -82,10 +75,8 @@ def collar_carries_skin(design: DesignTables) -> Violation | None:
     passage = dims.flat_depth - dims.pocket_depth + dims.passage_height
     below = design.skin.semi_axis_palmar_mm - passage - design.bone.wall_mm
     maximum = min(sides, below) if dims.tail_passes_collar else sides
-    if design.bone.collar_inset_mm <= maximum + SLACK:
-        return None
     what = "the collar's height" if maximum == sides else "the collar below the tail's passage"
-    return Violation(f"{design.bone.collar_inset_mm:g} mm leaves too little of {what}", at_most(maximum))
+    return Limit(maximum, f"leaves too little of {what}")
 
 
 def _thickness_at_collar(design: DesignTables, half_mm: float, thickness_mm: float) -> float:
@@ -130,26 +121,23 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     return Violation(f"{depth:g} mm cuts into the wall beside the tail's slot", at_most(maximum))
 
 
-@RULES.rule("bone.tie_hole_diameter_mm")
-def tie_hole_within_back(design: DesignTables) -> Violation | None:
+@RULES.at_most("bone.tie_hole_diameter_mm")
+def tie_hole_within_back(design: DesignTables) -> Limit | None:
     """The tie hole fits the back of the base."""
     dims, wall = design.dimensions, design.bone.wall_mm
     if dims.window_opens_into_gap:
         return None
     dorsal = design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm
     maximum = dorsal + dims.base_flat_depth - dims.cable_groove_depth - 2 * wall if dims.fold else dorsal / 2 - wall
-    if design.bone.tie_hole_diameter_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.bone.tie_hole_diameter_mm:g} mm does not fit the back of the base", at_most(maximum))
+    return Limit(maximum, "does not fit the back of the base")
 
 
-@FOLD_RULES.rule("sensor.fold_radius_mm")
-def film_bends_gently(design: DesignTables) -> Violation | None:
+@FOLD_RULES.at_least("sensor.fold_radius_mm")
+def film_bends_gently(design: DesignTables) -> Limit | None:
     """The film of a catalogue sensor bends no tighter than its maker allows."""
-    radius = design.sensor.fold_radius_mm
-    if design.sensor.tail == "straight" or design.sensor.model == "custom" or radius >= MIN_FOLD_RADIUS_MM - SLACK:
+    if design.sensor.tail == "straight" or design.sensor.model == "custom":
         return None
-    return Violation(f"{radius:g} mm bends the film tighter than its maker allows", at_least(MIN_FOLD_RADIUS_MM))
+    return Limit(MIN_FOLD_RADIUS_MM, "bends the film tighter than its maker allows")
 
 
 @FOLD_RULES.rule("sensor.distance_from_tip_mm")

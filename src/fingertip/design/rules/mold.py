@@ -1,4 +1,4 @@
-"""Rules of the mold's recess for base and collar: it fits them, and ends within the skin's edge."""
+"""Rules of the mold: room around the cavity, a recess that fits base and collar, and a chaplet that holds the bone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.features import Chaplet, place_chaplet
 from fingertip.design.geometry.seat import Loss, find_losses, worst
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
-from fingertip.design.rules.ruleset import SLACK, Interval, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.ruleset import SLACK, Interval, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
@@ -30,74 +30,46 @@ _SOUND_COLLAR = (bone_left_at_sides, bone_left_dorsally, collar_carries_skin)
 """Prerequisites of the rules that need the collar's outline."""
 
 
-@RULES.rule("mold.recess_length_mm")
-def recess_within_base(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.recess_length_mm", slack=0.0)
+def recess_within_base(design: DesignTables) -> Limit | None:
     """The recess is not longer than the bone's base."""
-    base = design.bone.base_length_mm
-    if design.mold.recess_length_mm <= base:
-        return None
-    return Violation(
-        f"{design.mold.recess_length_mm:g} mm is longer than the bone's base",
-        at_most(base),
-        "(limited by bone.base_length_mm)",
-    )
+    return Limit(design.bone.base_length_mm, "is longer than the bone's base", "(limited by bone.base_length_mm)")
 
 
-@RULES.rule("mold.fit_clearance_mm", *_SOUND_COLLAR)
-def fit_stays_within_skin(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.fit_clearance_mm", *_SOUND_COLLAR)
+def fit_stays_within_skin(design: DesignTables) -> Limit | None:
     """The collar's recess stays within the skin's edge."""
     section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
     widening = add_draft(section, slope).half_width - section.half_width if slope else 0.0
     maximum = design.bone.collar_inset_mm - widening - _EDGE_MARGIN
-    if design.mold.fit_clearance_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.fit_clearance_mm:g} mm makes the collar's recess wider than the skin",
-        at_most(maximum),
-        "(limited by bone.collar_inset_mm)",
-    )
+    return Limit(maximum, "makes the collar's recess wider than the skin", "(limited by bone.collar_inset_mm)")
 
 
-@RULES.rule("mold.fit_clearance_mm")
-def fit_stays_open(design: DesignTables) -> Violation | None:
+@RULES.at_least("mold.fit_clearance_mm")
+def fit_stays_open(design: DesignTables) -> Limit | None:
     """The gap between base and recess does not close in the print."""
-    minimum = design.printer.offset_mm + _MIN_PRINTED_FIT
-    if design.printer.offset_mm <= 0.0 or design.mold.fit_clearance_mm >= minimum - SLACK:
+    offset = design.printer.offset_mm
+    if offset <= 0.0:
         return None
-    return Violation(
-        f"{design.mold.fit_clearance_mm:g} mm closes in the print, which adds {design.printer.offset_mm:g} mm "
-        "(printer.offset_mm)",
-        at_least(minimum),
-    )
+    return Limit(offset + _MIN_PRINTED_FIT, f"closes in the print, which adds {offset:g} mm (printer.offset_mm)")
 
 
-@RULES.rule("mold.recess_length_mm")
-def recess_holds_collar(design: DesignTables) -> Violation | None:
+@RULES.at_least("mold.recess_length_mm")
+def recess_holds_collar(design: DesignTables) -> Limit | None:
     """The recess holds the collar and a wall behind it."""
     gap = design.mold.fit_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
     minimum = design.bone.collar_length_mm + gap + _MIN_BEHIND_COLLAR
-    if design.mold.recess_length_mm >= minimum - SLACK:
-        return None
-    return Violation(
-        f"{design.mold.recess_length_mm:g} mm does not hold the collar and a wall behind it", at_least(minimum)
-    )
+    return Limit(minimum, "does not hold the collar and a wall behind it")
 
 
-@RULES.rule("bone.collar_length_mm")
-def collar_outlasts_its_draft(design: DesignTables) -> Violation | None:
+@RULES.at_least("bone.collar_length_mm")
+def collar_outlasts_its_draft(design: DesignTables) -> Limit | None:
     """The collar keeps a minimum length where its draft shortens it most."""
     section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
-    minimum = _MIN_COLLAR_LENGTH + slope * max(section.palmar, section.dorsal)
-    if design.bone.collar_length_mm >= minimum - SLACK:
-        return None
-    return Violation(
-        f"{design.bone.collar_length_mm:g} mm is used up by a draft of {design.mold.draft_deg:g} degrees before the "
-        "collar's palmar or dorsal end",
-        at_least(minimum),
+    return Limit(
+        _MIN_COLLAR_LENGTH + slope * max(section.palmar, section.dorsal),
+        f"is used up by a draft of {design.mold.draft_deg:g} degrees before the collar's palmar or dorsal end",
     )
-
-
-# Rules of the mold: room for everything around the cavity, and halves that can be made.
 
 
 _BESIDE_PRY_SLOT = 0.4
@@ -118,50 +90,35 @@ _BESIDE_GATE = 0.2
 """Minimum distance of the gate from the cavity's side [mm]."""
 
 
-@RULES.rule("mold.pry_depth_mm")
-def pry_slot_clear_of_bolts(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.pry_depth_mm")
+def pry_slot_clear_of_bolts(design: DesignTables) -> Limit | None:
     """The pry slots end before the nut traps and the keys' sockets."""
     layout, slope = design.mold_layout, design.dimensions.draft_slope
     socket = design.mold.key_diameter_mm / 2 + design.mold.key_clearance_mm * math.hypot(1.0, slope)
     beside = layout.half_inlet + max(0.0, design.printer.min_wall_mm - _BESIDE_PRY_SLOT) if layout.half_inlet else 0.0
     column = layout.bolts[-1][0]
     maximum = layout.half_width - column - max(layout.nut_circumradius, socket, beside) - _BESIDE_PRY_SLOT
-    if design.mold.pry_depth_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.pry_depth_mm:g} mm reaches the keys or the inlet", at_most(maximum), "(limited by mold.land_mm)"
-    )
+    return Limit(maximum, "reaches the keys or the inlet", "(limited by mold.land_mm)")
 
 
-@RULES.rule("mold.pry_width_mm")
-def pry_slot_within_side(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.pry_width_mm")
+def pry_slot_within_side(design: DesignTables) -> Limit | None:
     """The pry slots are shorter than the mold's side."""
     maximum = design.mold_layout.distal_z - design.mold_layout.proximal_z - _PRY_SLOT_ENDS
-    if design.mold.pry_width_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.pry_width_mm:g} mm is longer than the mold's side", at_most(maximum))
+    return Limit(maximum, "is longer than the mold's side")
 
 
-@RULES.rule("mold.engraving_depth_mm")
-def engraving_keeps_a_wall(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.engraving_depth_mm")
+def engraving_keeps_a_wall(design: DesignTables) -> Limit | None:
     """The engraving leaves enough of the mold's wall."""
-    maximum = design.mold.wall_mm - _BEHIND_ENGRAVING
-    if design.mold.engraving_depth_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.engraving_depth_mm:g} mm leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm",
-        at_most(maximum),
-    )
+    return Limit(design.mold.wall_mm - _BEHIND_ENGRAVING, f"leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm")
 
 
-@RULES.rule("mold.gate_diameter_mm")
-def gate_within_funnel(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.gate_diameter_mm", slack=0.0)
+def gate_within_funnel(design: DesignTables) -> Limit | None:
     """The gate is not wider than its funnel."""
-    if design.mold.filling != "gravity" or design.mold.gate_diameter_mm <= design.mold.funnel_diameter_mm:
-        return None
-    return Violation(
-        f"{design.mold.gate_diameter_mm:g} mm is wider than its funnel", at_most(design.mold.funnel_diameter_mm)
-    )
+    mold = design.mold
+    return Limit(mold.funnel_diameter_mm, "is wider than its funnel") if mold.filling == "gravity" else None
 
 
 @RULES.rule("mold.funnel_diameter_mm")
@@ -178,14 +135,14 @@ def gate_within_cavity(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("mold.funnel_diameter_mm")
-def funnel_within_block(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.funnel_diameter_mm")
+def funnel_within_block(design: DesignTables) -> Limit | None:
     """The mold keeps a wall palmar and dorsal of the funnel's mouth."""
-    layout, mold = design.mold_layout, design.mold
-    maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
-    if mold.filling != "gravity" or mold.funnel_diameter_mm <= maximum + SLACK:
+    if design.mold.filling != "gravity":
         return None
-    return Violation(f"{mold.funnel_diameter_mm:g} mm goes through the outside of the mold", at_most(maximum))
+    layout = design.mold_layout
+    maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
+    return Limit(maximum, "goes through the outside of the mold")
 
 
 @RULES.rule("mold.runner_width_mm")
@@ -200,53 +157,41 @@ def gate_within_straight_skin(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm makes the gate end on the rounded tip", at_most(width - excess))
 
 
-@RULES.rule("mold.runner_depth_mm")
-def gate_meets_cavity(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.runner_depth_mm")
+def gate_meets_cavity(design: DesignTables) -> Limit | None:
     """The runner is less deep than the cavity is high, so that it enters at the side."""
-    maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio
-    depth = design.mold.runner_depth_mm
-    if design.mold.filling == "gravity" or depth <= maximum + SLACK:
+    if design.mold.filling == "gravity":
         return None
-    return Violation(f"{depth:g} mm ends above the side of the cavity", at_most(maximum))
+    maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio
+    return Limit(maximum, "ends above the side of the cavity")
 
 
-@RULES.rule("mold.draft_deg")
-def keys_keep_a_top(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.draft_deg")
+def keys_keep_a_top(design: DesignTables) -> Limit | None:
     """The draft does not bring the registration keys to a point."""
     radius = 0.4 * design.mold.key_diameter_mm  # of the smaller key
     maximum = math.degrees(math.atan((radius - _KEY_TOP) / design.mold.key_height_mm)) if radius > _KEY_TOP else 0.0
-    if design.mold.draft_deg <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.draft_deg:g} degrees bring the registration keys to a point", at_most(maximum))
+    return Limit(maximum, "bring the registration keys to a point")
 
 
-@RULES.rule("mold.key_diameter_mm")
-def keys_between_bolts(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.key_diameter_mm")
+def keys_between_bolts(design: DesignTables) -> Limit | None:
     """The registration keys fit between the bolts."""
-    maximum = design.mold_layout.key_space - 2 * design.mold.land_mm
-    if design.mold.key_diameter_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.key_diameter_mm:g} mm does not fit between the bolts", at_most(maximum))
+    return Limit(design.mold_layout.key_space - 2 * design.mold.land_mm, "does not fit between the bolts")
 
 
-@RULES.rule("mold.key_height_mm")
-def key_socket_keeps_a_floor(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.key_height_mm")
+def key_socket_keeps_a_floor(design: DesignTables) -> Limit | None:
     """The sockets of the keys do not go through the palmar half."""
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - design.mold.key_clearance_mm - _SOCKET_FLOOR
-    if design.mold.key_height_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.mold.key_height_mm:g} mm goes through the palmar half", at_most(maximum))
+    return Limit(maximum, "goes through the palmar half")
 
 
-@RULES.rule("mold.nut_depth_mm")
-def nut_trap_keeps_a_floor(design: DesignTables) -> Violation | None:
+@RULES.at_most("mold.nut_depth_mm")
+def nut_trap_keeps_a_floor(design: DesignTables) -> Limit | None:
     """The nut traps keep a floor under the nut."""
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - _NUT_FLOOR
-    if design.mold.nut_depth_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.nut_depth_mm:g} mm leaves less than {_NUT_FLOOR:g} mm under the nut", at_most(maximum)
-    )
+    return Limit(maximum, f"leaves less than {_NUT_FLOOR:g} mm under the nut")
 
 
 @RULES.rule("mold.nut_width_mm")
@@ -265,9 +210,6 @@ def trap_fits_its_nut(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm {problem}", ((minimum, maximum),))
 
 
-# Rules of the chaplet: it stands on the bone, its screw keeps clear of the sensor, and it holds the bone in place.
-
-
 MIN_RETAINED_OVER_SENSOR, MIN_RETAINED = 0.9, 0.8
 """Smallest shares of the skin's thickness that a misplaced bone may leave, over the sensor and elsewhere."""
 _HALVINGS = 6
@@ -277,16 +219,13 @@ _STEP_MM = 0.25
 _SOUND_BONE = (bone_left_at_sides, bone_left_dorsally, tip_within_skin, groove_clear_of_sensor)
 
 
-@RULES.rule("mold.chaplet_diameter_mm")
-def boss_keeps_a_wall(design: DesignTables) -> Violation | None:
+@RULES.at_least("mold.chaplet_diameter_mm")
+def boss_keeps_a_wall(design: DesignTables) -> Limit | None:
     """The boss keeps a wall around the hole of its screw."""
-    chaplet, diameter = design.dimensions.chaplet, design.mold.chaplet_diameter_mm
+    chaplet = design.dimensions.chaplet
     if chaplet is None:
         return None
-    minimum = 2 * (chaplet.hole_radius + design.printer.min_wall_mm)
-    if diameter >= minimum - SLACK:
-        return None
-    return Violation(f"{diameter:g} mm leaves no wall around its screw", at_least(minimum))
+    return Limit(2 * (chaplet.hole_radius + design.printer.min_wall_mm), "leaves no wall around its screw")
 
 
 @RULES.rule("mold.chaplet_from_tip_mm", *_SOUND_BONE)

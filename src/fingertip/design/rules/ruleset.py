@@ -124,8 +124,8 @@ class Ruleset:
         def add(find_limit: LimitFunction) -> Rule:
             @functools.wraps(find_limit)
             def check(design: DesignTables) -> Violation | None:
-                limit, value = find_limit(design), design.value(field)
-                if limit is None or passes(value, limit.value):
+                limit = find_limit(design)
+                if limit is None or passes(value := design.value(field), limit.value):
                     return None
                 text = f"{value:g}{unit} {limit.problem}"
                 return Violation(text, passing(limit.value), limit.note, limit.alternatives)

@@ -1,41 +1,29 @@
-"""Rules of a custom sensor: an outline that no sensor can have is refused."""
+"""Rules of skin and sensor: the sensor fits the bone, the bone fits the skin, and the force curve is in order."""
 
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
 from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm
-from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 
 RULES = Ruleset()
 
 
-@RULES.rule("custom_sensor.active_diameter_mm")
-def active_area_within_head(design: DesignTables) -> Violation | None:
+@RULES.at_most("custom_sensor.active_diameter_mm")
+def active_area_within_head(design: DesignTables) -> Limit | None:
     """The active area is not wider than the sensor's head."""
-    if design.sensor.model != "custom":
-        return None
-    active, head = design.custom_sensor.active_diameter_mm, design.custom_sensor.head_diameter_mm
-    if active <= head + SLACK:
-        return None
-    return Violation(f"{active:g} mm is wider than the sensor's head", at_most(head))
+    head = design.custom_sensor.head_diameter_mm
+    return Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
 
 
-@RULES.rule("custom_sensor.tail_width_mm")
-def tail_holds_its_tabs(design: DesignTables) -> Violation | None:
+@RULES.at_least("custom_sensor.tail_width_mm")
+def tail_holds_its_tabs(design: DesignTables) -> Limit | None:
     """The tail is wide enough for two solder tabs."""
     if design.sensor.model != "custom":
         return None
-    width, pitch = design.custom_sensor.tail_width_mm, design.dimensions.sensor.tab_pitch_mm
-    minimum = pitch + TAB_WIDTH_MM
-    if width >= minimum - SLACK:
-        return None
-    return Violation(
-        f"{width:g} mm does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart", at_least(minimum)
-    )
-
-
-# Rules between skin, bone and sensor: the sensor fits the bone, and the bone fits the skin.
+    pitch = design.dimensions.sensor.tab_pitch_mm
+    return Limit(pitch + TAB_WIDTH_MM, f"does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart")
 
 
 _EDGE_THICKNESS = 0.5
@@ -60,47 +48,30 @@ _MIN_TIP_CONTROL = 0.05
 """Minimum scale of the tip's control point: below it the taper closes the finger before its tip."""
 
 
-@RULES.rule("skin.tip_length_mm")
-def tip_within_skin(design: DesignTables) -> Violation | None:
+@RULES.at_most("skin.tip_length_mm")
+def tip_within_skin(design: DesignTables) -> Limit | None:
     """The rounded tip leaves a straight part of the skin."""
-    tip, length = design.skin.tip_length_mm, design.skin.length_mm
-    maximum = length - _MIN_STRAIGHT
-    if tip <= maximum + SLACK:
-        return None
-    return Violation(f"{tip:g} mm leaves no straight part in {length:g} mm of skin", at_most(maximum))
+    length = design.skin.length_mm
+    return Limit(length - _MIN_STRAIGHT, f"leaves no straight part in {length:g} mm of skin")
 
 
-@RULES.rule("skin.thickness_side_mm")
-def bone_left_at_sides(design: DesignTables) -> Violation | None:
+@RULES.at_most("skin.thickness_side_mm")
+def bone_left_at_sides(design: DesignTables) -> Limit | None:
     """The skin's side thickness leaves bone between the sides and above the pad."""
     half = min(design.skin.width_mm / 2 * design.skin.taper_ratio, design.skin.semi_axis_palmar_mm)
-    maximum = half - _MIN_BONE
-    if design.skin.thickness_side_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.skin.thickness_side_mm:g} mm leaves less than {_MIN_BONE:g} mm of bone at the sides", at_most(maximum)
-    )
+    return Limit(half - _MIN_BONE, f"leaves less than {_MIN_BONE:g} mm of bone at the sides")
 
 
-@RULES.rule("skin.thickness_dorsal_mm")
-def bone_left_dorsally(design: DesignTables) -> Violation | None:
+@RULES.at_most("skin.thickness_dorsal_mm")
+def bone_left_dorsally(design: DesignTables) -> Limit | None:
     """The skin's thickness on the back leaves bone."""
-    maximum = design.skin.semi_axis_dorsal_mm - _MIN_BONE
-    if design.skin.thickness_dorsal_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.skin.thickness_dorsal_mm:g} mm leaves less than {_MIN_BONE:g} mm of bone at the back",
-        at_most(maximum),
-    )
+    return Limit(design.skin.semi_axis_dorsal_mm - _MIN_BONE, f"leaves less than {_MIN_BONE:g} mm of bone at the back")
 
 
-@RULES.rule("skin.thickness_tip_mm")
-def bone_reaches_tip(design: DesignTables) -> Violation | None:
+@RULES.at_most("skin.thickness_tip_mm")
+def bone_reaches_tip(design: DesignTables) -> Limit | None:
     """The bone reaches into the rounded tip."""
-    maximum = design.skin.tip_length_mm - _MIN_BONE
-    if design.skin.thickness_tip_mm <= maximum + SLACK:
-        return None
-    return Violation(f"{design.skin.thickness_tip_mm:g} mm is more than the rounded tip holds", at_most(maximum))
+    return Limit(design.skin.tip_length_mm - _MIN_BONE, "is more than the rounded tip holds")
 
 
 @RULES.rule("skin.taper_ratio", tip_within_skin, bone_left_at_sides, bone_reaches_tip)
@@ -111,17 +82,11 @@ def taper_reaches_tip(design: DesignTables) -> Violation | None:
     return Violation(f"{design.skin.taper_ratio:g} closes the finger before its tip")
 
 
-@RULES.rule("sensor.distance_from_tip_mm")
-def sensor_within_skin(design: DesignTables) -> Violation | None:
+@RULES.at_most("sensor.distance_from_tip_mm")
+def sensor_within_skin(design: DesignTables) -> Limit | None:
     """The sensor's head lies within the skin."""
-    maximum = design.skin.length_mm - design.dimensions.sensor.head_diameter_mm / 2 - _BEHIND_SENSOR
-    if design.sensor.distance_from_tip_mm <= maximum + SLACK:
-        return None
-    return Violation(
-        f"{design.sensor.distance_from_tip_mm:g} mm puts the sensor's head outside the skin of "
-        f"{design.skin.length_mm:g} mm",
-        at_most(maximum),
-    )
+    length, head = design.skin.length_mm, design.dimensions.sensor.head_diameter_mm
+    return Limit(length - head / 2 - _BEHIND_SENSOR, f"puts the sensor's head outside the skin of {length:g} mm")
 
 
 @RULES.rule("skin.thickness_palmar_mm", tip_within_skin)
@@ -183,16 +148,11 @@ SOUND_SECTIONS = (
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
-@RULES.rule("skin.min_thickness_mm", *SOUND_SECTIONS)
-def skin_is_thick_enough(design: DesignTables) -> Violation | None:
+@RULES.at_most("skin.min_thickness_mm", *SOUND_SECTIONS, slack=_THICKNESS_SLACK)
+def skin_is_thick_enough(design: DesignTables) -> Limit | None:
     """The skin has its minimum thickness everywhere."""
     thinnest = min(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm)
-    if design.skin.min_thickness_mm <= thinnest + _THICKNESS_SLACK:
-        return None
-    return Violation(
-        f"{design.skin.min_thickness_mm:g} mm is more than the {thinnest:.2f} mm at the skin's thinnest place",
-        at_most(thinnest),
-    )
+    return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")
 
 
 def _edge_thickness(design: DesignTables) -> float:
@@ -221,59 +181,34 @@ def slot_fits_flat(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("bone.channel_diameter_mm", bone_left_at_sides, bone_left_dorsally)
-def channel_within_base(design: DesignTables) -> Violation | None:
+@RULES.at_most("bone.channel_diameter_mm", bone_left_at_sides, bone_left_dorsally)
+def channel_within_base(design: DesignTables) -> Limit | None:
     """The base keeps a wall around the cable channel."""
     section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
     height, wall = flat + section.dorsal, design.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))
-    maximum = min(width, height) - 2 * wall
-    if design.bone.channel_diameter_mm <= maximum + SLACK:
-        return None
     # The flat of a bone that another rule refuses can lie outside the bone, which leaves no size to state.
     size = f", which is {width:.2f} mm wide and {height:.2f} mm high" if min(width, height) > 0.0 else ""
-    return Violation(
-        f"{design.bone.channel_diameter_mm:g} mm leaves no walls of {wall:g} mm in the base{size}",
-        at_most(maximum),
-    )
+    return Limit(min(width, height) - 2 * wall, f"leaves no walls of {wall:g} mm in the base{size}")
 
 
-@RULES.rule("bone.channel_bend_radius_mm")
-def bend_wider_than_channel(design: DesignTables) -> Violation | None:
+@RULES.at_least("bone.channel_bend_radius_mm")
+def bend_wider_than_channel(design: DesignTables) -> Limit | None:
     """The cable channel does not fold into itself at its bend."""
-    minimum = design.bone.channel_diameter_mm / 2 + _BEND_MARGIN
-    if design.bone.channel_bend_radius_mm >= minimum - SLACK:
-        return None
-    return Violation(
-        f"{design.bone.channel_bend_radius_mm:g} mm folds a channel of {design.bone.channel_diameter_mm:g} mm into "
-        "itself",
-        at_least(minimum),
-    )
-
-
-# Rules of a calibrated force curve: its forces are in order.
+    diameter = design.bone.channel_diameter_mm
+    return Limit(diameter / 2 + _BEND_MARGIN, f"folds a channel of {diameter:g} mm into itself")
 
 
 FORCE_CURVE_RULES = Ruleset()
 
 
-@FORCE_CURVE_RULES.rule("force_curve.turn_on_n")
-def turn_on_below_calibration(design: DesignTables) -> Violation | None:
+@FORCE_CURVE_RULES.at_most("force_curve.turn_on_n")
+def turn_on_below_calibration(design: DesignTables) -> Limit | None:
     """The sensor conducts at the smallest force of the calibration."""
-    curve = design.force_curve
-    if curve.turn_on_n <= curve.min_force_n + SLACK:
-        return None
-    return Violation(
-        f"{curve.turn_on_n:g} N is above the smallest force of the calibration", at_most(curve.min_force_n)
-    )
+    return Limit(design.force_curve.min_force_n, "is above the smallest force of the calibration")
 
 
-@FORCE_CURVE_RULES.rule("force_curve.max_force_n")
-def calibration_spans_forces(design: DesignTables) -> Violation | None:
+@FORCE_CURVE_RULES.at_least("force_curve.max_force_n")
+def calibration_spans_forces(design: DesignTables) -> Limit | None:
     """The largest force of the calibration is not below the smallest."""
-    curve = design.force_curve
-    if curve.max_force_n >= curve.min_force_n - SLACK:
-        return None
-    return Violation(
-        f"{curve.max_force_n:g} N is below the smallest force of the calibration", at_least(curve.min_force_n)
-    )
+    return Limit(design.force_curve.min_force_n, "is below the smallest force of the calibration")

@@ -8,7 +8,7 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.bone import tape
 from fingertip.cad.shapes.insert import axis_z
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.uses import uses_adhesive, uses_primer
+from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera

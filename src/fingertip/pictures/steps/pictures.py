@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 
-from fingertip.casting.uses import Step
 from fingertip.design import Design
 from fingertip.pictures.steps import filling_scenes, mold_scenes, sensor_scenes
 from fingertip.pictures.steps.scene import Bench, Data, Scene, draw_scene
@@ -20,11 +19,11 @@ SCENES: Mapping[str, Callable[[Bench, Data], Scene]] = {
 
 
 def draw_steps(
-    design: Design, data: Data, steps: Sequence[Step], progress: Callable[[str], None] = lambda message: None
+    design: Design, data: Data, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
 ) -> dict[str, bytes]:
-    """Draw the picture of each step."""
+    """Draw the picture of each step, by the names of their scenes."""
     bench, pictures = Bench(design), {}
-    for number, step in enumerate(steps, 1):
-        progress(f"drawing step {number} of {len(steps)}")
-        pictures[f"{number:02}-{step.picture}.png"] = draw_scene(SCENES[step.picture](bench, data))
+    for number, name in enumerate(names, 1):
+        progress(f"drawing step {number} of {len(names)}")
+        pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, data))
     return pictures

@@ -113,7 +113,6 @@ def render_bom(text: str) -> Markup:
 
 
 def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
-    """Render what makes the board work, each with value and limit."""
     if not gate:
         return Markup("")
     passed = sum(entry["passed"] for entry in gate)

@@ -129,7 +129,8 @@ def board(
             lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
     written["files"] += _write_responses(console, loaded, values, bode, plot)
     if analysis:
-        from fingertip.board.analysis.report import analyse, analysis_text
+        from fingertip.board.analysis.report import analyse
+        from fingertip.documents.board.analysis import analysis_text
 
         analysis_result = analyse(loaded)
         data["analysis"] = analysis_result.as_data()

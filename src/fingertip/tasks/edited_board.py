@@ -236,7 +236,6 @@ def _printed_texts(root: Node) -> dict[str, Word]:
 
 
 def _identifier(item: Node) -> str:
-    """UUID of the symbol that a footprint or symbol belongs to."""
     return item.word("path").rpartition("/")[2] if item.head == "footprint" else item.word("uuid")
 
 
@@ -249,7 +248,6 @@ def _reference(item: Node) -> str:
 
 
 def _properties(item: Node) -> Iterator[tuple[str, list[Word]]]:
-    """Yield name and words of each property."""
     for entry in item.children("property"):
         words = [word for word in entry.items if isinstance(word, Word)]
         if len(words) > 2:

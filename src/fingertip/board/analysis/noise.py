@@ -245,7 +245,6 @@ def compare_noise_alternatives(
 
 
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    """Add `LIMITING_CAPACITOR` to a circuit that lacks it."""
     farad = nearest_value(
         compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz),
         "E6",

@@ -123,7 +123,6 @@ def draw_deviations(board: TolerancedFilter, tolerances: Mapping[str, float], bo
 
 
 def _limits(board: TolerancedFilter, tolerances: Mapping[str, float]) -> Array:
-    """Largest relative deviation of each component."""
     return np.array([tolerances[name] / 100.0 for name in board.names])
 
 

@@ -65,7 +65,6 @@ def is_above_signal_ground(name: str) -> bool:
 
 
 def _is_at_host(name: str) -> bool:
-    """Return whether a reading is a direct voltage at a pin of the output connector, against supply ground."""
     return name.startswith(f"{HOST.lower()}_") and is_direct(name)
 
 
@@ -250,12 +249,10 @@ def _explains_one(
 
 
 def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
-    """Mean squared difference per reading, in units of the expected spread."""
     return sum(_difference(name, predicted[name], v, limits) ** 2 for name, v in readings.items()) / len(readings)
 
 
 def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
-    """Difference of a reading from its prediction, in units of the expected spread."""
     spread = (limits[name].high_v - limits[name].low_v) / 4.0
     if is_tone(name) and limits[name].low_v > 0.0:
         # What is left of a tone has the same relative spread, and the meter's own error.
@@ -294,7 +291,6 @@ def list_unsimulated(plan: BringUp) -> list[str]:
 
 
 def _list_wrong_resistances(plan: BringUp, fault: Fault) -> Iterator[str]:
-    """Yield the readings of the ohmmeter that a fault takes out of their limits."""
     found = resistance_limits(replace(plan.board, circuit=fault.circuit))
     for name, limits in plan.before_power.items():
         if not limits.low_v <= found[name].expected_v <= limits.high_v:

@@ -234,7 +234,6 @@ def solve_constant(
 
 
 def _rank(net: str) -> int:
-    """Place of an output along the signal path."""
     return _PATH.index(net) if net in _PATH else len(_PATH)
 
 

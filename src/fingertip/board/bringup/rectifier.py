@@ -156,7 +156,6 @@ def has_diode(circuit: Circuit, reference: str) -> bool:
 
 
 def _find_ends(circuit: Circuit, reference: str, column: Mapping[str, int]) -> tuple[int, int]:
-    """Columns of a diode's anode and cathode; of nothing if it is not fitted."""
     if not has_diode(circuit, reference):
         return 0, 0
     return column[circuit.net_by_pin[reference, "2"]], column[circuit.net_by_pin[reference, "1"]]

@@ -168,7 +168,6 @@ def complete_circuit(values: ComponentValues, signal_path: Wiring, fourth_pin: s
 
 
 def _front_end(parts: SelectedComponents, supply: Supply) -> Wiring:
-    """Connector of the sensor, bridge and instrumentation amplifier."""
     ground = supply.signal_ground
     if supply.is_for_controller:
         sensor = component("J1", "FSR", symbols.LOCKING_CONNECTOR_2, symbols.JST_SH_2, "force-sensing resistor")
@@ -192,7 +191,6 @@ def _front_end(parts: SelectedComponents, supply: Supply) -> Wiring:
 
 
 def _adc_connector(supply: Supply, fourth_pin: str) -> Wiring:
-    """Connector to the ADC: a pin header."""
     pins = {"1": ADC_TACTILE, "2": ADC_ENVELOPE, "3": GND, "4": fourth_pin}
     symbol, header = symbols.CONNECTOR_4, symbols.HEADER_4
     signals = ["tactile voltage", "envelope", "ground"]
@@ -250,7 +248,6 @@ def _adc_interface(parts: SelectedComponents, supply: Supply) -> Wiring:
 
 
 def _split_supply() -> Wiring:
-    """Connector and decoupling of a split supply."""
     plus, minus = {"1": VCC, "2": GND}, {"1": GND, "2": VEE}
     power = component("J2", "POWER", symbols.CONNECTOR_3, symbols.HEADER_3, "supply: plus, ground, minus")
     return {

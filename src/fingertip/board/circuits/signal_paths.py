@@ -100,7 +100,6 @@ def _high_passes(values: ComponentValues, r4_net: str = "") -> Wiring:
 
 
 def _peak_detector(values: ComponentValues) -> Wiring:
-    """The diode and, after it, R_LP parallel to C_LP (eq. 11)."""
     ground, parts = SUPPLIES[values.supply].signal_ground, SelectedComponents(values)
     diode = component("D1", "1N4148W", symbols.DIODE_1N4148W, symbols.SOD_123, "half-wave rectifier")
     return {
@@ -146,7 +145,6 @@ def _precision_path(values: ComponentValues) -> Wiring:
 
 
 def _positive_supply(supply: Supply) -> str:
-    """Name of the supply at VCC, for roles."""
     return "plus supply" if supply.negative_rail == VEE else "supply"
 
 

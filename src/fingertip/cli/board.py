@@ -118,7 +118,7 @@ def board(
     if verbose:
         lines += ["", *_load_lines(loaded, values), "", *_gate_lines(values)]
     if fab:
-        from fingertip.board.circuits.signal_paths import board_circuit
+        from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
         data["to_order"] = missing_numbers_note(board_circuit(values))

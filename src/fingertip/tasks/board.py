@@ -14,7 +14,7 @@ from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
 from fingertip.board.bringup.wiring import wiring_diagram
-from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record

@@ -35,8 +35,8 @@ from fingertip.board.analysis.tolerance import (
     monte_carlo,
     state_capacitors,
 )
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
-from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.components.values import Tolerance, select_components
 from fingertip.board.parts.circuit import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
 from fingertip.design import Design

@@ -14,9 +14,8 @@ from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import AMPLIFIERS
-from fingertip.board.parts.circuit import ENVELOPE, STAGE1_OUT, VMID
+from fingertip.board.parts.circuit import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
 
 # Mistakes of the person with the meter: readings that were taken between other points than the sheet says.
 #

@@ -34,7 +34,6 @@ from fingertip.board.bringup.prediction import (
 )
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import (
     AD623_OFFSET_V,
     AD623_SUPPLY_A,
@@ -47,6 +46,7 @@ from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
+    RECT_OUT,
     SENSOR,
     TACTILE,
     VCC,

@@ -12,8 +12,7 @@ from fingertip.board.bringup.bench import HOST, TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
 from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
-from fingertip.board.circuits.signal_paths import RECT_OUT
-from fingertip.board.parts.circuit import VCC, VMID
+from fingertip.board.parts.circuit import RECT_OUT, VCC, VMID
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.toml_files import read_toml

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
-from fingertip.board.parts.circuit import ENVELOPE, FILTERED, RAILS, Circuit
+from fingertip.board.parts.circuit import ENVELOPE, FILTERED, RAILS, RECT_OUT, Circuit
 from fingertip.foundation.numerics import Array
 
 Indices = NDArray[np.int_]

@@ -118,7 +118,7 @@ def board(
     if verbose:
         lines += ["", *_load_lines(loaded, values), "", *_gate_lines(values)]
     if fab:
-        from fingertip.board.circuits.signal_paths import board_circuit
+        from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
         data["to_order"] = missing_numbers_note(board_circuit(values))
@@ -129,7 +129,8 @@ def board(
             lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
     written["files"] += _write_responses(console, loaded, values, bode, plot)
     if analysis:
-        from fingertip.board.analysis.report import analyse, analysis_text
+        from fingertip.board.analysis.report import analyse
+        from fingertip.documents.board.analysis import analysis_text
 
         analysis_result = analyse(loaded)
         data["analysis"] = analysis_result.as_data()

@@ -35,7 +35,6 @@ from fingertip.design.geometry.seat import find_losses
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted
 from fingertip.design.new_design import PRESETS
-from fingertip.design.silicone import select_silicone
 from fingertip.documents.acceptance import acceptance_data, expect_readings, render_acceptance
 from fingertip.documents.casting import markdown
 from fingertip.documents.casting.markdown import render_sheet, warnings
@@ -707,7 +706,7 @@ def all_supplies() -> list[dict[str, Any]]:
 def test_one_pot_life_is_planned_with() -> None:
     """It is the least of the range, but no less than is asked for when the silicone is bought."""
     page, design = render_sheet(sheet_data()), fsr400()
-    assert select_silicone(design).planned_pot_life_min == 20.0
+    assert design.silicone.material.planned_pot_life_min == 20.0
     (limit,) = (check.limit for check in check_filling(design) if check.name == "mold.fill_time")
     assert limit == 600.0
     assert "pot life at least 20 min" in page
@@ -715,7 +714,7 @@ def test_one_pot_life_is_planned_with() -> None:
     assert "10 min after the first push, half the pot life, give up" in page
     assert "of pot life are wanted" not in page
     own = fsr400("silicone.product=own", "silicone.pot_life_min=8")
-    short = render_sheet(casting_sheet_data(own, VOLUMES, select_silicone(own)))
+    short = render_sheet(casting_sheet_data(own, VOLUMES, own.silicone.material))
     assert "pot life at least 8 min" in short
     assert "4 min to stir, degas and load. 20 min of pot life are wanted" in short
 

@@ -284,7 +284,6 @@ def sensor(
 
 def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[str]:
     """Format the fit, the curve with its intervals, and the values as --set text."""
-    from fingertip.design.silicone import describe_force_curve
 
     law = calibration.law
     half = law.coverage_factor * law.exponent_uncertainty
@@ -302,7 +301,7 @@ def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[s
         f"{point.low_n:.2f} to {point.high_n:.2f} N"
         for point in calibration.points
     )
-    lines.append(describe_force_curve(calibrated))
+    lines.append(calibrated.force_curve.describe())
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
 
 

@@ -79,7 +79,6 @@ def sheet(
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cli.options import load_design
-    from fingertip.design.silicone import replace_silicone, select_silicone
     from fingertip.documents.casting.markdown import render_sheet, steps
     from fingertip.documents.casting.sheet import casting_sheet_data
     from fingertip.foundation.errors import OutputError
@@ -90,8 +89,8 @@ def sheet(
     if issues := list(find_file_issues("--out", out, ".md")):
         raise OutputError(issues)
     loaded, _ = load_design(design, changes, console.progress)
-    loaded = replace_silicone(loaded, material)
-    silicone = select_silicone(loaded)
+    loaded = loaded.with_silicone(material)
+    silicone = loaded.silicone.material
     path = out or Path("out") / loaded.name / SHEET
     if out is None:
         parts_writer(loaded, path.parent, force).check_addition((SHEET,))

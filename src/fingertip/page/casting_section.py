@@ -7,7 +7,6 @@ import base64
 from fingertip.cad.report import SHEET, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.design.silicone import describe_force_curve
 from fingertip.page.html import Markup, code, element, figure, join, table
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.sources import COMMANDS, Sources
@@ -81,7 +80,7 @@ def render_basis(design: Design) -> Markup:
     curve, printer = design.force_curve, design.printer
     is_weighed = curve.curve == "calibrated"
     is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
-    said = describe_force_curve(design)
+    said = design.force_curve.describe()
     rows = [
         ("Parts and checks", "computed", "Measured on the files themselves, read back. Nobody has printed and cast "
          "these files yet."),

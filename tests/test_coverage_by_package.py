@@ -33,8 +33,8 @@ def test_modules_of_a_package_count_together_and_a_poor_package_fails(tmp_path: 
     done = run(tmp_path, files)
     assert done.returncode == 0
     assert [line.split() for line in done.stdout.splitlines()[1:]] == [
-        ["(top", "level)", "0", "0", "100.0", "%"],
         ["cad", "80", "20", "90.0", "%"],
+        ["foundation", "0", "0", "100.0", "%"],
     ]
     files["src/fingertip/cad/deep/b.py"] = summary(30, 22, 10, 7)
     done = run(tmp_path, files)

@@ -70,7 +70,7 @@ def test_a_fork_runs_the_new_code_of_a_function() -> None:
     """In a process of its own: the function stays changed."""
     code = """
 import dataclasses
-from fingertip.sim import grid
+from fingertip.sim.signal import grid
 from tests.test_mutation import MUTANT
 from tools.mutation.server import change_functions
 source = open(grid.__file__, encoding="utf-8").read()

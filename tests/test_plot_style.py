@@ -84,5 +84,5 @@ def test_colours_of_plots_stand_in_one_module() -> None:
         for colour in re.findall(r'"#[0-9a-fA-F]{6}"', text)
     }
     assert found == set()
-    assert len(set(re.findall(r"#[0-9a-f]{6}", (SOURCE / "plot_style.py").read_text()))) > 10
+    assert len(set(re.findall(r"#[0-9a-f]{6}", (SOURCE / "foundation/plot_style.py").read_text()))) > 10
     assert plot_style.BLUE in SERIES

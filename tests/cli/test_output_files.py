@@ -18,8 +18,8 @@ from fingertip.tasks.build import parts_writer
 from tests.conftest import run_fingertip
 
 FILES = (
-    ("board", "--bode", ".csv", "fingertip.board.write_board"),
-    ("board", "--plot", ".png", "fingertip.board.write_board"),
+    ("board", "--bode", ".csv", "fingertip.tasks.board.write_board"),
+    ("board", "--plot", ".png", "fingertip.tasks.board.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
     ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
     ("params", "--html", ".html", "fingertip.tasks.page.draw_atlas"),

@@ -85,7 +85,8 @@ def test_tip_of_a_cantilever_moves_by_the_lever_of_its_recess(monkeypatch: pytes
     contacts = tuple(Contact(point, normal, 0.1) for point, normal in (*pairs, *others, *turned))
     design = Design.load(design_file("fsr400"))
     monkeypatch.setattr(bone_play, "list_contacts", lambda design, dims, clearance=None: contacts)
-    losses = [loss for loss in design.losses if loss.point.normal == (0.0, -1.0, 0.0) and loss.point.over_sensor]
+    found = bone_play.find_losses(design, design.dimensions)
+    losses = [loss for loss in found if loss.point.normal == (0.0, -1.0, 0.0) and loss.point.over_sensor]
     middle = next(loss for loss in losses if loss.point.point_mm[0] == 0.0)
     assert middle.loss_mm == pytest.approx(0.1 * (1 + 2 * middle.point.point_mm[2] / 8))
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from fingertip.board import board_values
 from fingertip.board.analysis.gate import gate_warnings
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
 from tests.oracles.gate_in_ngspice import check_gate_in_ngspice

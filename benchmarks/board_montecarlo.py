@@ -20,7 +20,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.tolerance import TolerancedFilter, component_tolerances, monte_carlo
 from fingertip.board.circuits.network import build_network
-from fingertip.board.components.filter import select_filter_capacitor, select_section_resistors
+from fingertip.board.components.selection import choose_jointly, select_filter_capacitor
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.parameters import Board
@@ -51,7 +51,7 @@ def main() -> None:
         command = [sys.executable, "-m", "fingertip", "board", "--out", folder, "--quiet"]
         rows: list[tuple[str, Callable[[], object], float]] = [
             ("10 000 boards", lambda: monte_carlo(toleranced, tolerances), 0.06),
-            ("joint E96 search", lambda: select_section_resistors(67.0, 1.0, 1e-6, "E96"), 0.05),
+            ("joint E96 search", lambda: choose_jointly.__wrapped__((2375.5, 1187.7, 4750.9), "E96"), 0.05),
             ("joint E12 x E96 search", lambda: select_filter_capacitor(board), 0.05),
             ("fingertip board, fresh", lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL), 0.5),
         ]

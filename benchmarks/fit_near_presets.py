@@ -13,6 +13,7 @@ import sys
 import time
 
 from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design.all_rules import PART_RULES
 from fingertip.design.files import load_tables
 from fingertip.design.fit import fit_design
@@ -20,7 +21,6 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.new_design import PRESETS
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.toml_files import DESIGN
 
 MEASURED = (
     "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm", "hand.width_mm",

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from fingertip.catalogues.bundled import find_file, list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SWEEP
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, SweepError
-from fingertip.foundation.toml_files import DESIGN, KINDS, SCENE, SWEEP
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text

@@ -29,20 +29,22 @@ import pytest
 import typer
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
-from fingertip.cad.report import REPORT, SHEET
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import FAB_FOLDER, PROVENANCE, REPORT, SHEET
 from fingertip.cli import app
-from fingertip.cli.options import load_design
+from fingertip.cli.options import read_design
 from fingertip.design import Design
 from fingertip.foundation import files as output_files
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import write_file
-from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters, verification, verify_sets
-from fingertip.sim.trace_export import signal_writer
+from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters
+from fingertip.sim.report import signal_writer
 from fingertip.slip.traces.origin import Origin, read_origin
-from fingertip.tasks.board import FAB_FOLDER, PROVENANCE, board_files, write_board
+from fingertip.tasks import verification
+from fingertip.tasks.board import board_files, write_board
 from fingertip.tasks.build import parts_writer, prints_writer, steps_writer
 from fingertip.tasks.firmware import firmware_files, write_firmware
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
 from tools.fuzz import in_process, originals
 from tools.fuzz.cases import Case
@@ -134,8 +136,8 @@ COMMAND_LINE = typer.main.get_command(app)
 
 
 @cache
-def cached_load(file: str, changes: tuple[str, ...]) -> tuple[Design, str]:
-    return load_design(file, changes)
+def cached_read(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bool]:
+    return read_design(file, changes)
 
 
 # The machinery: a world with a victim, and a guard that sees what is opened
@@ -266,9 +268,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(in_process, "WAIT_LIMIT_S", 10.0)
     monkeypatch.setattr("fingertip.tasks.board.board_files", lambda design: dict(cached_board_files(design)))
     monkeypatch.setattr("fingertip.cli.app", COMMAND_LINE)
-    monkeypatch.setattr(
-        "fingertip.cli.options.load_design", lambda file, given, *_: cached_load(file, tuple(given or ()))
-    )
+    monkeypatch.setattr("fingertip.cli.options.read_design", cached_read)
     monkeypatch.setattr("fingertip.tasks.firmware.firmware_files", cached_firmware_files)
 
 

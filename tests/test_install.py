@@ -39,7 +39,7 @@ def named_dependencies() -> list[str]:
 
 
 def test_core_is_what_every_command_needs() -> None:
-    core = ["manifold3d", "numpy", "pillow", "pydantic", "tomlkit", "typer"]
+    core = ["jinja2", "manifold3d", "markdown-it-py", "numpy", "pillow", "pydantic", "tomlkit", "typer"]
     assert sorted(names_of(read_project()["dependencies"])) == core
 
 

@@ -8,15 +8,16 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design, board_values, make
+from fingertip.catalogues.output_files import ACCEPTANCE
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.output_set import verify_sets
 from fingertip.pictures.drawing.draw import PDF
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
 from fingertip.tasks.build import build, parts_writer
-from fingertip.tasks.make import ACCEPTANCE, simulate_and_detect
+from fingertip.tasks.make import simulate_and_detect
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
 
 QUICK = ("--formats", "stl")

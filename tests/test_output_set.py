@@ -20,18 +20,10 @@ import typer
 from fingertip.cli import app
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import open_atomic, write_file
-from fingertip.foundation.output_set import (
-    MANIFEST,
-    Revision,
-    SetWriter,
-    add_to_set,
-    lock,
-    read_manifest,
-    replacement,
-    verification,
-    verify_sets,
-)
+from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest, replacement
 from fingertip.foundation.output_set.replacement import recover
+from fingertip.tasks import verification
+from fingertip.tasks.verification import verify_sets
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed with signals, NOT TESTED HERE")
 
@@ -203,7 +195,7 @@ def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> N
     reader, ready = os.pipe()
     child = os.fork()
     if child == 0:
-        with lock.lock(folder.parent):
+        with replacement.lock(folder.parent):
             staging.mkdir()
             os.write(ready, b".")
             time.sleep(0.3)
@@ -297,8 +289,8 @@ def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
 def test_writer_that_waits_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)
-    monkeypatch.setattr(lock, "LOCK_S", 0.1)
-    with lock.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
+    monkeypatch.setattr(replacement, "LOCK_S", 0.1)
+    with replacement.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
         writer(folder, "new").write(NEW)
     assert files_in(folder) == OLD
 

@@ -6,18 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.design import Design
-from fingertip.foundation.errors import TomlFileError
-from fingertip.foundation.toml_files import (
+from fingertip.catalogues.file_kinds import (
     DESIGN,
     KINDS,
     MANIPULATION,
     SCENE,
     SWEEP,
     identify_kind,
-    read_toml,
+    read_file,
     split_changes,
 )
+from fingertip.design import Design
+from fingertip.foundation.errors import TomlFileError
+from fingertip.foundation.toml_files import read_toml
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
 from tests.conftest import ROOT
@@ -73,9 +74,9 @@ def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path: Path) -> N
     path = tmp_path / "a.toml"
     path.write_text("[tap]\nforce_n = 2\n")
     with pytest.raises(TomlFileError, match=r"is a scene file, not a design file; give one such as"):
-        read_toml(path, DESIGN)
+        read_file(path, DESIGN)
     path.write_text("outputs = []\n")  # a name that scenes and sweeps share
-    assert read_toml(path, SWEEP) == {"outputs": []}
+    assert read_file(path, SWEEP) == {"outputs": []}
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
@@ -83,9 +84,9 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     for content, message in ((b"[mold\n", r"is not valid TOML \(Expected"), (b"\xff\xfe\x00", "is not UTF-8 text")):
         path.write_bytes(content)
         with pytest.raises(TomlFileError, match=message):
-            read_toml(path, DESIGN)
+            read_file(path, DESIGN)
     with pytest.raises(TomlFileError, match="give the path of a sweep file"):
-        read_toml(tmp_path / "none.toml", SWEEP)
+        read_file(tmp_path / "none.toml", SWEEP)
 
 
 @pytest.mark.parametrize(

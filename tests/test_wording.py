@@ -12,7 +12,9 @@ import pytest
 
 from tests.conftest import ROOT
 
-SOURCES = sorted([*(ROOT / "src").rglob("*.py"), *(ROOT / "tools").rglob("*.py")])
+SOURCES = sorted(
+    [*(ROOT / "src").rglob("*.py"), *(ROOT / "tools").rglob("*.py"), *(ROOT / "benchmarks/peers").rglob("*.py")]
+)
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 PREPOSITIONS = """

@@ -112,41 +112,13 @@ def test_ratio_of_the_drops_holds_for_sensors_that_differ_by_factors(name: str) 
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("changes", "pin"), [((), False), (("board.variant=comparator",), True)])
-def test_page_says_where_slip_appears(detection: Detection, changes: tuple[str, ...], pin: bool) -> None:
-    design = load("fsr400", *changes)
-    page = render_acceptance(acceptance_data(design, detection))
-    assert ("the pin SLIP of the output connector, low" in page) is pin
-    assert "`SLIP_PIN`" in page
-    assert "`fingertip detect FILE` prints" in page
-    assert "except on a Blue Pill" in page
+def test_page_quotes_what_detect_prints(detection: Detection) -> None:
+    page = render_acceptance(acceptance_data(load("fsr400"), detection))
     quoted = re.search(r"the lines `([^`]*)`", page)
     assert quoted
     form = quoted[1].replace("...", "NUMBER")
     printed = as_text(detection).splitlines()[1]
     assert re.sub(r"[\d.]+", "NUMBER", " ".join(printed.split())).startswith(form)
-
-
-@pytest.mark.full
-def test_page_of_a_calibrated_design_names_its_curve(detection: Detection) -> None:
-    page = render_acceptance(acceptance_data(load("fsr400", *CALIBRATED), detection))
-    assert "calibrated curve of this FSR 400" in page
-    assert "| 1.2 |" in page
-
-
-@pytest.mark.full
-def test_page_states_the_data_and_every_failure_has_a_meaning(detection: Detection) -> None:
-    data = acceptance_data(load("fsr400"), detection)
-    page = render_acceptance(data)
-    for entry in data["weights"]:
-        assert f"| {entry['mass_g']:g} g |" in page
-        assert f"{entry['tactile_v']:.2f} V" in page
-    assert f"SLIP some {data['slide']['delay_ms']:g} ms after" in page
-    rows = [line for line in page.splitlines() if line.startswith("| ")]
-    assert all(cell.strip() for line in rows for cell in line.strip("|").split("|"))
-    assert f"for {data['still_s']} s" in page
-    masses = " or ".join(f"{entry['mass_g']:g} g" for entry in data["weights"])
-    assert f"on a kitchen scale, until it reads {masses} steadily" in page, "a free weight tips on the disc"
 
 
 def test_page_states_the_figures_that_are_known() -> None:

@@ -10,7 +10,7 @@ import pytest
 from fingertip.board.bringup import diagnosis
 from fingertip.board.bringup.bench import Fault
 from fingertip.board.bringup.prediction import Board, predict
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.tasks.board import write_board
 from tests.designs import load_article
 

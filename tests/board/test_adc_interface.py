@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.network import build_network
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.designs import ARTICLE, load_article

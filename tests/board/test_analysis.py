@@ -26,7 +26,7 @@ from fingertip.board.analysis.tolerance import (
     monte_carlo,
 )
 from fingertip.board.circuits.network import build_network
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import parse_component_value
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from fingertip.board import README, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.fabrication.bom import (
     assembly_bom_file,
     assembly_placement_file,
@@ -23,9 +23,10 @@ from fingertip.board.fabrication.bom import (
 )
 from fingertip.board.fabrication.fabrication_files import placement_file
 from fingertip.board.kicad.footprints import FOOTPRINTS
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
+from fingertip.catalogues.output_files import README
 from fingertip.tasks.board import board_files
 from tests.designs import ARTICLE, load_article
 

@@ -15,7 +15,7 @@ from fingertip.board.components.bridge import (
     sensor_conductance_s,
     size_bridge,
 )
-from fingertip.board.components.preferred_values import mantissas
+from fingertip.board.components.selection import mantissas
 from tests.designs import load_article
 from tests.oracles.netlist_nodal import number
 

@@ -30,8 +30,8 @@ from fingertip.board.bringup.prediction import (
 from fingertip.board.bringup.readings import Readings, assess_readings, read_readings, readings_template
 from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.preferred_values import nearest_value
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.selection import nearest_value
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.signal_paths import comparator_circuit, precision_circuit
-from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.values import SUPPLIES
 from fingertip.board.fabrication.bom import bill_of_materials
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS, BOARD_VARIANTS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, BOARD_VARIANTS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     Circuit,
@@ -49,7 +49,7 @@ def test_default_circuit_is_the_articles() -> None:
 
 
 def test_configurations_are_those_that_the_design_file_accepts() -> None:
-    assert tuple(BOARD_VARIANTS) == get_args(Board.model_fields["variant"].annotation)
+    assert get_args(Board.model_fields["variant"].annotation) == BOARD_VARIANTS
     assert tuple(SUPPLIES) == get_args(Board.model_fields["supply"].annotation)
     assert len(BOARD_CONFIGURATIONS) == len(BOARD_VARIANTS) * len(SUPPLIES)
 

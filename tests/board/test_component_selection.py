@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.board import board_values
-from fingertip.board.components.filter import filter_error, select_capacitors, select_filter_capacitor
-from fingertip.board.components.preferred_values import mantissas
+from fingertip.board.components.selection import filter_error, mantissas, select_capacitors, select_filter_capacitor
 from fingertip.design.formulas.filter import MAX_OHM, MIN_OHM, FilterComponents
 from fingertip.design.parameters import Board
 from fingertip.foundation.errors import DesignError
@@ -42,7 +41,7 @@ def test_no_combination_of_components_is_better_than_the_selected_one(
             f1, f0 = 1 / (math.tau * r1 * c), 1 / (math.tau * c * math.sqrt(r2 * r3))
             errors = (math.log(f0 / cutoff), math.log(math.sqrt(r3 / r2) / 2), math.log(f1 / cutoff))
             best = min(best, math.sqrt(sum(e * e for e in errors)))
-    assert filter_error(select_filter_capacitor(board), cutoff, resistors) == pytest.approx(best, abs=1e-12)
+    assert filter_error(select_filter_capacitor(board), board) == pytest.approx(best, abs=1e-12)
 
 
 @pytest.mark.full
@@ -70,7 +69,8 @@ def test_selecting_capacitors_reproduces_the_article_and_reduces_the_error_of_ot
         assert board_values(load_article([f"board.capacitor_series={series}"])).preferred == article
     changes = ["board.cutoff_hz=80", "board.series=E96", "board.envelope_cutoff_hz=30"]
     default, selected = (board_values(load_article([*changes, *more])) for more in ([], ["board.capacitor_series=E12"]))
-    assert filter_error(selected.preferred.c_f, 80.0, "E96") < 0.2 * filter_error(default.preferred.c_f, 80.0, "E96")
+    apart = Board(cutoff_hz=80, series="E96", resistor_choice="apart")
+    assert filter_error(selected.preferred.c_f, apart) < 0.2 * filter_error(default.preferred.c_f, apart)
     board = Board(cutoff_hz=80, capacitor_series="E12", series="E96")
     assert selected.preferred.c_f == select_filter_capacitor(board) == 390e-9
     selected_error, default_error = (

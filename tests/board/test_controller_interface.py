@@ -12,7 +12,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import AMPLIFIERS, VREF_RATIO, sensor_conductance_s
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import LAYOUT, NETLIST, PROJECT, SCHEMATIC
+from fingertip.board.kicad.project import BoardConfiguration
 from fingertip.board.kicad.sexpr import Node, Word, read_expression, replace_words
-from fingertip.board.kicad.variants import BoardConfiguration
 from fingertip.board.parts.circuit import Circuit
+from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import read_manifest
 from fingertip.tasks.board import write_board, write_fabrication

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import LAYOUT, README, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.fabrication.fabrication_files import (
     export_gerbers,
     find_outdated_files,
@@ -20,9 +20,10 @@ from fingertip.board.fabrication.fabrication_files import (
     provenance_record,
 )
 from fingertip.board.kicad.placement import load_placement
+from fingertip.catalogues.output_files import LAYOUT, PROVENANCE, README
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import MANIFEST
-from fingertip.tasks.board import PROVENANCE, board_differences, board_files, write_board
+from fingertip.tasks.board import board_differences, board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article

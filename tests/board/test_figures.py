@@ -9,13 +9,10 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup.plan import supply_current_a
 from fingertip.board.bringup.prediction import Board
-from fingertip.board.kicad.placement import load_template
-from fingertip.board.kicad.variants import find_configuration
 from fingertip.design import Design
-from fingertip.documents.board.bringup import _ohm
-from fingertip.documents.board.readme import order_form
-from fingertip.documents.board.signals import power_notes, signal_notes
+from fingertip.documents.template import format_ohm
 from fingertip.foundation.files import format_figure
+from fingertip.tasks.board import board_files
 from tests.designs import ARTICLE
 
 
@@ -44,9 +41,13 @@ def test_supply_current_is_that_of_the_data_sheets_and_of_ohms_law(design: Desig
     assert 1e3 * supply_current_a(board) == pytest.approx(milliampere, rel=1e-4)
 
 
+def readme(design: Design) -> str:
+    """README of a board's folder, without line breaks."""
+    return " ".join(board_files(design)["README.md"].decode().split())
+
+
 def test_figures_of_the_signals_are_those_computed_by_hand() -> None:
-    design = Design()
-    notes = " ".join((*signal_notes(board_values(design), design), *power_notes(board_values(design), design)))
+    notes = readme(Design())
     for said in (
         "T 11k, E 10k, S 10k, M 1k",  # R8 and R9 are 1 and 10 kohm
         "leakage current of 91 nA into a pin shifts it by 1 mV",  # in 11 kohm
@@ -65,16 +66,14 @@ def test_figures_of_the_signals_are_those_computed_by_hand() -> None:
 
 def test_no_figure_has_an_exponent_where_gain_and_steps_are_large() -> None:
     design = Design.load(changes=["board.passband_gain=120", "detector.adc_bits=8", "detector.noise_v=0.01"])
-    notes = signal_notes(board_values(design), design)
-    assert [_ohm(value) for value in (4.7, 6800.0, 1.1e6)] == ["4.7 ohm", "6.8 kohm", "1.1 Mohm"]
-    assert any("a step of the ADC (13 mV) is 110 uV" in note for note in notes), "3.3 V / 256, over 115"
-    assert not re.findall(r"\de[+-]\d", " ".join(notes))
+    notes = readme(design)
+    assert [format_ohm(value) for value in (4.7, 6800.0, 1.1e6)] == ["4.7 ohm", "6.8 kohm", "1.1 Mohm"]
+    assert "a step of the ADC (13 mV) is 110 uV" in notes, "3.3 V / 256, over 115"
+    assert not re.findall(r"\de[+-]\d", notes)
 
 
 def test_order_form_asks_for_a_usual_board() -> None:
     """1.6 mm thick, of 35 um of copper, and with a ring of 0.15 mm around each via: more than houses ask extra for."""
-    values = board_values(Design())
-    circuit, kind = board_circuit(values), find_configuration(values)
-    form = order_form(circuit, kind.placement, load_template(kind.name, circuit, kind.placement))
+    form = readme(Design())
     for row in ("layers | 2", "thickness | 1.6 mm", "copper | 1 oz (35 um) outside", "vias | 0.6 mm, drill 0.3 mm"):
         assert f"| {row} |" in form

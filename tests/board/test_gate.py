@@ -33,7 +33,7 @@ from fingertip.board.analysis.thresholds import TOLERANCES
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.components.filter import (
+from fingertip.board.components.selection import (
     DEVIATION_BAND,
     choose_jointly,
     compute_deviation_db,
     select_filter_capacitor,
-    select_filter_resistors,
+    select_resistors,
+    values_in_range,
 )
-from fingertip.board.components.preferred_values import values_in_range
 from fingertip.board.components.values import select_components
 from fingertip.design.formulas.filter import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
@@ -26,7 +26,11 @@ from tests.designs import load_article
 
 def ideal_ohm(cutoff_hz: float, capacitor_uf: float = 1.0) -> tuple[tuple[float, float, float], FilterComponents]:
     ideal = ideal_components(Board(cutoff_hz=cutoff_hz, capacitor_uf=capacitor_uf))
-    return (ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm), ideal
+    return first_three(ideal), ideal
+
+
+def first_three(values: FilterComponents) -> tuple[float, float, float]:
+    return values.r1_ohm, values.r2_ohm, values.r3_ohm
 
 
 def deviation_db(ohm: tuple[float, ...], ideal: tuple[float, float, float]) -> float:
@@ -54,8 +58,7 @@ def test_no_combination_of_a_wide_search_is_better(series: str, ratio: float, cu
 @given(st.floats(1.0, 1000.0), st.sampled_from(["E12", "E24", "E96"]))
 def test_resistors_chosen_together_are_never_worse_than_apart(cutoff: float, series: str) -> None:
     ohm, ideal = ideal_ohm(cutoff)
-    apart = select_filter_resistors(ideal, series, jointly=False)
-    together = select_filter_resistors(ideal, series, jointly=True)
+    together, apart = (first_three(select_resistors(ideal, series, jointly=jointly)) for jointly in (True, False))
     assert deviation_db(together, ohm) <= deviation_db(apart, ohm) + 1e-6
 
 
@@ -68,7 +71,7 @@ def test_deviations_fall_by_half(series: str) -> None:
     apart_db, together_db, most_db = DEVIATIONS[series]
     cutoffs = np.geomspace(10.0, 100.0, 120).tolist()
     pairs = [ideal_ohm(cutoff) for cutoff in cutoffs]
-    apart = [compute_deviation_db(select_filter_resistors(i, series, jointly=False), ohm) for ohm, i in pairs]
+    apart = [compute_deviation_db(first_three(select_resistors(i, series, jointly=False)), ohm) for ohm, i in pairs]
     together = [choose_jointly(ohm, series)[1] for ohm, _ in pairs]
     assert max(apart) > apart_db
     assert max(together) < together_db

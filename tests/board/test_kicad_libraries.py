@@ -14,12 +14,12 @@ from typing import Any
 
 import pytest
 
-from fingertip.board import LAYOUT, NETLIST, PROJECT, README, SCHEMATIC, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.netlist import component_uuid
-from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
 from fingertip.board.parts.circuit import kicad_net_name
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
 from fingertip.tasks.board import write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import LAYOUT, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.footprints import FOOTPRINTS, PIN_1_DOT_MM, pad_corner_ratio
 from fingertip.board.kicad.layout import EDGE_CLEARANCE_MM
 from fingertip.board.kicad.placement import (
@@ -26,11 +26,11 @@ from fingertip.board.kicad.placement import (
     place_pads,
     rotate_offset,
 )
-from fingertip.board.kicad.project import CLEARANCE_MM, TRACK_MM, VIA_MM
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, CLEARANCE_MM, TRACK_MM, VIA_MM
 from fingertip.board.kicad.silkscreen import silkscreen_conflicts
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.symbols import M2_HOLE, R_0603
+from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import write_board
 from tests.board.conftest import BOARDS, BoardFolder

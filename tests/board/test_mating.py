@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 import pytest
 
 from fingertip import Design
-from fingertip.board import README, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup.wiring import wiring_diagram
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
-from fingertip.board.parts.mating import (
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.parts.table import (
     PlugWire,
     count_wires,
     find_plug_wire,
@@ -21,6 +21,7 @@ from fingertip.board.parts.mating import (
     list_mating_parts,
 )
 from fingertip.casting.hardware import describe_plug_wires, size_wires
+from fingertip.catalogues.output_files import README
 from fingertip.tasks.board import board_files
 from tests.designs import load_article
 

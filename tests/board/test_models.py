@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import LAYOUT, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.footprints import FOOTPRINTS
 from fingertip.board.kicad.models import (
     MODEL_FOLDER,
@@ -22,8 +22,9 @@ from fingertip.board.kicad.models import (
     model_path,
 )
 from fingertip.board.kicad.placement import Placement, rotate_offset
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
+from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import OutputError
 from fingertip.tasks.board import write_board
 from tests.board.conftest import BoardFolder

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import NETLIST, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.netlist import component_uuid
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import kicad_net_name
+from fingertip.catalogues.output_files import NETLIST
 from fingertip.design import Design
 from fingertip.tasks.board import write_board
 from tests.board.kicad import read_netlist

@@ -24,9 +24,9 @@ from fingertip.board.analysis.response import (
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, sensor_conductance_s
-from fingertip.board.components.filter import FilterSelection
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.selection import FilterSelection
+from fingertip.board.components.values import SUPPLIES
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, Net
 from fingertip.catalogues.amplifiers import CATALOGUE

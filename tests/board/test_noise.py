@@ -11,7 +11,7 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import HALF_WAVE_MEAN, NETS, add_noise, noise_budget, noise_warning
 from fingertip.board.analysis.report import analyse
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.tasks.board import board_files
 from tests.board.conftest import BoardFolder

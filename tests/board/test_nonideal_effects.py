@@ -12,8 +12,8 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.components.supplies import SUPPLIES as SUPPLY_NETS
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES as SUPPLY_NETS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip

@@ -18,7 +18,7 @@ from fingertip.board.analysis.board_values import _model_configuration, compute_
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.circuits import signal_paths
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.filter import FilterSelection
+from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.values import ComponentValues
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.netlist import kicad_netlist_file
@@ -150,7 +150,7 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
 
 def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.board.components.bridge import Bridge
-    from fingertip.sim.signal.board_output import compute_bridge_v
+    from fingertip.sim.signal.converter import compute_bridge_v
 
     before, select = board_values(DESIGN), Bridge.by_reference
     before_v = compute_bridge_v(DESIGN, np.ones(1))[0]

@@ -9,10 +9,10 @@ import re
 
 import pytest
 
-from fingertip.board import README, board_circuit, board_values
-from fingertip.board.components.filter import SOLD, capacitances_in_range, nearest_capacitance
+from fingertip.board import board_circuit, board_values
+from fingertip.board.components.selection import SOLD, capacitances_in_range, nearest_capacitance
 from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, list_bom, purchased_components
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import CapacitorRequirement, Component, ResistorRequirement, parse_component_value
 from fingertip.board.parts.select_part import (
     SOLD_PERCENT,
@@ -33,6 +33,7 @@ from fingertip.board.parts.table import (
     load_sources,
     read_rows,
 )
+from fingertip.catalogues.output_files import README
 from fingertip.tasks.board import board_files
 from tests.board.conftest import BOARDS
 from tests.designs import ARTICLE, load_article

@@ -8,9 +8,8 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.placement import PLACEMENTS, Position, load_placement
-from fingertip.board.kicad.project import VIA_MM
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, VIA_MM
 from fingertip.board.kicad.silkscreen import label_box, needs_label, silkscreen_conflicts
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from tests.designs import ARTICLE
 from tools.placing.label import add_labels
 from tools.placing.place import format_placement, list_problems, place

@@ -9,14 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.components.filter import section_error, select_section_resistors
-from fingertip.board.components.preferred_values import (
+from fingertip.board.components.selection import (
     mantissas,
     nearest_value,
     neighbouring_values,
+    select_resistors,
     values_around,
     values_in_range,
 )
+from fingertip.design.formulas.filter import ideal_components
+from fingertip.design.parameters import Board
 from fingertip.foundation.errors import BoardError
 
 # IEC 60063, transcribed from the standard's tables.
@@ -65,27 +67,21 @@ def test_values_around_are_those_from_half_to_twice_the_value(value: float, name
 
 
 @settings(max_examples=60)
-@given(st.floats(1.0, 5000.0), st.floats(0.3, 5.0), st.sampled_from([1e-8, 1e-7, 4.7e-7, 1e-6]), series)
-def test_no_pair_of_section_resistors_is_better_than_the_selected_one(
-    f0: float, q: float, c_f: float, name: str
-) -> None:
-    """All pairs of the series within a factor of 4 of the ideal values are compared."""
-    r2, r3 = 1 / (2 * q * math.tau * f0 * c_f), 2 * q / (math.tau * f0 * c_f)
-    if not (20 < r2 < 5e6 and 20 < r3 < 5e6):
+@given(st.floats(1.0, 5000.0), st.sampled_from([1e-8, 1e-7, 4.7e-7, 1e-6]), series)
+def test_no_pair_of_section_resistors_is_better_than_those_selected_apart(f0: float, c_f: float, name: str) -> None:
+    """All pairs of the series within a factor of 4 of the ideal values are compared by the errors of f0 and Q."""
+    ideal = ideal_components(Board(cutoff_hz=f0, capacitor_uf=1e6 * c_f))
+    if not (ideal.r2_ohm > 20 and ideal.r3_ohm < 2.5e6):
         return
-    selected = select_section_resistors(f0, q, c_f, name)
-    candidates = [[v for v in all_values(name) if r / 4 < v < r * 4] for r in (r2, r3)]
-    best = min(section_error(a, b, c_f, f0, q) for a, b in itertools.product(*candidates))
-    assert section_error(*selected, c_f, f0, q) == pytest.approx(best, abs=1e-12)
 
+    def error(r2: float, r3: float) -> float:
+        f, q = 1 / (math.tau * c_f * math.sqrt(r2 * r3)), math.sqrt(r3 / r2) / 2
+        return math.hypot(math.log(f / f0), math.log(q))
 
-@given(resistances, resistances, st.floats(0.2, 5), st.floats(0.2, 5))
-def test_section_error_separates_into_the_errors_of_both_resistors(r2: float, r3: float, a: float, b: float) -> None:
-    """The selection of each resistor alone relies on this identity."""
-    c_f = 1e-7
-    f0, q = 1 / (math.tau * c_f * math.sqrt(r2 * r3)), math.sqrt(r3 / r2) / 2
-    expected = math.hypot(math.log(a), math.log(b)) / math.sqrt(2)
-    assert section_error(r2 * a, r3 * b, c_f, f0, q) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+    selected = select_resistors(ideal, name, jointly=False)
+    candidates = [[v for v in all_values(name) if r / 4 < v < r * 4] for r in (ideal.r2_ohm, ideal.r3_ohm)]
+    best = min(error(*pair) for pair in itertools.product(*candidates))
+    assert error(selected.r2_ohm, selected.r3_ohm) == pytest.approx(best, abs=1e-12)
 
 
 def test_nearest_value_stays_within_the_range() -> None:

@@ -19,7 +19,7 @@ from fingertip.board.analysis.tolerance import (
     draw_deviations,
 )
 from fingertip.board.circuits.network import build_network
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import FILTERED, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz

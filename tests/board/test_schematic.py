@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import BOM, NETLIST, SCHEMATIC, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.board.kicad.schematic import pin_position
 from fingertip.board.kicad.schematic_sheet import SYMBOL_GRAPHICS
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS, BoardConfiguration
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.catalogues.output_files import BOM, NETLIST, SCHEMATIC
 from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist

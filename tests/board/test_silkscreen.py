@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from fingertip.board import LAYOUT, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.kicad.footprints import FIDUCIAL
 from fingertip.board.kicad.layout import PAGE_OFFSET_MM
 from fingertip.board.kicad.placement import Placement
-from fingertip.board.kicad.project import REVISION
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, REVISION
 from fingertip.board.kicad.silkscreen import back_print, list_values
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
+from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import board_files
 from tests.designs import load_article

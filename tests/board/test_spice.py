@@ -11,8 +11,8 @@ import pytest
 from fingertip.board import board_values
 from fingertip.board.analysis.response import decibel
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.tasks.board import write_board

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_values
-from fingertip.board.analysis.errata import FAST_PRESSES, KNOCK, SLOW_PRESS, SimulatedTouch, describe_touches
+from fingertip.board.analysis.board_values import FAST_PRESSES, KNOCK, SLOW_PRESS, SimulatedTouch, describe_touches
 from fingertip.sim import SceneFile, run_scene
 from tests.conftest import ROOT
 from tests.designs import ARTICLE

@@ -19,8 +19,8 @@ from fingertip.board.analysis.loads import compute_amplifier_loads, load_warning
 from fingertip.board.components.bridge import (
     AMPLIFIERS,
 )
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import (
     ARTICLE_AMPLIFIER,
     LOW_OFFSET_AMPLIFIER,

@@ -10,12 +10,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fingertip.board import BRING_UP, WIRING, board_circuit, board_values
+from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.placement import load_placement, place_pads
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
+from fingertip.catalogues.output_files import BRING_UP, WIRING
 from fingertip.tasks.board import write_board
 from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import children, parse

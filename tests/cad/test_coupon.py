@@ -17,10 +17,10 @@ from fingertip.cad.verification.printing import check_mesh_file
 from fingertip.calibration.readings import list_lengths
 from fingertip.casting.slicer import parse_gcode
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN as DESIGN_KIND
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Placed, Solid, cylinder, difference, intersection, union
 from fingertip.documents.coupon import COUPON_LAYER_MM, COUPON_MINUTES
-from fingertip.foundation.toml_files import DESIGN as DESIGN_KIND
 from tests.conftest import some_of
 from tests.tools import require_tool
 

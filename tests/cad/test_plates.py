@@ -22,24 +22,16 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.print_files import (
-    FDM,
-    PLATE_KINDS,
-    PRINT_FOLDER,
-    SLA,
-    Placed,
-    PrintFiles,
-    arrange,
-    make_print_files,
-)
+from fingertip.cad.printing.print_files import FDM, PLATE_KINDS, SLA, Placed, PrintFiles, arrange, make_print_files
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
+from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.output_set import verify_sets
 from fingertip.tasks.build import build
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import DESIGNS, design_file, run_fingertip
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from fingertip.calibration.printer import (
 )
 from fingertip.calibration.readings import check_readings
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN as DESIGN_KIND
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.toml_files import DESIGN as DESIGN_KIND
 from tests.calibration.simulated import OFFSET_MM, SCALE, THINNEST_MM, simulate
 from tests.conftest import design_file, some_of
 

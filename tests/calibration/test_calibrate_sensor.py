@@ -14,18 +14,20 @@ from typer.testing import CliRunner
 
 from fingertip.board import board_values
 from fingertip.calibration.sensor import (
+    MIN_WEIGHINGS,
     PowerLaw,
     apply_sensor_calibration,
     calibrate_sensor,
     fit_power_law,
     list_warnings,
+    parse_weighings,
+    read_weighings,
 )
-from fingertip.calibration.weighings import MIN_WEIGHINGS, parse_weighings, read_weighings
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, TraceError
-from fingertip.sim.signal.board_output import compute_bridge_v
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
+from fingertip.sim.signal.converter import compute_bridge_v
 from tests.conftest import ROOT
 from tests.designs import ARTICLE
 

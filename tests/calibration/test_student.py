@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from fingertip.foundation.statistics import chi_square_probability, chi_square_quantile, t_probability, t_quantile
+from fingertip.foundation.numerics import chi_square_probability, chi_square_quantile, t_probability, t_quantile
 
 
 def test_quantiles_are_those_of_scipy() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.foundation.statistics import poisson_interval
+from fingertip.foundation.numerics import poisson_interval
 
 
 @pytest.mark.parametrize("count", [0, 1, 4, 30, 400])

@@ -87,3 +87,4 @@ def test_needles_are_those_of_the_standard_and_leave_air_a_way(hole_mm: float, g
     outer_mm = {14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72}[gauge]
     assert find_needle(hole_mm) == {"gauge": gauge, "outer_mm": outer_mm}
     assert find_needle(outer_mm + 0.19) != {"gauge": gauge, "outer_mm": outer_mm}
+    assert find_needle(0.8) is None

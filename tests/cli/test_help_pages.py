@@ -12,7 +12,7 @@ import typer.main
 
 from fingertip.cli import app
 from fingertip.cli.console import fit_width
-from fingertip.cli.help_page import EXAMPLES, MAX_WIDTH, format_command
+from fingertip.cli.help_page import EXAMPLES, MAX_WIDTH
 from tests.conftest import run_fingertip
 
 ROOT_COMMAND: Any = typer.main.get_command(app)
@@ -82,8 +82,9 @@ def test_examples_are_understood() -> None:
 
 
 def test_a_narrow_terminal_gets_a_narrow_page() -> None:
+    parent = ROOT_COMMAND.make_context("fingertip", [], resilient_parsing=True, terminal_width=60)
     command = COMMANDS["build"]
-    page = format_command(command, command.make_context("build", ["fsr400"]), 60)
+    page = command.get_help(command.make_context("build", ["fsr400"], parent=parent))
     assert max(map(len, page.splitlines())) <= 60
 
 

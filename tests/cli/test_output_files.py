@@ -44,7 +44,7 @@ FOLDERS = (
     ("validate", "fingertip.lab.validate"),
     ("drawing fsr400", "fingertip.pictures.drawing.draw.draw_files"),
     ("page fsr400", "fingertip.tasks.page.read_sources"),
-    ("bench", "fingertip.sim.bench.work_precision.require_libraries"),
+    ("bench", "benchmarks.peers.options.require_libraries"),
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""

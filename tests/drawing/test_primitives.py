@@ -20,30 +20,28 @@ from fingertip.design.geometry.sizes import (
     symmetric,
 )
 from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
-from fingertip.pictures.drawing.pdf import render_pdf
 from fingertip.pictures.drawing.primitives import (
-    DIMENSION,
-    EDGE,
+    PROJECTIONS,
     Arc,
     Arrow,
     Hatch,
     Polyline,
     Primitive,
     Sheet,
+    Styles,
     Text,
     line,
     rectangle,
     text_width,
 )
-from fingertip.pictures.drawing.svg import render_svg
-from fingertip.pictures.drawing.views import PROJECTIONS
+from fingertip.pictures.drawing.render import render_pdf, render_svg
 from tests.tools import require_module
 
 SQUARE = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0))
 HOLE = ((3.0, 3.0), (7.0, 3.0), (7.0, 7.0), (3.0, 7.0))
 ALL: tuple[Primitive, ...] = (
-    rectangle(10.0, 10.0, 90.0, 60.0, EDGE), Arc((30.0, 30.0), 5.0, 0.0, 360.0, EDGE),
-    Arc((60.0, 30.0), 5.0, 0.0, 90.0, DIMENSION), Arrow((20.0, 20.0), 90.0, 3.0),
+    rectangle(10.0, 10.0, 90.0, 60.0, Styles.EDGE), Arc((30.0, 30.0), 5.0, 0.0, 360.0, Styles.EDGE),
+    Arc((60.0, 30.0), 5.0, 0.0, 90.0, Styles.DIMENSION), Arrow((20.0, 20.0), 90.0, 3.0),
     Text("Ø3 ±0.1 < A&B", (40.0, 50.0), 3.5, "middle"), Text("up", (15.0, 20.0), 2.5, turned=True),
     Hatch((SQUARE,), 2.0),
 )  # fmt: skip
@@ -189,7 +187,7 @@ def test_size_without_room_is_refused() -> None:
 
 def test_leader_ends_on_its_circle_and_keeps_off_edges() -> None:
     occupancy = Occupancy(200.0, 150.0)
-    grid: list[Primitive] = [line((60.0, y), (100.0, y), EDGE) for y in range(0, 150, 3)]
+    grid: list[Primitive] = [line((60.0, y), (100.0, y), Styles.EDGE) for y in range(0, 150, 3)]
     occupancy.add(grid, is_view=True)
     size = Circle("bore", INNER, "front", "x", (0.0, 0.0, 0.0), 2.0, count=4)
     drawn = place_circle(size, (50.0, 75.0), 4.0, 3, occupancy)
@@ -202,7 +200,7 @@ def test_leader_ends_on_its_circle_and_keeps_off_edges() -> None:
 
 def test_occupancy_finds_what_a_line_crosses() -> None:
     occupancy = Occupancy(100.0, 100.0)
-    occupancy.add((Polyline(((10.0, 50.0), (90.0, 50.0)), EDGE),), is_view=True)
+    occupancy.add((Polyline(((10.0, 50.0), (90.0, 50.0)), Styles.EDGE),), is_view=True)
     occupancy.add((Text("word", (40.0, 70.0), 3.0),))
     assert occupancy.crossings(((50.0, 40.0), (50.0, 60.0)))[0] in (1, 2)
     assert occupancy.crosses_text(((42.0, 65.0), (42.0, 80.0)))

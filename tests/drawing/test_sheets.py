@@ -16,7 +16,7 @@ from fingertip.design.geometry.sizes import general
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.draw import part_drawings
-from fingertip.pictures.drawing.primitives import EDGE, HIDDEN, Arc, Arrow, Hatch, Point, Polyline, Sheet, Text, line
+from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Styles, Text, line
 from tests.conftest import design_file, run_fingertip, run_python
 from tests.drawing.conftest import FILES, load_variant
 from tests.tools import require_module
@@ -91,12 +91,12 @@ def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
 
 def test_faults_are_found() -> None:
     good = Text("12.5", (100.0, 100.0), 2.5)
-    assert not faults(Sheet("", 297.0, 210.0, (good, line((90.0, 99.5), (120.0, 99.5), EDGE))))
+    assert not faults(Sheet("", 297.0, 210.0, (good, line((90.0, 99.5), (120.0, 99.5), Styles.EDGE))))
     assert len(faults(Sheet("", 297.0, 210.0, (good, Text("3", (101.0, 101.0), 2.5))))) == 1
-    assert faults(Sheet("", 297.0, 210.0, (good, line((90.0, 101.0), (120.0, 101.0), EDGE))))
-    assert faults(Sheet("", 297.0, 210.0, (good, Arc((100.0, 101.0), 1.0, 0.0, 360.0, EDGE))))
+    assert faults(Sheet("", 297.0, 210.0, (good, line((90.0, 101.0), (120.0, 101.0), Styles.EDGE))))
+    assert faults(Sheet("", 297.0, 210.0, (good, Arc((100.0, 101.0), 1.0, 0.0, 360.0, Styles.EDGE))))
     assert faults(Sheet("", 297.0, 210.0, (Text("12.5", (15.0, 100.0), 2.5),)))
-    assert faults(Sheet("", 297.0, 210.0, (line((90.0, 101.0), (300.0, 101.0), EDGE),)))
+    assert faults(Sheet("", 297.0, 210.0, (line((90.0, 101.0), (300.0, 101.0), Styles.EDGE),)))
 
 
 def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn) -> None:
@@ -127,11 +127,11 @@ def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
 def test_lines_have_the_widths_of_iso_128(drawn: Drawn) -> None:
     for part, sheet in drawn[1].items():
         styles = {p.style for p in sheet.primitives if isinstance(p, Polyline)}
-        assert EDGE in styles
-        assert EDGE.width_mm == 0.5
-        assert HIDDEN.width_mm == 0.25
-        assert HIDDEN.dashes_mm
-        assert HIDDEN in styles, part
+        assert Styles.EDGE in styles
+        assert Styles.EDGE.width_mm == 0.5
+        assert Styles.HIDDEN.width_mm == 0.25
+        assert Styles.HIDDEN.dashes_mm
+        assert Styles.HIDDEN in styles, part
         assert any(isinstance(primitive, Hatch) and any(primitive.lines()) for primitive in sheet.primitives)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.cli.console import command
+from fingertip.cli.options import command
 from fingertip.foundation import files as temporary
 from fingertip.foundation import processes as interruption
 from fingertip.foundation.errors import OutputError

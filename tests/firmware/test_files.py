@@ -9,35 +9,27 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit
+from fingertip.board.bringup.wiring import SKETCH_PINS
+from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.documents.board.signals import POWER_UP_S
-from fingertip.documents.firmware import (
-    BOARDS,
-    BUFFER_SAMPLES,
-    CYCLES_PER_INSTRUCTION,
-    board_table,
-    load_table,
-    port_table,
-)
+from fingertip.documents.firmware import BOARDS, BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION
 from fingertip.firmware import packaging as costs
+from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.firmware.wiring import (
-    READ_NETS,
-    controller_changes,
-    find_warnings,
-    wiring_notes,
-    wiring_table,
-)
-from fingertip.foundation.output_set import verify_sets
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, load_model
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 
 PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
+
+
+def read_readme(design: Design) -> str:
+    return firmware_files(design)["."]["README.md"].decode()
 
 
 def defined(header: str) -> dict[str, float]:
@@ -125,7 +117,8 @@ def test_wiring_is_that_of_the_board(name: str) -> None:
     loaded = load_tables([], BOARD_CONFIGURATIONS[name].changes)
     design = Design.from_tables(loaded.tables, loaded.before, loaded.changed)
     circuit = board_circuit(select_components(design))
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in wiring_table(design).splitlines()[2:]]
+    wiring = read_readme(design).split("## Wiring\n\n")[1].split("\n\n")[0]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in wiring.splitlines()[2:]]
     pins = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3" and pin.isdigit()}
     assert {row[0] for row in rows} == set(pins)
     for number, print_, _, use in rows:
@@ -133,7 +126,6 @@ def test_wiring_is_that_of_the_board(name: str) -> None:
         assert (use == "ground") == (pins[number] == "GND")
     read = {row[1] for row in rows if "reads" in row[3]}
     assert read == ({"T", "S"} if design.board.supply == "single_3v3" else {"T"})
-    assert wiring_notes(design)
 
 
 def test_warnings_name_changes_that_end_them() -> None:
@@ -146,66 +138,46 @@ def test_warnings_name_changes_that_end_them() -> None:
     assert not list(find_warnings(Design.from_tables(loaded.tables, loaded.before, loaded.changed)))
 
 
-def test_readme_holds_wiring_costs_and_warnings() -> None:
-    design = Design()
-    readme = firmware_files(design)["."]["README.md"].decode()
-    assert wiring_table(design) in readme
-    assert costs.cost_table() in readme
-    assert "Note:" not in readme
-    assert max(len(line) for line in readme.splitlines() if not line.startswith("|")) <= 120
-    for target in costs.read_costs()["targets"].values():
-        assert f"{target['flash_bytes']} B" in readme
-    assert "**Note:**" in firmware_files(Design.load(design_file("article")))["."]["README.md"].decode()
+def test_lines_of_the_readme_end_within_the_width() -> None:
+    assert max(len(line) for line in read_readme(Design()).splitlines() if not line.startswith("|")) <= 120
 
 
-def test_controllers_and_ports_stand_in_the_readme_and_in_the_manual() -> None:
+def test_controllers_and_ports_of_the_readme_stand_in_the_manual() -> None:
     """The stand-in compiles the sketches for each core that the table gives a timer."""
-    files = firmware_files(Design.load("fsr400"))
-    readme = files["."]["README.md"].decode()
+    controllers = read_readme(Design.load("fsr400")).split("## Controllers")[1].split("## Wiring")[0]
+    tables = re.findall(r"(?:^\|.*\n)+", controllers, re.MULTILINE)
+    assert len(tables) == 3
     manual = (ROOT / "docs/firmware.md").read_text(encoding="utf-8")
-    timers = files["src"][TIMER].decode()
-    for table in (board_table(), load_table(2000.0), port_table()):
-        assert table in readme
-        assert table in manual
+    assert all(table in manual for table in tables)
+    timers = firmware_files(Design.load("fsr400"))["src"][TIMER].decode()
     for board in BOARDS:
         core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
         known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
         assert known == (board.timer == "yes"), board.name
-    notes = {board.name: board.note for board in BOARDS}
-    assert "not on a GPIO" in notes["Raspberry Pi Pico W"]
-    assert "while the pin is low: set `SLIP_PIN`" in notes["STM32 Blue Pill"]
 
 
 def test_load_of_each_controller_follows_from_its_clock_and_the_measured_instructions() -> None:
     targets = costs.read_costs()["targets"]
     for board in BOARDS:
         target = targets["Cortex-M4F" if "with floats" in board.core else "Cortex-M0+"]
-        mean, longest = board.count_cycles()
-        assert mean == pytest.approx(CYCLES_PER_INSTRUCTION * target["instructions"]["slip"], abs=100)
-        assert longest == pytest.approx(CYCLES_PER_INSTRUCTION * target["max_instructions"], abs=100)
+        found = {rate_hz: board.find_load(rate_hz) for rate_hz in (100.0, 2000.0, 2e6)}
+        for load in found.values():
+            assert load.mean == pytest.approx(CYCLES_PER_INSTRUCTION * target["instructions"]["slip"], abs=100)
+            assert load.longest == pytest.approx(CYCLES_PER_INSTRUCTION * target["max_instructions"], abs=100)
         # On every controller of the table loop() keeps up at 2 kHz; a faster rate is refused to the slow ones.
-        found = {rate_hz: board.describe_load(rate_hz)[-1] for rate_hz in (100.0, 2000.0, 2e6)}
-        assert found[100.0] == "each step ends within its sample"
-        assert ("loop() catches up" in found[2000.0]) == (longest > 1e6 * board.clock_mhz / 2000)
-        assert "too slow" not in found[2000.0]
-        assert "too slow" in found[2e6]
+        assert found[100.0].longest <= found[100.0].available
+        assert found[2000.0].mean <= found[2000.0].available == pytest.approx(1e6 * board.clock_mhz / 2000, abs=100)
+        assert found[2e6].mean > found[2e6].available
 
 
 def test_sketches_agree_with_readme_and_board() -> None:
     files = firmware_files(Design())
-    readme = " ".join(files["."]["README.md"].decode().split())
     for example in ("slip_pin", "slip_stream"):
         sketch = files[f"examples/{example}"][f"{example}.ino"].decode()
         pins = dict(re.findall(r"int (\w+)_PIN = (A\d);", sketch))
-        assert pins == {"TACTILE": READ_NETS["ADC_TACTILE"], "FILTERED": READ_NETS["ADC_FILTERED"]}
+        assert pins == {"TACTILE": SKETCH_PINS["ADC_TACTILE"], "FILTERED": SKETCH_PINS["ADC_FILTERED"]}
         assert f"SETTLE_MS = {1000 * POWER_UP_S:.0f};" in sketch
     assert f"#define SLIP_BUFFER_SAMPLES {BUFFER_SAMPLES}u" in files["src"][BUFFER].decode()
-    assert f"Start it {POWER_UP_S:g} s after" in readme
-    assert "OFF for its first 0.2 s" in readme
-    assert "--design fsr400 <" in readme
-    assert "lag by 0.51 s before samples" in readme, "1024 samples at 2 kHz"
-    assert "0.5 ms between two samples" in readme
-    assert "--design mine.toml <" in firmware_files(Design(name="mine"))["."]["README.md"].decode()
 
 
 def test_the_same_design_gives_the_same_bytes_without_paths_or_dates(tmp_path: Path) -> None:

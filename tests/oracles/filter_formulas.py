@@ -20,7 +20,7 @@ from fingertip.board.components.bridge import (
     Bridge,
     sensor_conductance_s,
 )
-from fingertip.board.components.filter import FirstStageCapacitors
+from fingertip.board.components.selection import FirstStageCapacitors
 from fingertip.board.components.values import AdcInterface
 from fingertip.design.formulas.filter import FilterComponents
 

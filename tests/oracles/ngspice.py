@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.peers.spice import Spice, sampled_source
 from fingertip.foundation.numerics import Array
-from fingertip.sim.bench.spice import Spice, sampled_source
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.rodas_coefficients import ALPHA, GAMMA, A, C, D
+from fingertip.sim.contact.coupled_loop import ALPHA, GAMMA, A, C, D
 
 
 def integrate_with_fixed_steps(

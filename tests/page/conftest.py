@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from fingertip import Design, make
-from fingertip.page import PAGE
+from fingertip.catalogues.output_files import PAGE
 from fingertip.tasks.build import parts_writer
 from fingertip.tasks.page import write_page
 

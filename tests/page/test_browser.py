@@ -17,7 +17,7 @@ import pytest
 from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.page import PAGE
+from fingertip.catalogues.output_files import PAGE
 from fingertip.page.atlas import draw_parameter, render_atlas
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT

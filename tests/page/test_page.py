@@ -17,10 +17,11 @@ import pytest
 from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import PAGE
 from fingertip.design.files import format_value, list_parameters
 from fingertip.foundation.errors import OutputError
-from fingertip.page import MAX_BYTES, PAGE
-from fingertip.page.checks_section import render_verdict
+from fingertip.page import MAX_BYTES
+from fingertip.page.parameters_and_checks import render_verdict
 from fingertip.page.render import ARTICLE_DOI, render_page
 from fingertip.page.sources import read_sources
 from fingertip.slip.traces.origin import BAND_LABEL, format_delay_band

@@ -14,18 +14,18 @@ import pytest
 
 from fingertip import Design
 from fingertip.board.analysis.report import bode_table
+from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.parameters import PARAMETERS
 from fingertip.page import markdown
+from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
-from fingertip.page.kicad_drawing import first, lists, numbers, parse, points, turn, word, words
-from fingertip.page.layout_svg import name_part, pad_boxes, render_back, render_copper, render_placement
-from fingertip.page.model_section import scene_json
-from fingertip.page.parameters_section import shapes_of_parameters
-from fingertip.page.plots import Axis, Frame, draw_response, format_tick, number
-from fingertip.page.scene import Item, label_item
-from fingertip.page.schematic_svg import find_place, list_bodies, render_schematic
+from fingertip.page.layout_svg import list_pads, name_part, render_back, render_copper, render_placement
+from fingertip.page.model_section import Item, label_item, scene_json
+from fingertip.page.parameters_and_checks import shapes_of_parameters
+from fingertip.page.schematic_svg import find_way, first, list_bodies, numbers, points, render_schematic, turn
+from fingertip.page.svg import Axis, Frame, format_tick, number
 from fingertip.page.trial_section import _reduce, draw_onset
 from fingertip.slip import Trace, detect
 from tests.conftest import ROOT
@@ -128,13 +128,13 @@ def test_onset_is_drawn_to_its_scales() -> None:
 
 def test_bundled_board_is_drawn_as_large_as_in_its_file() -> None:
     """Holes have the diameters of their drills, and pads that were turned wrongly would reach into each other."""
-    text = (ROOT / "pcb" / "slip_filter.kicad_pcb").read_text()
-    footprints = [*lists(parse(text), "footprint")]
-    drills = [numbers(drill)[0] for f in footprints for pad in lists(f, "pad") for drill in lists(pad, "drill")]
-    holes = [2 * float(a["r"] or 0) for tag, a in Page(render_back(text, "b")).elements if tag == "circle"]
+    layout = read_expression((ROOT / "pcb" / "slip_filter.kicad_pcb").read_text())
+    footprints = [*layout.children("footprint")]
+    drills = [numbers(drill)[0] for f in footprints for pad in f.children("pad") for drill in pad.children("drill")]
+    holes = [2 * float(a["r"] or 0) for tag, a in Page(render_back(layout, "b")).elements if tag == "circle"]
     assert holes == pytest.approx(drills, abs=1e-3)
     for footprint in footprints:
-        for one, other in itertools.combinations(pad_boxes(footprint), 2):
+        for one, other in itertools.combinations([pad.box for pad in list_pads(footprint)], 2):
             assert max(one[0], other[0]) >= min(one[2], other[2]) or max(one[1], other[1]) >= min(one[3], other[3])
 
 
@@ -178,21 +178,22 @@ def _texts(page: Page) -> list[tuple[tuple[str, dict[str, str | None]], str]]:
 
 
 def test_expressions_of_kicad_are_read_back() -> None:
-    assert parse('(a "b \\"c\\" (d)" (e 1.5 -2) f)') == ("a", 'b "c" (d)', ("e", "1.5", "-2"), "f")
+    read = read_expression('(a "b \\"c\\" (d)" (e 1.5 -2) f)')
+    assert (read.words, numbers(first(read, "e"))) == (["a", 'b "c" (d)', "f"], [1.5, -2])
     assert turn(1, 0, 90) == pytest.approx((0, -1))  # up, as y points down
 
 
 @pytest.mark.full
 def test_pins_of_the_schematic_meet_its_wires(folder: Path) -> None:
     """A symbol that is turned or mirrored wrongly has pins beside its wires."""
-    sheet = parse((folder / "board" / "slip_filter.kicad_sch").read_text())
-    library = {words(symbol)[0]: symbol for symbol in lists(first(sheet, "lib_symbols"), "symbol")}
-    wires = [points(wire) for wire in lists(sheet, "wire")]
+    sheet = read_expression((folder / "board" / "slip_filter.kicad_sch").read_text())
+    library = {symbol.words[1]: symbol for symbol in first(sheet, "lib_symbols").children("symbol")}
+    wires = [points(wire) for wire in sheet.children("wire")]
     pins = [
-        find_place(symbol)(*numbers(first(pin, "at"))[:2])
-        for symbol in lists(sheet, "symbol")
-        for body in list_bodies(symbol, library[word(symbol, "lib_id")])
-        for pin in lists(body, "pin")
+        find_way(symbol)(*numbers(first(pin, "at"))[:2])
+        for symbol in sheet.children("symbol")
+        for body in list_bodies(symbol, library[symbol.word("lib_id")])
+        for pin in body.children("pin")
     ]
     assert len(pins) > 80
 
@@ -202,7 +203,7 @@ def test_pins_of_the_schematic_meet_its_wires(folder: Path) -> None:
             for (x0, y0), (x1, y1) in wires
         )
 
-    marks = [numbers(first(mark, "at"))[:2] for mark in lists(sheet, "label", "global_label", "no_connect")]
+    marks = [numbers(first(mark, "at"))[:2] for mark in sheet.children("label", "global_label", "no_connect")]
     alone = [(x, y) for x, y in pins if not on_wire(x, y) and all(math.dist((x, y), m) > 1e-6 for m in marks)]
     assert [spot for spot in alone if sum(math.dist(spot, other) < 1e-6 for other in pins) < 2] == []
 
@@ -210,18 +211,17 @@ def test_pins_of_the_schematic_meet_its_wires(folder: Path) -> None:
 @pytest.mark.full
 def test_pictures_of_the_board_name_every_component(folder: Path) -> None:
     board = folder / "board"
-    schematic = Page(render_schematic((board / "slip_filter.kicad_sch").read_text(), "s"))
-    layout_text = (board / "slip_filter.kicad_pcb").read_text()
-    placement, copper = Page(render_placement(layout_text, "p")), Page(render_copper(layout_text, "c"))
+    schematic = Page(render_schematic(read_expression((board / "slip_filter.kicad_sch").read_text()), "s"))
+    layout = read_expression((board / "slip_filter.kicad_pcb").read_text())
+    placement, copper = Page(render_placement(layout, "p")), Page(render_copper(layout, "c"))
     assert not [*schematic.faults, *placement.faults, *copper.faults]
     for line in (board / "bom.csv").read_text().splitlines()[1:]:
         for reference in line.split(",")[1].split():
             assert reference in schematic.words
             assert reference in placement.words
-    layout = parse(layout_text)
     segments = [a for tag, a in copper.elements if tag == "path" and a.get("stroke-linecap")]
-    assert len(segments) == len([*lists(layout, "segment")])
-    pads = [p for f in lists(layout, "footprint") for p in lists(f, "pad") if words(p)[2] != "circle"]
+    assert len(segments) == len([*layout.children("segment")])
+    pads = [p for f in layout.children("footprint") for p in f.children("pad") if p.words[3] != "circle"]
     for page in (placement, copper):
         assert len([a for tag, a in page.elements if tag == "rect"]) == len(pads)
 
@@ -229,15 +229,15 @@ def test_pictures_of_the_board_name_every_component(folder: Path) -> None:
 @pytest.mark.full
 def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page: Page) -> None:
     """The script of the board highlights by these names. The list of values on the back names its parts too."""
-    text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
+    layout = read_expression((folder / "board" / "slip_filter.kicad_pcb").read_text())
     rows = list(csv.DictReader((folder / "board" / "bom.csv").open(encoding="utf-8")))
     bought = {name for row in rows for name in row["References"].split()}
-    for drawing in (render_placement(text, "p"), render_copper(text, "c"), render_back(text, "b")):
+    for drawing in (render_placement(layout, "p"), render_copper(layout, "c"), render_back(layout, "b")):
         picture = Page(drawing)
         assert picture.faults == []
         assert set(picture.attributes("data-part")) >= bought
-    back = Page(render_back(text, "b"))
-    listed = [words(item)[0] for item in lists(parse(text), "gr_text") if word(item, "layer") == "B.SilkS"]
+    back = Page(render_back(layout, "b"))
+    listed = [item.words[1] for item in layout.children("gr_text") if item.word("layer") == "B.SilkS"]
     assert set(listed) <= set(back.words)
     assert [attribute for attribute in page.attributes("data-parts")] == [row["References"] for row in rows]
     assert sum(name in bought for name in page.attributes("data-part")) > 3 * len(bought)
@@ -246,15 +246,15 @@ def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page
 @pytest.mark.full
 def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
     """A part's frame encloses its pads, mirrored; seen from the back, the connector of the sensor is on the right."""
-    text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
-    back = Page(render_back(text, "b"))
+    layout = read_expression((folder / "board" / "slip_filter.kicad_pcb").read_text())
+    back = Page(render_back(layout, "b"))
     frames = [a for tag, a in back.elements if tag == "rect" and a.get("class") == "place"]
-    footprints = [f for f in lists(parse(text), "footprint") if any(lists(f, "pad"))]
+    footprints = [f for f in layout.children("footprint") if any(f.children("pad"))]
     assert len(frames) == len(footprints)
     for frame, footprint in zip(frames, footprints, strict=True):
         left, top, width, height = (float(frame[key] or 0) for key in ("x", "y", "width", "height"))
         x, y, *angle = numbers(first(footprint, "at"))
-        for pad in lists(footprint, "pad"):
+        for pad in footprint.children("pad"):
             px, py = numbers(first(pad, "at"))[:2]
             dx, dy = turn(px, py, angle[0] if angle else 0.0)
             assert left < -(x + dx) < left + width
@@ -267,18 +267,18 @@ def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
 @pytest.mark.full
 def test_tracks_end_in_pads_as_they_are_drawn(folder: Path) -> None:
     """A footprint that is turned wrongly has pads beside the tracks of their net."""
-    text = (folder / "board" / "slip_filter.kicad_pcb").read_text()
-    layout, page = parse(text), Page(render_copper(text, "c"))
+    layout = read_expression((folder / "board" / "slip_filter.kicad_pcb").read_text())
+    page = Page(render_copper(layout, "c"))
     ends: dict[str, list[tuple[float, float]]] = {}
-    for track in lists(layout, "segment"):
+    for track in layout.children("segment"):
         for end in ("start", "end"):
             x, y = numbers(first(track, end))[:2]
-            ends.setdefault(word(track, "net"), []).append((x, y))
-    pads = [p for f in lists(layout, "footprint") for p in lists(f, "pad") if words(p)[2] != "circle"]
+            ends.setdefault(track.word("net"), []).append((x, y))
+    pads = [p for f in layout.children("footprint") for p in f.children("pad") if p.words[3] != "circle"]
     drawn = [a for tag, a in page.elements if tag == "rect"]
     routed = 0
     for pad, rect in zip(pads, drawn, strict=True):
-        net, name = words(first(pad, "net"))
+        net, name = first(pad, "net").words[1:]
         if name == "GND":  # lies in the poured copper
             continue
         width, height = float(rect["width"] or 0), float(rect["height"] or 0)

@@ -14,9 +14,8 @@ from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.scene.run import SceneRun
 from fingertip.sim.scene.timeline import build_timeline
-from fingertip.sim.signal.board_output import compute_bridge_v
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import detect
-from fingertip.slip.traces.csv_file import to_csv
 from tests.designs import ARTICLE, article_design
 
 DESIGN = ARTICLE
@@ -112,14 +111,13 @@ def test_drawn_force_lies_in_the_range_of_the_article():
 def test_same_seed_gives_the_same_bytes_in_fresh_processes(tmp_path):
     code = (
         "import hashlib; from fingertip.design import Design; from fingertip.sim import *\n"
-        "from fingertip.slip.traces.csv_file import to_csv\n"
-        "print(hashlib.sha256(to_csv(simulate(Design(), Trial(seed=7)))).hexdigest())"
+        "print(hashlib.sha256(simulate(Design(), Trial(seed=7)).voltage_v.tobytes()).hexdigest())"
     )
     runs = {
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in "ab"
     }
     assert len(runs) == 1
-    other = hashlib.sha256(to_csv(simulate(DESIGN, Trial(seed=8)))).hexdigest()
+    other = hashlib.sha256(simulate(DESIGN, Trial(seed=8)).voltage_v.tobytes()).hexdigest()
     assert runs != {other + "\n"}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import sys
 from collections import Counter
 from dataclasses import replace
 
@@ -11,20 +12,19 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from benchmarks.peers import board, contact, spice, throughput
+from benchmarks.peers.board import BoardProblem, measure_board
+from benchmarks.peers.contact import ContactProblem
+from benchmarks.peers.cvode import CvodeFailedError, CvodeLibrary, CvodeMissingError, compile_cvode
+from benchmarks.peers.spice import Spice
+from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
 from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.sim import run_scene
 from fingertip.sim.article import article_trials
-from fingertip.sim.bench import board, contact, spice, throughput
-from fingertip.sim.bench.board import BoardProblem, measure_board
-from fingertip.sim.bench.contact import ContactProblem
-from fingertip.sim.bench.cvode import CvodeFailedError, CvodeLibrary, CvodeMissingError, compile_cvode
-from fingertip.sim.bench.spice import Spice
-from fingertip.sim.bench.work_precision import Job, Outcome, WorkPrecision
-from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
-from fingertip.sim.signal.monte_carlo import draw_boards
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool
@@ -275,6 +275,14 @@ def test_command_refuses_bad_options(arguments, message, tmp_path):
     done = CliRunner().invoke(app, ["bench", *arguments, "--out", str(tmp_path / "x")])
     assert done.exit_code == 2
     assert message in done.stderr
+    assert not (tmp_path / "x").exists()
+
+
+def test_without_a_clone_the_command_says_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys.modules["fingertip.cli.validate"], "_CHECKOUT", tmp_path)
+    done = CliRunner().invoke(app, ["bench", "--out", str(tmp_path / "x")])
+    assert (done.exit_code, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
+    assert "run `sh install.sh` in a clone, then `.venv/bin/fingertip bench` there." in done.stderr
     assert not (tmp_path / "x").exists()
 
 

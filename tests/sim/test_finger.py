@@ -18,9 +18,10 @@ from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import average_over_patch, generate_profile
+from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
+from fingertip.sim.files.schema import Cable, Drift, Noise
+from fingertip.sim.report import encode_trace, open_trace
 from fingertip.sim.scene.run import SceneRun, stream_scene
-from fingertip.sim.scene.scene_file import OUTPUTS
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
@@ -31,8 +32,6 @@ from fingertip.sim.signal.interference import (
     compute_cable_v,
     compute_hum_v,
 )
-from fingertip.sim.signal.parameters import Cable, Drift, Noise
-from fingertip.sim.trace_export import encode_trace, open_trace
 from tests.conftest import ROOT
 
 DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})
@@ -45,10 +44,12 @@ EVERYTHING = {
     "converter": {"bits": 12},
 }
 
+SCENE_OUTPUTS = SceneFile.known_outputs()
+
 
 def record_all(path: Path, **changes) -> SceneFile:
     """A bundled scene that records every output."""
-    return SceneFile.load(path).model_copy(update={"outputs": [*OUTPUTS], **changes})
+    return SceneFile.load(path).model_copy(update={"outputs": [*SCENE_OUTPUTS], **changes})
 
 
 @pytest.mark.full
@@ -59,7 +60,7 @@ def test_chunks_change_no_bit(path):
         whole = run_scene(DESIGN, scene, 2).signals
         for size in (997, 4096):
             parts = FingerSignals.join([*SceneRun(DESIGN, scene, 2).chunks(size)])
-            for name in ("time_s", *OUTPUTS):
+            for name in ("time_s", *SCENE_OUTPUTS):
                 assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, size)
 
 
@@ -68,13 +69,13 @@ def test_chunks_change_no_bit(path):
 @pytest.mark.parametrize("refinement", [1, 3])
 def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement):
     design = Design(detector={"sample_rate_hz": rate}, board=DESIGN.board.model_dump())
-    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
+    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*SCENE_OUTPUTS]} | EVERYTHING
     for contact in ({}, {"feedback": True}, {"bristles": "elasto_plastic"}):
         scene, grid = SceneFile(**tables, contact=contact), Grid(refinement)
         with compiled():
             whole = run_scene(design, scene, 2, grid=grid).signals
             parts = FingerSignals.join([*SceneRun(design, scene, 2, grid).chunks(1303)])
-        for name in ("time_s", *OUTPUTS):
+        for name in ("time_s", *SCENE_OUTPUTS):
             assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, contact)
 
 
@@ -85,14 +86,14 @@ def test_plain_python_and_compiled_loops_give_the_same_bytes(path):
     plain = run_scene(DESIGN, scene, 4)
     with compiled():
         fast = run_scene(DESIGN, scene, 4)
-    for name in OUTPUTS:
+    for name in SCENE_OUTPUTS:
         assert np.array_equal(plain.columns[name], fast.columns[name]), name
-    assert len(plain.columns) == len(OUTPUTS)
+    assert len(plain.columns) == len(SCENE_OUTPUTS)
 
 
 @pytest.mark.full
 def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and_in_a_hand():
-    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*OUTPUTS]} | EVERYTHING
+    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*SCENE_OUTPUTS]} | EVERYTHING
     hand = ManipulationFile(
         outputs=["voltage_v", "force_n", "slip", "envelope_v", "slip_pin_v", "object_m", "sampled_envelope_v"],
         grasp={"after_s": 0.2},
@@ -170,7 +171,7 @@ def test_stream_needs_no_more_memory_for_a_longer_scene():
 def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
     result = run_scene(DESIGN, record_all(SCENES[0]), 1)
     path, out = Path(f"trace.{suffix}"), io.BytesIO()
-    writer = open_trace(out, path, [*OUTPUTS])
+    writer = open_trace(out, path, [*SCENE_OUTPUTS])
     for a, b in pairwise((0, 1, 700, 5000, len(result.time_s))):
         writer.write(result.time_s[a:b], {name: values[a:b] for name, values in result.columns.items()})
     writer.close()
@@ -265,7 +266,7 @@ def test_touched_cable_jumps_at_both_ends_and_each_jump_decays():
 def test_amplifier_drifts_by_its_rate():
     """2 mV/s: 5 mV after 2.5 s, also across two chunks, and nothing else."""
     source = InterferenceSource(Grid(), Drift(volt_per_s=2e-3), Cable(), Noise(), 0.0, partial(open_stream, 1))
-    volts = np.concatenate([source.process(np.ones(12_500)).volts for _ in range(2)])
+    volts = np.concatenate([source.process(np.ones(12_500))[0] for _ in range(2)])
     assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
     assert np.ptp(np.diff(volts)) < 1e-15
 

@@ -10,11 +10,11 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, run_manipulation
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import Pad
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S
+from fingertip.sim.files.manipulation import Hand
 from fingertip.sim.hand import grasp_loop
-from fingertip.sim.hand.manipulation_file import Hand
-from fingertip.sim.hand.motors import Motors
+from fingertip.sim.hand.motion import Motors
 
 PAD = Pad.from_design(Design())
 FIVE = ("thumb", "index", "middle", "ring", "little")

@@ -8,13 +8,14 @@ from fingertip.board.analysis.noise import add_noise
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.signal.board_output import (
+from fingertip.sim.signal.converter import (
+    AdcRange,
     compute_input_noise_v,
     compute_noise_gain,
+    sample_v,
     simulate_quiescent_level,
     simulate_replay_level,
 )
-from fingertip.sim.signal.converter import AdcRange, sample_v
 from fingertip.sim.signal.grid import open_stream
 from tests.designs import ARTICLE, article_design
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.sim.signal.board_output import SimulatedBoardDetector, simulate_envelope_v
+from fingertip.sim.signal.converter import SimulatedBoardDetector, simulate_envelope_v
 from fingertip.slip import Trace, detect, make_detector
 from fingertip.slip.detectors.analog import AnalogDetector
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset

@@ -13,11 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.slip.detectors.digital import ChainOutput, ChainSettings, SlipChain
+from fingertip.slip.detectors.digital import ChainOutput, ChainSettings, SlipChain, noise_level
 from fingertip.slip.detectors.noise import (
     NoiseLevel,
     mean_quantised_noise_v,
-    noise_level,
     quantised_noise_v,
     settings_warnings,
     threshold_warnings,

@@ -11,7 +11,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.detection.files import detect_file, detect_stream
 from fingertip.foundation.errors import TraceError
-from fingertip.lab.campaign.evaluate import select_board_outputs
+from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.slip import make_detector
 from fingertip.slip.report import as_data, as_text

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design, Trace, detect, detect_file, simulate
-from fingertip.sim.trace_export import signal_writer
+from fingertip.sim.report import signal_writer
 from fingertip.slip.report import as_data, as_text
 from fingertip.slip.traces.origin import Origin, encoder_band_s, encoder_delay_band_s, format_delay_band, read_origin
 from fingertip.tasks.make import simulate_and_detect

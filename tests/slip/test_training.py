@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip.lab.wider_mix.bursts import LabelledSignal, Slide
+from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.slip.detectors.fast import TICK_S
 from fingertip.slip.traces.intervals import Interval
 from tools.detector_training import rows

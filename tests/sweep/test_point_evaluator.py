@@ -20,8 +20,8 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import SweepError
-from fingertip.lab.campaign.evaluate import TrialResult
 from fingertip.lab.campaign.plan import Case
+from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import MAX_TRIANGLES, CachedEvaluator, DesignBuilder, LruCache
@@ -288,7 +288,7 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
     def evaluate_trial(case: Case, *_: object) -> list[TrialResult]:
         return [TrialResult(case, 10.0, 1.0, 1, (next(delays),), 1.0, ("slip",))]
 
-    monkeypatch.setattr("fingertip.lab.campaign.evaluate.evaluate", evaluate_trial)
+    monkeypatch.setattr("fingertip.lab.campaign.run.evaluate", evaluate_trial)
     plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=3, axes={"detector.window_samples": [20, 40]})
     context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: (Any, 1.0))
     values = compute.compute_detection(context)

@@ -17,7 +17,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.section import Section, draw_section, is_near, list_sections, slice_solid, spread
-from fingertip.pictures.steps.scene import DORSAL, PALMAR, SIDE
+from fingertip.pictures.steps.scene import View
 
 DESIGNS = {
     "fsr400": ("fsr400", ()),
@@ -157,7 +157,7 @@ def test_the_picture_is_drawn_and_reproducible(name: str) -> None:
 
 def test_views_show_the_side_that_they_name() -> None:
     """Distal is to the right; the dorsal side (y) or the palmar one faces the viewer. A finger bends to its palm."""
-    for camera, side in ((DORSAL, 1.0), (PALMAR, -1.0), (SIDE, 0.0)):
+    for camera, side in ((View.DORSAL, 1.0), (View.PALMAR, -1.0), (View.SIDE, 0.0)):
         right, up, towards = camera.axes
         assert right[2] > 0.8
         assert up[1] > 0.7

@@ -17,13 +17,11 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from fingertip.documents.casting.markdown import render_sheet, steps
-from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.pictures.steps import scene as drawing
-from fingertip.pictures.steps.bench import Bench
 from fingertip.pictures.steps.pictures import SCENES, draw_steps
-from fingertip.pictures.steps.scene import Arrow, Label, Scene, draw_scene
+from fingertip.pictures.steps.scene import Arrow, Bench, Label, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip, some_of
 
 DESIGNS = [
@@ -106,7 +104,7 @@ def test_labels_state_numbers_of_the_sheet(name: str, changes: tuple[str, ...]) 
 def test_pictures_are_reproducible_and_show_the_design() -> None:
     design, data = load("fsr400")
     again = Design.load(design_file("fsr400"))
-    chosen = [step for step in steps(data) if step.picture in ("fill", "hold")]
+    chosen = ["hold", "fill"]
     first, second = draw_steps(design, data, chosen), draw_steps(again, data, chosen)
     assert first == second
     wider = draw_steps(*load("fsr400", "skin.width_mm=18"), chosen)

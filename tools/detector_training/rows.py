@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.lab.wider_mix.bursts import LabelledSignal
+from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LOWEST_SCORE, SETTLING_S, TICK_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import FastModel

@@ -17,9 +17,9 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
-from fingertip.lab.wider_mix import bursts, scenes
-from fingertip.lab.wider_mix.bursts import LabelledSignal
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 
@@ -99,23 +99,23 @@ def generate_for(design: Design, seed: int, trials: int, events: int) -> Iterato
     first_seed = seed
     with compiled():
         for kind, scene in _plan(rng, trials, events):
-            signal = scenes.in_condition(design, scene, seed, kind, draw_condition(rng, design))
+            signal = mix_signals.in_condition(design, scene, seed, kind, draw_condition(rng, design))
             yield replace(signal, kind=kind)
             seed += 1
         for _ in range(events // 5):
-            yield from scenes.grip_steps(design, seed)
+            yield from mix_signals.grip_steps(design, seed)
             seed += 1
         for _ in range(events):
-            yield bursts.abrupt_burst(design, seed, 0.002, 0.03, float(rng.uniform(0.1, 0.6)))
+            yield mix_signals.abrupt_burst(design, seed, 0.002, 0.03, float(rng.uniform(0.1, 0.6)))
             seed += 1
         for _ in range(events // 4):
-            yield bursts.low_burst(design, seed, 0.002, 0.03, float(rng.uniform(0.2, 0.6)))
+            yield mix_signals.low_burst(design, seed, 0.002, 0.03, float(rng.uniform(0.2, 0.6)))
             seed += 1
         for _ in range(events // 20):
-            yield bursts.long_slide(design, seed, float(rng.uniform(0.002, 0.02)))
+            yield mix_signals.long_slide(design, seed, float(rng.uniform(0.002, 0.02)))
             seed += 1
         for _ in range(events // 2):
-            yield bursts.ringing_knock(design, seed)
+            yield mix_signals.ringing_knock(design, seed)
             seed += 1
         yield from generate_manipulations(design, MANIPULATIONS_FROM + first_seed - FIRST_SEED, events)
 
@@ -125,7 +125,7 @@ def generate_manipulations(design: Design, seed: int, events: int) -> Iterator[L
     with compiled():
         for i in range(events // 6):
             speed_m_s, max_margin = (0.08, 1.3) if i % 3 == 2 else (0.0, 2.0)
-            yield from scenes.manipulation(design, seed + i, speed_m_s, max_margin)
+            yield from mix_signals.manipulation(design, seed + i, speed_m_s, max_margin)
 
 
 def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[str, SceneFile]]:

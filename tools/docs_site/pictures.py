@@ -8,10 +8,9 @@ import re
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.quantities import measure_volumes
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
-from fingertip.documents.casting.markdown import steps
-from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.foundation.toml_files import DESIGN
+from fingertip.documents.casting.sheet import casting_sheet_data, steps
 from fingertip.pictures.picture import draw
 from fingertip.pictures.steps.pictures import draw_steps
 
@@ -51,7 +50,7 @@ def _draw_steps() -> dict[str, tuple[str, bytes]]:
     design = Design()
     data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), design.silicone.material)
     listed = steps(data)
-    drawn = draw_steps(design, data, listed)
+    drawn = draw_steps(design, data, [step.picture for step in listed])
     return {name: (" ".join(step.text.split()), png) for (name, png), step in zip(drawn.items(), listed, strict=True)}
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import typer.main
 
 from fingertip.cli import app
-from fingertip.cli.help_page import format_command, format_group
 from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.design.model import Design
 
@@ -33,9 +32,9 @@ def list_all_parameters() -> str:
 def list_all_commands() -> str:
     """List all commands with their help pages."""
     root: Any = typer.main.get_command(app)
-    context = root.make_context("fingertip", [], resilient_parsing=True)
+    context = root.make_context("fingertip", [], resilient_parsing=True, terminal_width=WIDTH)
     lines: list[str] = []
-    lines += ["```text", format_group(root, context, WIDTH).rstrip(), "```"]
+    lines += ["```text", root.get_help(context), "```"]
     for name, text in _pages(root, context):
         lines += ["", f"## {name}", "", "```text", text.rstrip(), "```"]
     return "\n".join([*lines, ""])
@@ -47,11 +46,9 @@ def _pages(group: Any, parent: Any) -> Iterator[tuple[str, str]]:
         command = group.get_command(parent, name)
         context = command.make_context(name, [], parent=parent, resilient_parsing=True)
         words = context.command_path.removeprefix("fingertip ")
+        yield words, command.get_help(context)
         if hasattr(command, "list_commands"):
-            yield words, format_group(command, context, WIDTH)
             yield from _pages(command, context)
-        else:
-            yield words, format_command(command, context, WIDTH)
 
 
 def _heading(table: str) -> list[str]:

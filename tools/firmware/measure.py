@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.board.components.values import select_components
-from fingertip.board.kicad.variants import find_configuration
+from fingertip.board.kicad.project import find_configuration
 from fingertip.design import Design
 from fingertip.firmware import packaging as costs
 from tools.firmware.signals import Recording, campaign_recordings, quiet_recording, slip_recording

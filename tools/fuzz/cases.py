@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.design import Design
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
 from tools.fuzz import originals

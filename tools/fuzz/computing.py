@@ -20,13 +20,13 @@ from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.foundation.errors import FingertipError
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sweep.outputs import OUTPUTS
 from tools.fuzz.cases import Case
@@ -186,7 +186,7 @@ class _Drawing:
         name = rng.choice(sorted(list_bundled_files(names)))
         board = self.design.board
         lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": board.supply != "single_3v3"}
-        outputs = [name for name in model.known_outputs if not lacking.get(name) and rng.random() < 0.4]
+        outputs = [name for name in model.known_outputs() if not lacking.get(name) and rng.random() < 0.4]
         outputs = ["voltage_v", *(name for name in outputs if name != "voltage_v")]
         changes = [*short, f"outputs={json.dumps(outputs)}", *draw_changes(rng, list_parameters(model), LONG_S)]
         with tempfile.TemporaryDirectory() as folder:

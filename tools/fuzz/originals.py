@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fingertip.catalogues.bundled import PARAMS, list_bundled_files
-from fingertip.foundation.toml_files import FileKind
+from fingertip.catalogues.file_kinds import FileKind
 
 RATE_HZ = 2000.0
 _SAMPLES = 600

@@ -36,8 +36,8 @@ from fingertip.board.kicad.placement import (
     place_box,
     rotate_offset,
 )
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.kicad.silkscreen import label_places, needs_label, print_area, silkscreen_conflicts, text_box
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit, Component, Node
 from fingertip.design import Design
 

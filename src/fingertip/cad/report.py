@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.print_files import PRINT_FOLDER, PrintFiles
+from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.shapes.parts import PARTS, Part, hardware
 from fingertip.cad.verification.check import Check, count_checks, list_warnings
 from fingertip.cad.verification.strength import BoneStrength, strength_data
+from fingertip.catalogues.output_files import ASSEMBLY, DESIGN, PRINT_FOLDER, REPORT, SHEET
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
@@ -23,10 +24,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMATS = ("stl", "3mf", "step")
-DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
 DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
-STEPS_FOLDER = "steps"
-"""Folder of the pictures of the casting steps, beside the casting sheet."""
 ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
 """Names of all files that a build may write."""
 

@@ -1,4 +1,4 @@
-"""Parameters of a design that follow from the readings of its coupon."""
+"""Scale and offset of a printer, fitted to the readings of a coupon, and the parameters of its design that follow."""
 
 from __future__ import annotations
 
@@ -11,20 +11,18 @@ from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.calibration.readings import Measured
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.statistics import chi_square_quantile, t_quantile
+from fingertip.foundation.numerics import chi_square_quantile, t_quantile
 
-# Least squares of the readings: scale and offset of a printer, with their uncertainty.
+# Least squares of the readings. A reading y of a length with the nominal value N, printed between two surfaces, is
 #
-# Model of a reading y of a length with the nominal value N, printed between two surfaces:
-#
-# y = scale * N + offset + error for outer lengths y = scale * N - offset + error for inner lengths
+#   y = scale * N + offset + error for an outer length
+#   y = scale * N - offset + error for an inner length
 #
 # A positive offset means that the printer prints too much: solids grow and hollows shrink by it, half of it on each
 # surface. All readings count alike. Readings of one length share the error of its two surfaces, so the errors are not
 # independent: the residual variance is therefore taken between the means of the lengths, whose number less two are the
 # degrees of freedom. Under independent errors of equally many readings this is exact, too (analysis of variance; N. R.
 # Draper and H. Smith, Applied Regression Analysis, 3rd ed., sections 1.5 and 2.1).
-
 
 CONFIDENCE = 0.95
 """Probability with which an interval holds the true value."""
@@ -217,10 +215,17 @@ class Calibration:
 
 def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collection[str] = ()) -> Calibration:
     """Derive the parameters of a printer from the readings of the coupon of a design."""
-    fit = fit_printer(measured)
-    values = [_scale(design, fit), _offset(design, fit), *_clearances(design, fit), _surface_error(design, fit)]
+    fit, printer = fit_printer(measured), design.printer
+    # Scale of the files at which a printed length is that of the design: the fit is to the lengths in the files.
+    scale, uncertainty = 100.0 / fit.scale, 100.0 * fit.scale_uncertainty / fit.scale**2
+    values = [
+        _value(_SCALE, "%", printer.scale_percent, scale, uncertainty, fit),
+        _value(_OFFSET, "mm", printer.offset_mm, fit.offset_mm, fit.offset_uncertainty_mm, fit),
+        *_clearances(design, fit),
+        _surface_error(printer.surface_error_mm, fit),
+    ]
     kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
-    wall = _min_wall(design, measured)
+    wall = _min_wall(printer.min_wall_mm, measured)
     if isinstance(wall, CalibratedValue):
         values.append(wall)
     else:
@@ -254,18 +259,6 @@ def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str
     return None
 
 
-def _scale(design: Design, fit: PrinterFit) -> CalibratedValue:
-    """Scale of the files at which a printed length is that of the design: fitted to the lengths in the files."""
-    uncertainty = 100.0 * fit.scale_uncertainty / fit.scale**2
-    return _value(_SCALE, "%", design.printer.scale_percent, 100.0 / fit.scale, uncertainty, fit)
-
-
-def _offset(design: Design, fit: PrinterFit) -> CalibratedValue:
-    """Offset of printed lengths, of which the rules and checks of gaps need to know."""
-    before = design.printer.offset_mm
-    return _value(_OFFSET, "mm", before, fit.offset_mm, fit.offset_uncertainty_mm, fit)
-
-
 def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
     """Clearances at which the printed gap is that of the design: half the offset more for each printed surface."""
     for path, surfaces in CLEARANCES.items():
@@ -275,7 +268,7 @@ def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
         yield _value(path, "mm", before, before + added, uncertainty, fit)
 
 
-def _surface_error(design: Design, fit: PrinterFit) -> CalibratedValue:
+def _surface_error(before: float, fit: PrinterFit) -> CalibratedValue:
     """Error that 95 % of all surfaces stay below, after scale and offset are corrected.
 
     A length lies between two surfaces of equal and independent errors: that of one is the length's over the square root
@@ -286,13 +279,11 @@ def _surface_error(design: Design, fit: PrinterFit) -> CalibratedValue:
     low, high = (
         value * math.sqrt(fit.degrees / chi_square_quantile(share, fit.degrees)) for share in (1.0 - tail, tail)
     )
-    before, digits = design.printer.surface_error_mm, _DECIMALS["mm"]
-    return CalibratedValue(
-        _SURFACE_ERROR, "mm", before, round(value, digits), value / math.sqrt(2.0 * fit.degrees), low, high
-    )
+    uncertainty = value / math.sqrt(2.0 * fit.degrees)
+    return CalibratedValue(_SURFACE_ERROR, "mm", before, round(value, _DECIMALS["mm"]), uncertainty, low, high)
 
 
-def _min_wall(design: Design, measured: Sequence[Measured]) -> CalibratedValue | str:
+def _min_wall(before: float, measured: Sequence[Measured]) -> CalibratedValue | str:
     """Return the thinnest wall from which on all printed, or a sentence if no wall or not even the thickest did.
 
     The true limit lies between it and the next thinner one; its standard uncertainty is that of a uniform distribution.
@@ -311,7 +302,6 @@ def _min_wall(design: Design, measured: Sequence[Measured]) -> CalibratedValue |
     thinnest = thicknesses[printed - 1]
     next_thinner = thicknesses[printed] if printed < len(thicknesses) else 0.0
     uncertainty = (thinnest - next_thinner) / math.sqrt(12.0)
-    before = design.printer.min_wall_mm
     return CalibratedValue(_MIN_WALL, "mm", before, thinnest, uncertainty, next_thinner, thinnest)
 
 

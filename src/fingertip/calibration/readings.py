@@ -1,27 +1,23 @@
-"""File of caliper readings: its template for a design, and its reading with all faults reported at once."""
+"""Lengths of the coupon that calipers measure, and the file of their readings: its template, and all its faults."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from fingertip.cad.shapes.coupon_layout import AROUND_MM, RIB_MM, WALLS_MM, Spot, lay_out
+from fingertip.catalogues.output_files import PLAN
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, join_words
 from fingertip.foundation.output_set import hash_parameters
 from fingertip.foundation.toml_files import read_toml
 
-# Lengths of the coupon that are measured with calipers: name, nominal value, and where they are.
-
-
 MIN_LENGTH_MM = 5.0
 """Least nominal length that is measured [mm]: calipers read shorter ones too coarsely for a scale."""
-
-
 Piece = Literal["coupon", "coupon_slice"]
 Kind = Literal["outer", "inner", "wall"]
 Point = tuple[float, float]
@@ -119,8 +115,6 @@ def _along_y(name: str, kind: Kind, x: float, ys: Point, where: str) -> Length:
 
 IDENTITY = "coupon"
 """Key that says which coupon the readings belong to."""
-PLAN = "coupon.png"
-"""Name of the plan view with the numbers of the lengths."""
 MIN_READINGS = 3
 """Least number of readings of a length that has any, so that a slip of the calipers shows."""
 MIN_LENGTHS = 3
@@ -243,7 +237,7 @@ def _describe_problem(reading: Any, length: Length) -> str | None:
     )
 
 
-def _find_missing(tables: Mapping[str, Any], lengths: Iterator[Length] | Any) -> Iterator[Issue]:
+def _find_missing(tables: Mapping[str, Any], lengths: Iterable[Length]) -> Iterator[Issue]:
     """Find lengths with too few readings, and kinds with too few lengths."""
     kinds: dict[str, list[str]] = {"outer": [], "inner": []}
     given: dict[str, int] = {"outer": 0, "inner": 0}
@@ -261,14 +255,9 @@ def _find_missing(tables: Mapping[str, Any], lengths: Iterator[Length] | Any) ->
             yield Issue(
                 "readings",
                 f"{_count(given[kind], f'{kind} length')} with readings are too few to tell scale from offset; at "
-                f"least {MIN_LENGTHS}, such as {_join(missing[: MIN_LENGTHS - given[kind]])}.",
+                f"least {MIN_LENGTHS}, such as {join_words(missing[: MIN_LENGTHS - given[kind]])}.",
             )
 
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def _join(names: Sequence[str]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last

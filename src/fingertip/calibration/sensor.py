@@ -1,31 +1,159 @@
-"""Force curve of a design's sensor, from weighings of it."""
+"""Force curve of a design's sensor, from a file of weighings of it, in which all faults are found at once.
+
+A CSV file names one column of loads, `weight_g` or `force_n`, and one of readings, `voltage_v` (the tactile voltage),
+`counts` (of a converter) or `resistance_ohm` (of the sensor alone). Each line is one weighing.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from fingertip.board import board_values
 from fingertip.board.analysis.limits import TactileResponse
-from fingertip.calibration.weighings import Weighing, Weighings
+from fingertip.board.components.bridge import NEWTON_PER_GRAM
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.statistics import t_quantile
+from fingertip.design.parameters.declaration import suggest_name
+from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
+from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
+from fingertip.foundation.numerics import t_quantile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ConductanceCurve, fit_conductance_curve
+from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
 
-# Power law fitted to weighings, with the interval of a force that is read off it.
+LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
+"""Columns of loads -> newtons per unit."""
+READINGS = ("voltage_v", "counts", "resistance_ohm")
+"""Columns of readings."""
+MIN_WEIGHINGS = 4
+"""Least number of weighings with a load: two figures are fitted, and two more show their scatter."""
+MIN_LOADS = 3
+"""Least number of different loads among them."""
+MAX_BYTES = 2**20
+"""Maximum size of a file of weighings [bytes]."""
+MAX_FORCE_N = 1000.0
+"""Largest force that a sensor survives, with a wide margin [N]."""
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """Known force, and the reading of the sensor under it."""
+
+    force_n: float
+    reading: float
+    line: int
+    """Line in the file."""
+
+
+@dataclass(frozen=True)
+class Weighings:
+    """Content of a file of weighings."""
+
+    source: str
+    """Name of the file in messages."""
+    kind: str
+    """Column of the readings, from `READINGS`."""
+    rows: tuple[Weighing, ...]
+    """Weighings under load."""
+    unloaded: tuple[Weighing, ...]
+    """Readings without load, which show the offset of the board."""
+
+
+def read_weighings(path: Path) -> Weighings:
+    """Read a file of weighings. Raises TraceError."""
+    try:
+        content = read_input(path, RECORDING_LIMIT, "a file of weighings", MAX_BYTES + 1)
+    except InputFileError as error:
+        raise TraceError(error.issues) from None
+    if len(content) > MAX_BYTES or b"\0" in content:
+        message = f"is not a text file of less than {MAX_BYTES // 2**20} MB; write weighings as CSV."
+        raise TraceError(Issue(str(path), message))
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    return parse_weighings(text, str(path))
+
+
+def parse_weighings(text: str, source: str) -> Weighings:
+    """Parse the text of a file; `source` names it in messages. Raises TraceError."""
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not lines:
+        raise TraceError(Issue(source, "is empty; write a header such as weight_g,voltage_v, and a line per weighing."))
+    number, first = lines[0]
+    delimiter = max(DELIMITERS, key=first.count)
+    header = [unquote(cell).lower() for cell in split_cells(first, delimiter)]
+    places = []
+    for names, noun in ((tuple(LOADS), "loads"), (READINGS, "readings")):
+        found = [name for name in names if name in header]
+        if len(found) != 1:
+            problem = f"names {' and '.join(found)}" if found else f"names no column of {noun}"
+            remedy = f"give one of {', '.join(names)}"
+            if not found:
+                remedy = f"one of {', '.join(names)}; {suggest_name(names[0], header)}"
+            raise TraceError(Issue(f"{source}, line {number}", f"{problem}; {remedy.rstrip('.')}."))
+        places.append(header.index(found[0]))
+    load, kind = header[places[0]], header[places[1]]
+    rows, issues = list[Weighing](), list[Issue]()
+    for number, line in lines[1:]:
+        cells = split_cells(line, delimiter)
+        try:
+            force, reading = (float(_plain(cells[place], delimiter)) for place in places)
+        except (ValueError, IndexError):
+            issues.append(
+                Issue(f"{source}, line {number}", f"{quote_value(line.strip())} is not a weighing; write two numbers.")
+            )
+            continue
+        rows.append(Weighing(force * LOADS[load], reading, number))
+    issues += (Issue(f"{source}, line {row.line}", problem) for row in rows for problem in _find_problems(row, kind))
+    if not issues:
+        issues += _find_missing(source, [row for row in rows if row.force_n > 0.0])
+    if issues:
+        raise TraceError(issues)
+    loaded, unloaded = ([row for row in rows if (row.force_n > 0.0) is under] for under in (True, False))
+    return Weighings(source, kind, tuple(loaded), tuple(unloaded))
+
+
+def _plain(cell: str, delimiter: str) -> str:
+    return unquote(cell) if delimiter == "," else unquote(cell).replace(",", ".")
+
+
+def _find_problems(row: Weighing, kind: str) -> Iterator[str]:
+    """Find values that no weighing gives."""
+    if not 0.0 <= row.force_n <= MAX_FORCE_N:
+        yield f"{row.force_n:g} N is not a load; give 0 to {MAX_FORCE_N:g} N."
+    if not math.isfinite(row.reading):
+        yield f"{row.reading} is not a reading; weigh again, or delete the line."
+    elif kind == "resistance_ohm" and row.reading <= 0.0:
+        yield f"{row.reading:g} ohm is not a resistance; give a value above 0."
+
+
+def _find_missing(source: str, loaded: Sequence[Weighing]) -> Iterator[Issue]:
+    """Find too few weighings, or too few different loads."""
+    loads = len({row.force_n for row in loaded})
+    if len(loaded) < MIN_WEIGHINGS or loads < MIN_LOADS:
+        yield Issue(
+            source,
+            f"holds {len(loaded)} weighings under {loads} different loads; at least {MIN_WEIGHINGS} under {MIN_LOADS} "
+            "are needed for a curve and its interval.",
+        )
+
+
+# Power law fitted to weighings, with the interval of a force that is read off it. The conductance G under a force F
+# above the turn-on force F0 is
 #
-# Model of a conductance G under a force F above the turn-on force F0:
-#
-# ln G = intercept + exponent * ln(F - F0) + error
+#   ln G = intercept + exponent * ln(F - F0) + error
 #
 # The relative scatter of force-sensing resistors is about the same at all forces, so the logarithms have errors of one
 # variance: ordinary least squares. The interval of a force inverts the prediction interval of a single reading
 # (inverse regression; N. R. Draper and H. Smith, Applied Regression Analysis, 3rd ed., section 3.2). It is exact for
 # normal errors of the logarithm.
-
 
 CONFIDENCE = 0.95
 """Probability with which an interval holds the true force."""
@@ -179,7 +307,9 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         raise TraceError(issues)
     law = fit_power_law(forces, conductances, turn_on)
     curve = ConductanceCurve(turn_on, law.conductance_s, law.exponent)
-    _check_fit(weighings.source, law, conductances)
+    if law.exponent <= 0.0:
+        message = "the readings do not grow with the load; check the order of the columns, and the wiring."
+        raise TraceError(Issue(weighings.source, message))
     bridge = Bridge(curve, response)
     points = tuple(_list_points(law, bridge, sorted(set(forces))))
     middle = points[len(points) // 2]
@@ -238,12 +368,6 @@ def _find_conductance(
         f"{volts:.4g} V is not between {low:.3g} and {response.open_v:.3g} V, the design's board with a shorted and "
         "with an open sensor; check design, unit and wiring."
     )
-
-
-def _check_fit(source: str, law: PowerLaw, conductances: list[float]) -> None:
-    if law.exponent <= 0.0:
-        message = "the readings do not grow with the load; check the order of the columns, and the wiring."
-        raise TraceError(Issue(source, message))
 
 
 def _list_points(law: PowerLaw, bridge: Bridge, forces_n: list[float]) -> Iterator[CurvePoint]:

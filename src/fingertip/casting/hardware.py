@@ -1,4 +1,4 @@
-"""Hardware to buy: the bill of materials of a casting.
+"""Hardware to buy: bill of materials of a casting, wires of the sensor, and what the interface is mounted with.
 
 A bolt is bought as a machine screw, threaded to the head or not.
 """
@@ -12,13 +12,10 @@ from typing import Any
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.mating import PlugWire, find_plug_wire, list_mating_parts
+from fingertip.board.parts.table import PlugWire, find_plug_wire, list_mating_parts
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.interfaces import interface_of
-
-# Wires of the sensor: how thick they may be, and how long a loop they need.
-
 
 _SLACK_MM = 10.0
 """Slack of the wires besides what a joint takes up [mm]. An assumption."""
@@ -101,6 +98,10 @@ def _find_plug(design: Design) -> PlugWire | None:
     return find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
 
 
+OPEN_OHM = 1e6
+"""Resistance above which an untouched sensor must stay [ohm]."""
+PRESSED_OHM = 30e3
+"""Resistance below which a pressed head must fall [ohm]: some 0.2 N by the data sheet's curve."""
 WEIGHTS_G = (100.0, 500.0)
 """Weights laid on the pad of the finished finger [g]."""
 
@@ -112,6 +113,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     sensor = design.sensor
     out_mm = round(bolts.stand_out_mm(design.mold_layout), 1)
     stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
+    strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}
     return [
         {
             "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,
@@ -132,7 +134,8 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
             "item": "insulated wire" if design.dimensions.fold else "stranded wire", **describe_bought_wires(design),
             "count": 2,
         },
-        *_strain_relief(design),
+        # In a fork with a folded tail the wires are glued only.
+        *([] if design.dimensions.window_opens_into_gap else [strain_relief]),
         *({"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G),
     ]  # fmt: skip
 
@@ -152,10 +155,3 @@ def _mold_hardware(design: Design) -> list[dict[str, Any]]:
         })  # fmt: skip
     release = "for silicone cast in a rigid mold; without silicone oil, which keeps the patch from sticking"
     return [*items, {"item": "mold release for silicone", "count": 1, "note": release}]
-
-
-def _strain_relief(design: Design) -> list[dict[str, Any]]:
-    """List what holds the wires to the bone; in a fork with a folded tail they are glued only."""
-    if design.dimensions.window_opens_into_gap:
-        return []
-    return [{"item": "thread or lacing cord", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}]

@@ -1,4 +1,4 @@
-"""Silicone quantities: the volume a mold holds, measured on its meshes, and the grams of both components to mix."""
+"""Quantities of a casting: silicone to mix, from the volume that the mold holds, and how the skin and the mold hold."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fingertip.cad.shapes import insert as skin
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import mold_insert
 from fingertip.cad.shapes.mold import runners
-from fingertip.catalogues.silicones import MaterialProperty, Silicone
+from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.solids import intersection, union
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling
@@ -142,19 +142,13 @@ def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) 
 def _component_densities(silicone: Silicone) -> tuple[float, float] | None:
     """Densities of both components [g/cm3], each the middle of its range; None if one of them is not known."""
     a, b = silicone.density_a_g_cm3, silicone.density_b_g_cm3
-    return (_middle(a), _middle(b)) if a and b else None
+    return ((a.low + a.high) / 2, (b.low + b.high) / 2) if a and b else None
 
 
-def _middle(value: MaterialProperty) -> float:
-    return (value.low + value.high) / 2
-
-
-# Force that pulls the skin off the bone, where a groove or the tightness of a sleeve holds it.
-#
-# A thin ring of silicone is stretched: p = E e t / R, with the strain e, the thickness t and the radius R (thin-walled
-# cylinder). Over a groove the ring climbs a flank of 45 degrees without friction, so the pull is the force that
-# presses it together; a sleeve is held by friction. Adhesion is left out: it depends on how clean the bone is.
-
+# Force that pulls the skin off the bone, where a groove or the tightness of a sleeve holds it. A thin ring of silicone
+# is stretched: p = E e t / R, with the strain e, the thickness t and the radius R (thin-walled cylinder). Over a groove
+# the ring climbs a flank of 45 degrees without friction, so the pull is the force that presses it together; a sleeve is
+# held by friction. Adhesion is left out: it depends on how clean the bone is.
 
 FRICTION = 0.5
 """Coefficient of friction of silicone on resin. An assumption, at the lower end of rubber's."""
@@ -186,11 +180,8 @@ def name_retention(design: Design) -> list[str]:
 
 
 # Pose of the mold while it fills: how far it may tilt before more air stays beside the first vent than the check lets
-# pass.
-#
-# Near the vent the cavity is a paraboloid with the curvatures k and K. Tilted by a small angle t, the highest point
-# lies t^2 / (2 k) above the vent, and the cap above the vent holds pi h^2 / sqrt(k K) of air.
-
+# pass. Near the vent the cavity is a paraboloid with the curvatures k and K. Tilted by a small angle t, the highest
+# point lies t^2 / (2 k) above the vent, and the cap above the vent holds pi h^2 / sqrt(k K) of air.
 
 _STEP_MM = 0.2
 """Step of the slopes and curvatures of the cavity [mm]."""

@@ -1,4 +1,4 @@
-"""Print time and filament volume of a plate, estimated by PrusaSlicer where it is installed.
+"""Settings of a slicer, and print time and filament volume of a plate as PrusaSlicer estimates them.
 
 PrusaSlicer exits with code 0 for many a broken part. Only the G-code it writes, and the estimates in it, count.
 """
@@ -25,7 +25,6 @@ from fingertip.cad.printing.print_files import (
     infill_percent,
     needs_brim,
 )
-from fingertip.casting.uses import join
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
@@ -104,11 +103,11 @@ def parse_duration_min(text: str) -> float:
     return sum(float(word[:-1]) * _UNITS_MIN[word[-1]] for word in text.split())
 
 
-# Settings of the slicer for the printed parts, for a filament (FDM) and a resin printer (SLA).
-
-
 def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
-    """Collect the settings for the parts of a design, by process. Parts that stand on end get a brim."""
+    """Collect the slicer's settings for the parts of a design, for filament (FDM) and resin (SLA).
+
+    Parts that stand on end get a brim.
+    """
     upright = [name for name, lies in orientations.items() if needs_brim(lies)]
     lying = [name for name in orientations if name not in upright]
     return {
@@ -127,31 +126,3 @@ def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
         "supports_on": [name for name, lies in orientations.items() if lies.needs_supports],
         "no_supports_on": [name for name, lies in orientations.items() if not lies.needs_supports],
     }
-
-
-def describe_settings(settings: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Describe the settings as rows: what is set, for filament, and for resin."""
-    fdm, sla = settings["fdm"], settings["sla"]
-    infill = fdm["infill_percent"]
-    shares = [
-        f"{share} % for {join([name for name in infill if infill[name] == share])}"
-        for share in sorted(set(infill.values()), reverse=True)
-    ]
-    supports = f"yes for {join(settings['supports_on'])}, only where the next table says"
-    if settings["no_supports_on"]:
-        supports += f"; no for {join(settings['no_supports_on'])}"
-    brim = f"yes for {join(fdm['brim_on'])}: {fdm['brim_mm']:g} mm wide, around the outside of the foot, cut off later"
-    if fdm["no_brim_on"]:
-        brim += f"; no for {join(fdm['no_brim_on'])}"
-    return [
-        (
-            "layer height",
-            f"{fdm['layer_mm']:g} mm, the first one {fdm['first_layer_mm']:g} mm, nozzle {fdm['nozzle_mm']:g} mm",
-            f"{sla['layer_mm']:g} mm",
-        ),
-        ("walls", f"{fdm['walls']} lines, {fdm['wall_mm']:g} mm", "solid"),
-        ("infill", "; ".join(shares), "solid, not hollowed"),
-        ("orientation", "as on the plate: see the next table", "as on the plate: see the next table"),
-        ("brim", brim, "no; a raft only under supports"),
-        ("supports", supports, supports),
-    ]

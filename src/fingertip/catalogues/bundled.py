@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from fingertip.catalogues.file_kinds import FileKind, identify_kind
 from fingertip.foundation.errors import Issue, TomlFileError
-from fingertip.foundation.toml_files import FileKind, identify_kind
 
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"

@@ -10,18 +10,17 @@ from collections.abc import Sequence
 import typer
 
 from fingertip.cli.board import board
-from fingertip.cli.build import build, coupon, make
-from fingertip.cli.calibrate import calibrate, sensor
+from fingertip.cli.build import build, coupon, firmware, make
+from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
-from fingertip.cli.completion import completion
-from fingertip.cli.console import BAD_INPUT, FAULT, Console, command, describe_fault
-from fingertip.cli.design import new, params, schema
+from fingertip.cli.completion import VARIABLE, answer_shell
+from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault
+from fingertip.cli.design import completion, new, params, schema
 from fingertip.cli.detect import detect
-from fingertip.cli.documents import acceptance, drawing, page, picture, sheet
-from fingertip.cli.firmware import firmware
-from fingertip.cli.help_page import HelpGroup, group_commands
+from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, studio
+from fingertip.cli.help_page import HelpCommand, HelpGroup
+from fingertip.cli.options import command
 from fingertip.cli.simulate import simulate
-from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import bench, validate
 from fingertip.foundation import processes as interruption
@@ -36,30 +35,21 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(new)
-app.command()(make)
-app.command()(build)
-app.command()(check)
-app.command()(sheet)
-app.command()(acceptance)
-app.command()(coupon)
-calibrate.command("sensor")(sensor)
-app.add_typer(calibrate, name="calibrate")
-app.command()(params)
-app.command()(picture)
-app.command()(drawing)
-app.command()(page)
-app.command()(studio)
-app.command()(board)
-app.command()(firmware)
-app.command()(simulate)
-app.command()(detect)
-app.command()(validate)
-app.command()(sweep)
-app.command()(bench)
-app.command()(schema)
-app.command()(completion)
-group_commands(app)
+COMMANDS = {
+    "Everything of a design": (new, make, check, params, page, studio),
+    "Parts and mold": (build, sheet, acceptance, coupon, picture, drawing, calibrate),
+    "Board and controller": (board, firmware),
+    "Signal and slip": (simulate, detect, validate),
+    "Many designs, and measurements of the program": (sweep, bench),
+    "Editors and shells": (schema, completion),
+}
+"""Subject on the help page of the program -> its commands."""
+for _subject, _commands in COMMANDS.items():
+    for _command in _commands:
+        if isinstance(_command, typer.Typer):
+            app.add_typer(_command, rich_help_panel=_subject)
+        else:
+            app.command(cls=HelpCommand, rich_help_panel=_subject)(_command)
 
 
 @app.callback(invoke_without_command=True)
@@ -87,7 +77,10 @@ def main() -> None:
     gc.freeze()
     try:
         _refuse_empty_words(sys.argv[1:])
-        app()
+        if VARIABLE in os.environ:
+            answer_shell(typer.main.get_command(app))
+        else:
+            app()
     except FingertipError as error:
         Console(False, False).print_issues(error)
         raise SystemExit(BAD_INPUT) from None

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import (
-    CHECK_FAILED,
-    Console,
+from fingertip.cli.console import Console
+from fingertip.cli.options import (
     ForceOption,
-    JsonOption,
-    QuietOption,
+    OptionalDesignArgument,
     SetOption,
     VerboseOption,
     command,
+    find_file_issues,
+    find_idle_issues,
+    load_design,
+    refuse,
 )
-from fingertip.cli.options import OptionalDesignArgument, find_file_issues, find_idle_issues
 from fingertip.foundation import extras
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
 
 @command
 def board(
+    console: Console,
     design: OptionalDesignArgument = None,
     out: Annotated[
         Path | None,
@@ -83,120 +85,129 @@ def board(
     verbose: VerboseOption = False,
     force: ForceOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
-    from fingertip.board import board_values
-    from fingertip.cli.options import load_design
-    from fingertip.foundation.errors import OutputError
-    from fingertip.tasks.board import (
-        board_differences,
-        board_folder,
-        check_fabrication,
-        fabrication_differences,
-        refuse_other_board,
-        write_board,
-        write_fabrication,
-    )
-
-    console = Console(as_json, quiet)
-    issues = [*find_file_issues("--bode", bode, ".csv"), *find_file_issues("--plot", plot, ".png", ".svg")]
-    written = {"--bode": bode, "--plot": plot, "--bringup": bring_up}
+    writing = {"--bode": bode, "--plot": plot, "--bringup": bring_up}
+    idle = find_idle_issues("--check", writing if check else {})
     if readings:
-        issues += find_idle_issues("--readings", {"--check": check, "--fab": fab, **written})
-    elif check:
-        issues += find_idle_issues("--check", written)
-    if issues:
-        raise OutputError(issues)
+        idle = find_idle_issues("--readings", {"--check": check, "--fab": fab, **writing})
+    refuse(find_file_issues("--bode", bode, ".csv"), find_file_issues("--plot", plot, ".png", ".svg"), idle)
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
-    loaded, _ = load_design(design, changes, console.progress)
-    # A folder that nobody named keeps a board of another circuit.
-    is_named, out = out is not None, out or board_folder(loaded)
+    loaded = load_design(design, changes, console)
     if readings:
-        from fingertip.board.bringup.readings import format_assessment
-        from fingertip.tasks.board import assess_board
-
-        assessment = assess_board(loaded, readings)
-        console.result(assessment, format_assessment(assessment))
-        if not assessment["passed"]:
-            raise typer.Exit(CHECK_FAILED)
+        _assess(console, loaded, readings)
         return
     if check:
-        if out.is_dir():
-            found = board_differences(loaded, out) + fabrication_differences(loaded, out, expected=fab)
-        else:
-            found = [f"{out} {'is no folder' if out.exists() else 'does not exist'}; name the folder with --out."]
-        up_to_date = f"{out} is up to date with this design"
-        console.result({"current": not found, "differences": found}, "\n".join(found) or up_to_date)
-        if found:
-            raise typer.Exit(CHECK_FAILED)
+        _compare(console, loaded, out, fab)
         return
+    from fingertip.board import board_values
+
     values = board_values(loaded)
-    if not force and not is_named:
-        refuse_other_board(loaded)
-    if fab:
-        check_fabrication(loaded, out, force=force)
-    edits: list[str] = []
-    paths = write_board(loaded, out, force=force, bring_up=bring_up, progress=edits.append)
-    for path in paths:
-        console.progress(f"wrote {path}")
-    for note in edits:
-        console.progress(note)
-    if fab:
-        fabrication_paths = write_fabrication(loaded, out, console.progress, force=force)
-        for path in fabrication_paths:
-            console.progress(f"wrote {path}")
-        paths += fabrication_paths
-    # Fabrication files of an earlier design may be left in the folder.
-    fab_differences = fabrication_differences(loaded, out)
-    for difference in fab_differences:
-        console.progress(f"warning: {difference} Do not send these files to a board house.")
+    folder, written = _write(console, loaded, out, force, bring_up, fab)
     warnings = list(_find_warnings(loaded, values))
-    verdict = _format_verdict(values, warnings)
-    data = values.as_data()
-    text = "\n".join([f"{loaded.name}, {verdict}", *_summary_lines(values, out), "", _format_tables(loaded, values)])
+    data, verdict = values.as_data(), _format_verdict(values, warnings)
+    achieved, target = values.achieved_response, values.target_response
+    lines = [
+        f"{loaded.name}, {verdict}",
+        f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), gain {achieved.passband_gain:.4g}; "
+        f"files in {folder}, --verbose for the conditions",
+        "",
+        *_table_lines(loaded, values),
+    ]
     if verbose:
-        text += "\n\n" + "\n".join([*_load_lines(loaded, values), "", *_gate_lines(values)])
+        lines += ["", *_load_lines(loaded, values), "", *_gate_lines(values)]
     if fab:
         from fingertip.board.circuits.signal_paths import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
         data["to_order"] = missing_numbers_note(board_circuit(values))
-        text += f"\n\n{data['to_order']}".rstrip()
+        lines += ["", data["to_order"]] if data["to_order"] else []
     if article:
-        text += "\n\n" + "\n".join(_errata_lines(values))
-    if bode:
-        from fingertip.board.analysis.report import bode_table
-        from fingertip.foundation.files import write_file
-
-        write_file(bode, bode_table(loaded).encode(), "--bode")
-        console.progress(f"wrote {bode}")
-        paths += (bode,)
-    if plot:
-        from fingertip.board.analysis.tolerance import compute_response_band, draw_response
-        from fingertip.foundation.files import write_file
-
-        band = compute_response_band(loaded)
-        title = f"{loaded.name}: response of the board, variant {values.variant}, {loaded.board.supply} supply"
-        write_file(plot, draw_response(band, title, plot.suffix.lower()), "--plot")
-        console.progress(f"wrote {plot}")
-        paths += (plot,)
+        lines += ["", "Errata of the article:"]
+        for erratum in values.errata:
+            lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
+    written["files"] += _write_responses(console, loaded, values, bode, plot)
     if analysis:
         from fingertip.board.analysis.report import analyse, analysis_text
 
         analysis_result = analyse(loaded)
         data["analysis"] = analysis_result.as_data()
-        text += "\n\n" + analysis_text(analysis_result)
-    data |= {
-        "files": [path.as_posix() for path in paths],
-        "edited": edits,
-        "fabrication_differences": fab_differences,
-        "verdict": verdict,
-        "warnings": warnings,
-    }
-    console.result(data, text)
+        lines += ["", analysis_text(analysis_result)]
+    console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
+
+
+def _assess(console: Console, design: Design, readings: Path) -> None:
+    """Compare the readings of a soldered board with their limits."""
+    from fingertip.board.bringup.readings import format_assessment
+    from fingertip.tasks.board import assess_board
+
+    assessment = assess_board(design, readings)
+    console.result(assessment, format_assessment(assessment), assessment["passed"])
+
+
+def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
+    """Compare the folder of a board with its design."""
+    from fingertip.catalogues.output_files import BOARD
+    from fingertip.tasks.board import board_differences, fabrication_differences
+
+    folder = out or BOARD.folder(design)
+    if folder.is_dir():
+        found = board_differences(design, folder) + fabrication_differences(design, folder, expected=fab)
+    else:
+        found = [f"{folder} {'is no folder' if folder.exists() else 'does not exist'}; name the folder with --out."]
+    text = "\n".join(found) or f"{folder} is up to date with this design"
+    console.result({"current": not found, "differences": found}, text, passed=not found)
+
+
+def _write(
+    console: Console, design: Design, out: Path | None, force: bool, bring_up: bool, fab: bool
+) -> tuple[Path, dict[str, Any]]:
+    """Write the files of a board, and with `fab` those for its maker; return their folder and a report."""
+    from fingertip.catalogues.output_files import BOARD
+    from fingertip.tasks import board as task
+
+    folder = out or BOARD.folder(design)
+    if out is None and not force:  # a folder that nobody named keeps a board of another circuit
+        task.refuse_other_board(design)
+    if fab:
+        task.check_fabrication(design, folder, force=force)
+    edits: list[str] = []
+    paths = task.write_board(design, folder, force=force, bring_up=bring_up, progress=edits.append)
+    for message in (*(f"wrote {path}" for path in paths), *edits):
+        console.progress(message)
+    if fab:
+        fabrication_paths = task.write_fabrication(design, folder, console.progress, force=force)
+        for path in fabrication_paths:
+            console.progress(f"wrote {path}")
+        paths += fabrication_paths
+    # Fabrication files of an earlier design may be left in the folder.
+    differences = task.fabrication_differences(design, folder)
+    console.warn(f"{difference} Do not send these files to a board house." for difference in differences)
+    files = [path.as_posix() for path in paths]
+    return folder, {"files": files, "edited": edits, "fabrication_differences": differences}
+
+
+def _write_responses(
+    console: Console, design: Design, values: BoardValues, bode: Path | None, plot: Path | None
+) -> list[str]:
+    """Write table and plot of the response where they are asked for; return their paths."""
+    from fingertip.foundation.files import write_file
+
+    contents: list[tuple[str, Path, bytes]] = []
+    if bode:
+        from fingertip.board.analysis.report import bode_table
+
+        contents.append(("--bode", bode, bode_table(design).encode()))
+    if plot:
+        from fingertip.board.analysis.tolerance import compute_response_band, draw_response
+
+        title = f"{design.name}: response of the board, variant {values.variant}, {design.board.supply} supply"
+        contents.append(("--plot", plot, draw_response(compute_response_band(design), title, plot.suffix.lower())))
+    for option, path, content in contents:
+        write_file(path, content, option)
+        console.progress(f"wrote {path}")
+    return [path.as_posix() for _, path, _ in contents]
 
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
@@ -216,11 +227,11 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
         yield from noise.settings_warnings(design)
 
 
-def _format_tables(design: Design, values: BoardValues) -> str:
+def _table_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
 
     aliasing, limits = values.aliasing, values.voltage_limits
-    lines = [
+    return [
         *_component_lines(design, values),
         "",
         *_response_lines(values),
@@ -233,7 +244,6 @@ def _format_tables(design: Design, values: BoardValues) -> str:
         "",
         *_force_lines(design, values),
     ]
-    return "\n".join(lines)
 
 
 def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
@@ -248,23 +258,6 @@ def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     if warnings:
         said[0] += ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:"
     return "\n".join([*said, *(f"  warning: {warning}" for warning in warnings)])
-
-
-def _summary_lines(values: BoardValues, folder: Path) -> list[str]:
-    """Response of the board and the folder of its files."""
-    achieved, target = values.achieved_response, values.target_response
-    return [
-        f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), "
-        f"gain {achieved.passband_gain:.4g}; files in {folder}, --verbose for the conditions"
-    ]
-
-
-def _errata_lines(values: BoardValues) -> list[str]:
-    """Statements of the article about its own board, and what is correct."""
-    lines = ["Errata of the article:"]
-    for erratum in values.errata:
-        lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
-    return lines
 
 
 def _gate_lines(values: BoardValues) -> list[str]:

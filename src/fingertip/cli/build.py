@@ -1,14 +1,16 @@
-"""Command `fingertip build`: make the printable parts of a design."""
+"""Commands that write a set of files of a design: `build`, `make`, `coupon` and `firmware`."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, ForceOption, JsonOption, QuietOption, SetOption, command
-from fingertip.cli.options import DesignArgument, MaterialOption
+from fingertip.cli.check import format_failures
+from fingertip.cli.console import Console
+from fingertip.cli.options import DesignArgument, ForceOption, MaterialOption, SetOption, command, load_design
 
 if TYPE_CHECKING:
     from fingertip.cad.report import Build
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
 @command
 def build(
+    console: Console,
     design: DesignArgument,
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
     parts: Annotated[
@@ -36,23 +39,17 @@ def build(
     ] = False,
     force: ForceOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
-    import json
-
-    from fingertip.cad.report import REPORT
-    from fingertip.cli.options import load_design
+    from fingertip.catalogues.output_files import REPORT
     from fingertip.tasks.build import build as build_parts
 
-    console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes, console.progress)
+    loaded = load_design(design, changes, console)
     result = build_parts(
         loaded,
         out,
-        parts=None if parts is None else split_names(parts),
-        formats=None if formats is None else split_names(formats),
+        parts=split_names(parts),
+        formats=split_names(formats),
         tolerance_mm=tolerance_mm,
         material=material,
         pictures=pictures,
@@ -60,9 +57,7 @@ def build(
         progress=console.progress,
     )
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
-    console.result(data, "\n".join(format_build(result)))
-    if not result.passed:
-        raise typer.Exit(CHECK_FAILED)
+    console.result(data, "\n".join(format_build(result)), result.passed)
 
 
 def format_build(result: Build) -> list[str]:
@@ -71,36 +66,30 @@ def format_build(result: Build) -> list[str]:
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts
     ]
-    from fingertip.cad.printing.print_files import PRINT_FOLDER
     from fingertip.cad.verification.check import count_checks, list_warnings
-    from fingertip.cli.check import describe_cause
+    from fingertip.catalogues.output_files import PRINT_FOLDER
 
     if result.prints.contents:
         lines.append(f"{f'{PRINT_FOLDER}/':28}{', '.join(result.prints.contents)}")
 
-    failed = [check for check in result.checks if not check.passed]
     if result.strength:
         from fingertip.cad.verification.strength import describe_strength
 
         lines += describe_strength(result.strength)
-    for check in failed:
-        lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
-        lines.append(describe_cause(check.name))
+    lines += format_failures(result.checks)
     lines += [f"warning: {text}" for text in list_warnings(result.checks)]
     lines.append(f"{count_checks(result.checks)}; written to {result.folder}")
     return lines
 
 
-def split_names(text: str) -> list[str]:
-    """Split a comma-separated option into names."""
-    return [name.strip() for name in text.split(",") if name.strip()]
-
-
-# Command `fingertip make`: everything of a design in one folder.
+def split_names(text: str | None) -> list[str] | None:
+    """Split a comma-separated option into names; None if it is not given."""
+    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
 
 
 @command
 def make(
+    console: Console,
     design: DesignArgument,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
     formats: Annotated[
@@ -109,20 +98,15 @@ def make(
     ] = None,
     force: ForceOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed."""
-    from fingertip.cli.options import load_design
+    from fingertip.catalogues.output_files import ACCEPTANCE, BOM, README, SHEET
     from fingertip.slip.report import as_data, as_text
     from fingertip.tasks.make import make as make_everything
 
-    console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes, console.progress)
-    names = None if formats is None else split_names(formats)
-    made = make_everything(loaded, out, formats=names, force=force, progress=console.progress)
-    for warning in made.detection.warnings:
-        console.progress(f"warning: {warning}")
+    loaded = load_design(design, changes, console)
+    made = make_everything(loaded, out, formats=split_names(formats), force=force, progress=console.progress)
+    console.warn(made.detection.warnings)
     data = {
         "folder": str(made.parts.folder),
         "parts": made.parts.report(),
@@ -134,50 +118,73 @@ def make(
     }
     lines = [
         *format_build(made.parts),
-        f"board: {made.board[0].parent}; bom.csv lists what to buy, README.md how to use it",
+        f"board: {made.board[0].parent}; {BOM} lists what to buy, {README} how to use it",
         f"simulated trial: {made.signal[0]}",
         as_text(made.detection.detection),
-        f"next: {made.parts.folder / 'casting.md'} says what to print and how to cast it, acceptance.md how to test it",
+        f"next: {made.parts.folder / SHEET} says what to print and how to cast it, {ACCEPTANCE} how to test it",
     ]
     if made.page:
         lines.append(f"see: {made.page}, all of it in a browser, without a network")
-    console.result(data, "\n".join(lines))
-    if not made.parts.passed:
-        raise typer.Exit(CHECK_FAILED)
-
-
-# Command `fingertip coupon`: write a small print that shows how a printer makes the fits of a design.
+    console.result(data, "\n".join(lines), made.parts.passed)
 
 
 @command
 def coupon(
+    console: Console,
     design: DesignArgument,
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/coupon by default.")] = None,
     formats: Annotated[str, typer.Option(help="File formats (stl, 3mf, step), separated by commas.")] = "stl,3mf",
     force: ForceOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Write the fit coupon of a design, a file for caliper readings of it, and a page on both.
 
     The coupon is a frame and a loose piece with the fits of the real parts. It prints in some 20 minutes. `fingertip
     calibrate printer` turns the readings into parameters.
     """
-    from fingertip.cli.check import describe_cause
-    from fingertip.cli.options import load_design
-    from fingertip.tasks.coupon import READINGS, write_coupon
+    from fingertip.catalogues.output_files import COUPON_READINGS
+    from fingertip.tasks.coupon import write_coupon
 
-    console = Console(as_json, quiet)
-    loaded, _ = load_design(design, changes, console.progress)
-    made = write_coupon(loaded, out, formats=split_names(formats), force=force, progress=console.progress)
+    loaded = load_design(design, changes, console)
+    made = write_coupon(loaded, out, formats=split_names(formats) or [], force=force, progress=console.progress)
     lines = [f"{name:12} {mesh.volume() / 1000:8.2f} cm3" for name, mesh in made.meshes.items()]
-    failed = [check for check in made.checks if not check.passed]
-    for check in failed:
-        lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
-        lines.append(describe_cause(check.name))
-    passed = len(made.checks) - len(failed)
-    lines.append(f"{passed} of {len(made.checks)} checks passed; written to {made.folder}; fill in {READINGS}")
-    console.result(made.data(), "\n".join(lines))
-    if failed:
-        raise typer.Exit(CHECK_FAILED)
+    lines += format_failures(made.checks)
+    passed = sum(check.passed for check in made.checks)
+    lines.append(f"{passed} of {len(made.checks)} checks passed; written to {made.folder}; fill in {COUPON_READINGS}")
+    console.result(made.data(), "\n".join(lines), made.passed)
+
+
+@command
+def firmware(
+    console: Console,
+    design: DesignArgument,
+    out: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/firmware by default.")
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; compare the folder with the design; exit 1 if they differ.")
+    ] = False,
+    force: ForceOption = False,
+    changes: SetOption = None,
+) -> None:
+    """Write the slip detector of a design as a C99 library for a controller, for Arduino, PlatformIO or plain C.
+
+    The README beside it states the wiring to the board's output connector, and what the detector costs in instructions
+    and memory.
+    """
+    from fingertip.catalogues.output_files import FIRMWARE
+    from fingertip.firmware.packaging import cost_table, find_warnings, read_costs
+    from fingertip.tasks.firmware import firmware_differences, write_firmware
+
+    loaded = load_design(design, changes, console)
+    folder = out or FIRMWARE.folder(loaded)
+    if check:
+        found = firmware_differences(loaded, folder)
+        text = "\n".join(found) or f"{folder} is up to date with this design"
+        console.result({"current": not found, "differences": found}, text, passed=not found)
+        return
+    paths = write_firmware(loaded, folder, force=force)
+    warnings = list(find_warnings(loaded))
+    console.warn(warnings)
+    data = {"files": [path.as_posix() for path in paths], "warnings": warnings, "costs": read_costs()}
+    console.result(data, f"{cost_table()}\n{len(paths)} files in {folder}; its README.md states use and wiring")

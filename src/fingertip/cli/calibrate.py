@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import (
-    BAD_INPUT,
-    CHECK_FAILED,
-    Console,
-    JsonOption,
-    QuietOption,
+from fingertip.cli.check import format_failures
+from fingertip.cli.console import BAD_INPUT, Console
+from fingertip.cli.help_page import HelpCommand, HelpGroup
+from fingertip.cli.options import (
+    CalibratedDesignOption,
+    ForceCalibratedOption,
     SetOption,
     command,
+    find_file_issues,
+    gather,
+    load_design,
 )
-from fingertip.cli.options import CalibratedDesignOption, ForceCalibratedOption, find_file_issues
+from fingertip.foundation.errors import DesignError, FingertipError, Issue
 
 if TYPE_CHECKING:
     from fingertip.calibration.printer import Calibration
@@ -27,7 +30,9 @@ if TYPE_CHECKING:
 
 _TOLERANCE_MM = 0.01
 
-calibrate = typer.Typer(help="Turn measurements into parameters.", no_args_is_help=True)
+calibrate = typer.Typer(
+    name="calibrate", help="Turn measurements into parameters.", cls=HelpGroup, no_args_is_help=True
+)
 
 
 @calibrate.callback()
@@ -35,9 +40,10 @@ def _calibrate() -> None:
     """Turn measurements into parameters of a design."""
 
 
-@calibrate.command("printer")
+@calibrate.command(cls=HelpCommand)
 @command
 def printer(
+    console: Console,
     design: Annotated[Path, typer.Argument(help="Design file, or bundled design, of which the coupon was printed.")],
     readings: Annotated[
         Path, typer.Argument(help="File of caliper readings, filled in from the one that `fingertip coupon` wrote.")
@@ -49,8 +55,6 @@ def printer(
         typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
     ] = None,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Calibrate a design for a printer, from caliper readings of its fit coupon, and check the result.
 
@@ -63,74 +67,54 @@ def printer(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
-    from fingertip.calibration.printer import (
-        CLEARANCES,
-        apply_calibration,
-        calibrate_printer,
-        find_kept,
-        list_calibrated,
-    )
+    from fingertip.calibration import printer as fit
     from fingertip.calibration.readings import read_readings
-    from fingertip.cli.check import describe_cause
-    from fingertip.cli.options import load_design
     from fingertip.design.files import to_toml
     from fingertip.design.parameters.declaration import suggest_name
-    from fingertip.foundation.errors import DesignError, FingertipError, Issue
     from fingertip.foundation.files import write_file
 
-    console, kept = Console(as_json, quiet), keep or []
+    kept = keep or []
     remedy = "" if force else "overwrite it with --force"
     issues = list(find_file_issues("--out", out, ".toml", inputs=(design, readings), kept=remedy))
-    known = list(list_calibrated())
-    issues += (
-        Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}")
-        for name in kept
-        if name not in known
-    )
+    known = list(fit.list_calibrated())
+    unknown = (name for name in kept if name not in known)
+    issues += (Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}") for name in unknown)
     calibration = loaded = None
-    try:
-        loaded, _ = load_design(design, changes, console.progress)
-        calibration = calibrate_printer(loaded, read_readings(readings, loaded), kept)
-    except FingertipError as error:
-        issues += error.issues
-    if issues:
+    with gather(issues):
+        loaded = load_design(design, changes, console)
+        calibration = fit.calibrate_printer(loaded, read_readings(readings, loaded), kept)
+    if issues or loaded is None or calibration is None:
         raise FingertipError(issues)
-    assert loaded
-    assert calibration
     data, lines = _data(calibration), _format(calibration)
     try:
-        calibrated = apply_calibration(loaded, calibration, out.stem if out else None)
+        calibrated = fit.apply_calibration(loaded, calibration, out.stem if out else None)
     except DesignError as error:
-        found = find_kept(loaded, calibration, CLEARANCES)
+        found = fit.find_kept(loaded, calibration, fit.CLEARANCES)
         note = (
             f"the calibrated design is refused; --keep {found} passes, at a printed gap smaller than the design's."
             if found
             else "the calibrated design is refused; change the design as the other messages say, and print its coupon."
         )
         refused = DesignError([*error.issues, Issue("calibration", note)])
-        if not as_json:
+        if not console.as_json:
             console.write("\n".join(lines))
         console.print_issues(refused, data)
         raise typer.Exit(BAD_INPUT) from None
     console.progress("checking the calibrated design")
     parts = parts_by_name(calibrated)
     checks = verify(calibrated, parts, ("stl",), MeshEvaluator(_TOLERANCE_MM)).checks
-    failed = [check for check in checks if not check.passed]
-    for check in failed:
-        lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
-        lines.append(describe_cause(check.name))
-    lines.append(f"{len(checks) - len(failed)} of {len(checks)} checks of the calibrated design passed")
-    data |= {"passed": not failed, "checks": [check.to_dict() for check in checks]}
-    if out is not None and not failed:
+    lines += format_failures(checks)
+    passed = sum(check.passed for check in checks)
+    lines.append(f"{passed} of {len(checks)} checks of the calibrated design passed")
+    data |= {"passed": passed == len(checks), "checks": [check.to_dict() for check in checks]}
+    if out is not None and data["passed"]:
         write_file(out, to_toml(calibrated, _heading(loaded)).encode())
         data["file"] = out.as_posix()
         again = f"fingertip coupon {shlex.quote(out.as_posix())}"
         lines.append(f"wrote {out}; next: {again}, to see that the fits are right")
     elif out is not None:
         lines.append(f"{out} is not written; change the design as stated, or keep a parameter with --keep")
-    console.result(data, "\n".join(lines))
-    if failed:
-        raise typer.Exit(CHECK_FAILED)
+    console.result(data, "\n".join(lines), data["passed"])
 
 
 def _heading(design: Design) -> str:
@@ -219,8 +203,10 @@ def _data(calibration: Calibration) -> dict[str, Any]:
 # Command `fingertip calibrate sensor`: turn weighings of the finger into the force curve of its sensor.
 
 
+@calibrate.command(cls=HelpCommand)
 @command
 def sensor(
+    console: Console,
     readings: Annotated[
         Path,
         typer.Argument(
@@ -235,8 +221,6 @@ def sensor(
     force: ForceCalibratedOption = False,
     scale: Annotated[float | None, typer.Option("--scale", help="Volts per count, if the readings are counts.")] = None,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Calibrate the force curve of a sensor, from readings under known weights.
 
@@ -247,33 +231,24 @@ def sensor(
 
     Exit code 0: the force curve is calibrated, 2: the weighings are not usable.
     """
-    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings
-    from fingertip.calibration.weighings import read_weighings
-    from fingertip.cli.options import load_design
+    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings, read_weighings
     from fingertip.design.files import to_toml
-    from fingertip.foundation.errors import FingertipError
     from fingertip.foundation.files import write_file
 
-    console = Console(as_json, quiet)
     remedy = "" if force else "overwrite it with --force"
     issues = list(find_file_issues("--out", out, ".toml", inputs=(readings, design), kept=remedy))
     loaded = weighings = None
-    try:
-        loaded, _ = load_design(design, changes, console.progress)
-    except FingertipError as error:
-        issues += error.issues
-    try:
+    with gather(issues):
+        loaded = load_design(design, changes, console)
+    with gather(issues):
         weighings = read_weighings(readings)
-    except FingertipError as error:
-        issues += error.issues
     if issues or loaded is None or weighings is None:
         raise FingertipError(issues)
     calibration = calibrate_sensor(loaded, weighings, scale)
     calibrated = apply_sensor_calibration(loaded, calibration)
     data, lines = _sensor_data(calibration), _format_sensor(calibration, calibrated)
     data["warnings"] = list_warnings(weighings)
-    for warning in data["warnings"]:
-        console.progress(f"warning: {warning}")
+    console.warn(data["warnings"])
     if out is not None:
         heading = f"{loaded.name}, with the force curve of one sensor on one board, by `fingertip calibrate sensor`."
         write_file(out, to_toml(calibrated, heading).encode())

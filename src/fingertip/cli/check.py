@@ -12,12 +12,12 @@ from xml.etree.ElementTree import Element, SubElement
 
 import typer
 
-from fingertip.cad.verification.check import Check
-from fingertip.cli.console import CHECK_FAILED, Console, JsonOption, QuietOption, SetOption, VerboseOption, command
-from fingertip.cli.options import find_file_issues
+from fingertip.cli.console import Console
+from fingertip.cli.options import SetOption, VerboseOption, command, find_file_issues, load_design, refuse
+from fingertip.foundation.errors import DesignError, Issue
 
 if TYPE_CHECKING:
-    from fingertip.cli.options import Progress
+    from fingertip.cad.verification.check import Check
     from fingertip.design import Design
 
 
@@ -27,6 +27,7 @@ _TEXT_WIDTH = 80
 
 @command
 def check(
+    console: Console,
     designs: Annotated[
         list[Path],
         typer.Argument(
@@ -39,8 +40,6 @@ def check(
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="JUnit report, for CI servers.")] = None,
     verbose: VerboseOption = False,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Check designs and folders. Exit code 0: no check failed, 1: a check failed, 2: a design is not valid.
 
@@ -52,16 +51,10 @@ def check(
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
     Nothing in it is changed.
     """
-    from fingertip.foundation.errors import Issue, OutputError
-
-    console = Console(as_json, quiet)
     folders = [path for path in designs if path.is_dir()]
     files = [path for path in designs if not path.is_dir()]
-    issues = list(find_file_issues("--junit", junit, ".xml"))
-    if junit and not files:
-        issues.append(Issue("--junit", "reports on designs, but only folders are given; give a design too."))
-    if issues:
-        raise OutputError(issues)
+    idle = [Issue("--junit", "reports on designs, but only folders are given; give a design too.")]
+    refuse(find_file_issues("--junit", junit, ".xml"), idle if junit and not files else ())
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
@@ -70,14 +63,12 @@ def check(
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
         data["passed"] = data["passed"] and all(folder["passed"] for folder in data["folders"])
-    console.result(data, "\n\n".join(texts))
-    if not data["passed"]:
-        raise typer.Exit(CHECK_FAILED)
+    console.result(data, "\n\n".join(texts), data["passed"])
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
     """Compare folders with their manifests: data and text of each."""
-    from fingertip.foundation.output_set import verify_sets
+    from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
     for folder in folders:
@@ -106,7 +97,7 @@ def _check_designs(
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.verify import validate_tolerance, verify
 
-    loaded = _load(files, changes, console.progress)
+    loaded = _load(files, changes, console)
     validate_tolerance(tolerance_mm)
     checks_by_design: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
@@ -135,18 +126,16 @@ def _check_designs(
     return data, [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
 
 
-def _load(files: Sequence[Path], changes: Sequence[str], progress: Progress) -> dict[str, Design]:
+def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
-    from fingertip.cli.options import load_design
     from fingertip.design.files import load_tables
-    from fingertip.foundation.errors import DesignError, Issue
 
     load_tables((), changes)  # reports invalid changes once instead of once per file
     loaded: dict[Path, Design] = {}
     issues: list[Issue] = []
     for file in dict.fromkeys(files):
         try:
-            loaded[file], _ = load_design(file, changes, progress)
+            loaded[file] = load_design(file, changes, console)
         except DesignError as error:
             issues += (
                 issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message)
@@ -183,6 +172,16 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
     for text in list_warnings(checks):
         lines += textwrap.wrap(f"warning: {text}", _TEXT_WIDTH, subsequent_indent="  ", break_on_hyphens=False)
     return "\n".join([*lines, *(describe_cause(c.name) for c in shown if not c.passed)])
+
+
+def format_failures(checks: Iterable[Check]) -> list[str]:
+    """Format the checks that failed, each with what to change."""
+    lines = []
+    for check in checks:
+        if not check.passed:
+            lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
+            lines.append(describe_cause(check.name))
+    return lines
 
 
 def describe_cause(check: str) -> str:

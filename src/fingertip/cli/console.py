@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import functools
-import inspect
 import json
 import math
 import os
@@ -18,12 +16,11 @@ import shutil
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn, ParamSpec
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
-from fingertip.foundation import processes as interruption
 from fingertip.foundation.errors import FingertipError, Issue, OutputError, escape_control, shorten
 from fingertip.foundation.progress import ShareText, format_duration
 from fingertip.foundation.version import __version__
@@ -186,38 +183,10 @@ def _write_details(error: BaseException) -> str | None:
     return path
 
 
-P = ParamSpec("P")
-
 CHECK_FAILED = 1
 BAD_INPUT = 2
-PIPE_CLOSED = 141
 _MAX_PRINTED = 200
 """Maximum number of issues that are printed to stderr."""
-
-COMMON = "Options of all commands"
-"""Heading of these options on the help pages."""
-
-# An option of the same name means the same in every command, so it is declared once.
-JsonOption = Annotated[
-    bool, typer.Option("--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
-]
-QuietOption = Annotated[
-    bool,
-    typer.Option(
-        "--quiet",
-        "-q",
-        rich_help_panel=COMMON,
-        help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
-    ),
-]
-VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Print the details too, not only the verdict.")]
-ForceOption = Annotated[
-    bool, typer.Option("--force", help="Overwrite files that fingertip did not write, or that were changed since.")
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable."),
-]
 
 
 class Console:
@@ -238,17 +207,24 @@ class Console:
         """Remove the bar of a terminal."""
         self._display.clear()
 
-    def result(self, data: Mapping[str, Any], text: str) -> None:
+    def warn(self, warnings: Iterable[str]) -> None:
+        """Print warnings to stderr."""
+        for warning in warnings:
+            self.progress(f"warning: {warning}")
+
+    def result(self, data: Mapping[str, Any], text: str, passed: bool = True) -> None:
         """Print the result of the command to stdout: `data` as one JSON object, else `text` for people.
 
         On a terminal, lines of the text that are too long for it are broken between words. A file or another program
-        gets them whole.
+        gets them whole. A result that has not `passed` ends the command with `CHECK_FAILED`.
         """
         self._display.clear()
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
             self.write(fit_width(text, shutil.get_terminal_size().columns) if sys.stdout.isatty() else text)
+        if not passed:
+            raise typer.Exit(CHECK_FAILED)
 
     def write(self, text: str) -> None:
         """Write a line of the result, or all of it, to stdout and flush it. Raises OutputError or BrokenPipeError."""
@@ -257,7 +233,7 @@ class Console:
         except BrokenPipeError:
             raise
         except OSError as error:
-            _discard_stdout()
+            discard_stdout()
             reason = error.strerror or str(error)
             raise OutputError(
                 Issue("standard output", f"cannot be written ({reason}); redirect it elsewhere.")
@@ -308,50 +284,9 @@ def fit_width(text: str, width: int) -> str:
     return "\n".join(lines)
 
 
-def _discard_stdout() -> None:
+def discard_stdout() -> None:
     """Redirect stdout to the null device: its buffer would fail again, with a traceback, when the process ends."""
     with contextlib.suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, sys.stdout.fileno())
         os.close(null)
-
-
-def _end_interrupted(error: BaseException) -> NoReturn:
-    ProgressDisplay().clear()
-    raise typer.Exit(interruption.report(error)) from None
-
-
-def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or at an interruption with its code.
-
-    What no command expects ends with `FAULT`: never with the exit code of a failed check, as a traceback would.
-    """
-
-    # The help page would keep the line breaks of the source within a paragraph.
-    paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
-    function.__doc__ = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
-
-    @functools.wraps(function)
-    def run(*args: P.args, **kwargs: P.kwargs) -> None:
-        try:
-            function(*args, **kwargs)
-        except FingertipError as error:
-            if interruption.find_signal(error) is not None:
-                _end_interrupted(error)
-            Console(bool(kwargs.get("as_json")), False).print_issues(error)
-            raise typer.Exit(BAD_INPUT) from None
-        except interruption.INTERRUPTIONS as error:
-            _end_interrupted(error)
-        except BrokenPipeError:
-            _discard_stdout()
-            raise typer.Exit(PIPE_CLOSED) from None
-        except (typer.Exit, typer.Abort, typer.BadParameter):
-            raise
-        except Exception as error:
-            if interruption.find_signal(error) is not None:
-                _end_interrupted(error)
-            refusal = describe_path_error(error) if isinstance(error, OSError) else None
-            Console(bool(kwargs.get("as_json")), False).print_issues(refusal or describe_fault(error))
-            raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
-
-    return run

@@ -10,14 +10,20 @@ from typing import Annotated, Any
 import typer
 
 from fingertip.catalogues.sensors import CATALOGUE
-from fingertip.cli.console import (
-    Console,
-    JsonOption,
+from fingertip.cli.completion import SCRIPTS
+from fingertip.cli.console import Console
+from fingertip.cli.options import (
+    OptionalDesignArgument,
     QuietOption,
     SetOption,
     command,
+    find_file_issues,
+    find_idle_issues,
+    gather,
+    load_design,
+    refuse,
 )
-from fingertip.cli.options import OptionalDesignArgument, find_file_issues, find_idle_issues
+from fingertip.foundation.errors import DesignError, FingertipError, Issue
 
 _TOLERANCE_MM = 0.05
 """Tolerance of the mesh on which the strength is assessed [mm]."""
@@ -25,6 +31,7 @@ _TOLERANCE_MM = 0.05
 
 @command
 def new(
+    console: Console,
     name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
     sensor: Annotated[
         str | None,
@@ -53,8 +60,6 @@ def new(
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
     ] = None,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.
 
@@ -62,27 +67,24 @@ def new(
     are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
     """
     from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN
     from fingertip.design.new_design import write_new_design
-    from fingertip.foundation.errors import FingertipError, Issue
     from fingertip.foundation.files import write_file
-    from fingertip.foundation.toml_files import DESIGN
 
-    console = Console(as_json, quiet)
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     if name in list_bundled_files(DESIGN):
         issues.append(Issue("NAME", f"{name} is the name of a bundled design; choose another, such as my_{name}."))
     made = None
-    try:
+    found: list[Issue] = []
+    with gather(found):
         made = write_new_design(name, sensor, preset, hand, changes or (), console.progress)
-    except FingertipError as error:
-        options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
-        issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in error.issues)
+    options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
+    issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in found)
     path = out or Path(f"{name}.toml")
     if made and out is None:
         issues += find_file_issues("--out", path, ".toml", kept="give another name")
-    if issues:
+    if issues or made is None:
         raise FingertipError(issues)
-    assert made
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data: dict[str, Any] = {
         "design": path.as_posix(), "name": name, "sensor": made.design.sensor.model, "base": made.base,
@@ -110,6 +112,7 @@ def new(
 
 @command
 def params(
+    console: Console,
     design: OptionalDesignArgument = None,
     changes: SetOption = None,
     toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
@@ -122,47 +125,38 @@ def params(
             metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
         ),
     ] = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
-    from fingertip.cli.options import load_design
     from fingertip.design import files as export
-    from fingertip.design.files import format_parameter_table, format_value
-    from fingertip.foundation.errors import OutputError
 
-    console = Console(as_json, quiet)
     issues = list(find_file_issues("--html", html, ".html"))
     if schema or toml:
         issues += find_idle_issues("--schema" if schema else "--toml", {"--html": html, "--toml": schema and toml})
-    if issues:
-        raise OutputError(issues)
-    loaded, _ = load_design(design, changes, console.progress)
+    refuse(issues)
+    loaded = load_design(design, changes, console)
     if schema:  # The schema is JSON with and without --json.
         console.write(json.dumps(export.json_schema(), indent=2))
-        return
-    if toml:
+    elif toml:
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
-        return
-    if html:
+    elif html:
         from fingertip.tasks.page import write_atlas
 
         pictures = write_atlas(loaded, html, console.progress)
         said = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"
         console.result({"html": str(html), "pictures": pictures}, said)
-        return
-    parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
-    data = [
-        {"name": p.path, "value": value, "default": p.default, "unit": p.unit, "bounds": p.bounds,
-         "description": p.description}
-        for p, value in parameters
-    ]  # fmt: skip
-    rows = [(p.path, format_value(value), p.unit, p.bounds, p.description) for p, value in parameters]
-    console.result({"parameters": data}, format_parameter_table(rows))
+    else:
+        parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
+        data = [
+            {"name": p.path, "value": value, "default": p.default, "unit": p.unit, "bounds": p.bounds,
+             "description": p.description}
+            for p, value in parameters
+        ]  # fmt: skip
+        rows = [(p.path, export.format_value(value), p.unit, p.bounds, p.description) for p, value in parameters]
+        console.result({"parameters": data}, export.format_parameter_table(rows))
 
 
-# Command `fingertip schema`: JSON schemas of the TOML files, for editors and checkers.
+# Commands `fingertip schema` and `fingertip completion`, for editors and shells.
 
 
 KINDS = ("design", "scene", "manipulation", "sweep")
@@ -186,7 +180,6 @@ def format_schema(kind: str) -> str:
 def make_schema(kind: str) -> dict[str, Any]:
     """Make the JSON schema of a kind of TOML file. Raises DesignError."""
     from fingertip.design.parameters.declaration import suggest_name
-    from fingertip.foundation.errors import DesignError, Issue
 
     if kind == "design":
         from fingertip.design.files import json_schema
@@ -223,3 +216,20 @@ def _normalise(value: Any) -> Any:
     if isinstance(value, list):
         return [_normalise(item) for item in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+@command
+def completion(
+    shell: Annotated[str, typer.Argument(help="Shell: bash, zsh or fish.")],
+    quiet: QuietOption = False,
+) -> None:
+    """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
+
+    For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion
+    zsh)" to ~/.zshrc, after compinit. For fish, write the script to ~/.config/fish/completions/fingertip.fish.
+    """
+    from fingertip.design.parameters.declaration import suggest_name
+
+    if shell not in SCRIPTS:
+        raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, tuple(SCRIPTS))}"))
+    Console(False, quiet).write(SCRIPTS[shell])

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import BAD_INPUT, Console, JsonOption, QuietOption, SetOption, command
-from fingertip.cli.options import find_file_issues
+from fingertip.cli.console import BAD_INPUT, Console
+from fingertip.cli.options import SetOption, command, find_file_issues, load_design, refuse
+from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.processes import INTERRUPTIONS, exit_code
+from fingertip.slip.detectors.registry import DEFAULT, describe_detectors
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 @command
 def detect(
+    console: Console,
     trace: Annotated[
         Path,
         typer.Argument(
@@ -33,10 +36,9 @@ def detect(
         str,
         typer.Option(
             "--detector",
-            help="digital (the article's chain in software), analog (on the board's output), fft (the article's "
-            "baseline) or fast (short-time energy).",
+            help=describe_detectors(),
         ),
-    ] = "digital",
+    ] = DEFAULT,
     rate_hz: Annotated[
         float | None,
         typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),
@@ -69,29 +71,23 @@ def detect(
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the detection to write (PNG).")] = None,
     changes: SetOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Detect slip in a trace with the article's chain or another detector.
 
     The detector analog takes the board's output: the column envelope_v of the trace or, if there is none, the output of
     the design's board, simulated for the voltage.
     """
-    from fingertip.cli.options import load_design
     from fingertip.design.files import load_tables
     from fingertip.detection.files import detect_file
     from fingertip.foundation import extras
-    from fingertip.foundation.errors import TraceError
     from fingertip.foundation.output_set import add_to_set, check_set
     from fingertip.slip.report import as_data, as_text
 
-    console = Console(as_json, quiet)
-    if issues := list(find_file_issues("--plot", plot, ".png")):
-        raise TraceError(issues)
+    refuse(find_file_issues("--plot", plot, ".png"))
     if plot is not None and str(trace) != "-":
         check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
-    loaded, _ = load_design(design, changes)
+    loaded = load_design(design, changes)
     names, seconds = _parse_columns(columns or []), _parse_time_scale(time_scale)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
@@ -111,8 +107,7 @@ def detect(
         keep_window=keep_window,
         progress=console.progress,
     )
-    for warning in found.warnings:
-        console.progress(f"warning: {warning}")
+    console.warn(found.warnings)
     if plot is not None:
         from fingertip.slip.report import draw
 
@@ -122,7 +117,6 @@ def detect(
 
 
 def _parse_columns(columns: list[str]) -> dict[str, str]:
-    from fingertip.foundation.errors import Issue, TraceError
 
     pairs = [column.partition("=") for column in columns]
     if invalid := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
@@ -132,7 +126,6 @@ def _parse_columns(columns: list[str]) -> dict[str, str]:
 
 
 def _parse_interval(text: str) -> tuple[float, float]:
-    from fingertip.foundation.errors import Issue, TraceError
 
     begin, _, end = text.partition(":")
     try:
@@ -143,7 +136,6 @@ def _parse_interval(text: str) -> tuple[float, float]:
 
 
 def _parse_time_scale(text: str) -> float:
-    from fingertip.foundation.errors import Issue, TraceError
     from fingertip.slip.traces.sampling import TIME_UNITS_S
 
     try:
@@ -172,7 +164,6 @@ def detect_standard_input(
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detection.files import detect_stream
     from fingertip.detection.live import NAME
-    from fingertip.foundation.errors import FingertipError, Issue, TraceError
 
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
@@ -196,8 +187,7 @@ def detect_standard_input(
         )
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
-        for warning in found.warnings:
-            console.progress(f"warning: {warning}")
+        console.warn(found.warnings)
         for transition in found.transitions:
             any_on = True
             if console.as_json:

@@ -1,23 +1,19 @@
 """Help pages: plain text of at most 80 columns, options in groups, flags without a type, and examples to copy.
 
-typer draws help pages in boxes, with a type beside each flag. These classes write the text themselves, from the
-attributes of the parameters that all versions of typer share.
+typer draws help pages in boxes, with a type beside each flag. These classes write plain text with click's formatter,
+from the attributes of the parameters that all versions of typer share.
 """
 
 from __future__ import annotations
 
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
 from typing import Any
 
-import typer
 from typer.core import TyperCommand, TyperGroup
 
-from fingertip.cli.console import COMMON
-
-# Examples on the help pages: each is a command to copy, and a test runs it.
-
+from fingertip.cli.completion import first_sentence
+from fingertip.cli.options import COMMON
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "": (
@@ -76,113 +72,72 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
 }
 """Command -> commands to copy."""
 
-
-def list_examples(command: str) -> tuple[str, ...]:
-    """List the examples of a command; of the whole program for an empty name."""
-    return EXAMPLES.get(command, ())
-
-
 MAX_WIDTH = 80
 """Largest width of a help page, in columns: longer lines are hard to read."""
 MIN_WIDTH = 40
 MAX_TERM = 26
 """Largest width of the column of options; a longer one has a line of its own."""
-
-ARGUMENTS, OPTIONS = "Arguments", "Options"
-
 _METAVARS = {"int": "NUMBER", "integer": "NUMBER", "float": "NUMBER", "path": "PATH"}
 """Name of a type in typer -> what stands for a value on a help page."""
-
-
-SUBJECTS = {
-    "Everything of a design": ("new", "make", "page", "studio", "check", "params"),
-    "Parts and mold": ("build", "sheet", "acceptance", "coupon", "calibrate", "picture", "drawing"),
-    "Board and controller": ("board", "firmware"),
-    "Signal and slip": ("simulate", "detect", "validate"),
-    "Many designs, and measurements of the program": ("sweep", "bench"),
-    "Editors and shells": ("schema", "completion"),
-}
-"""Subject on the help page of the program -> its commands."""
 
 
 class HelpCommand(TyperCommand):
     """Command whose help page this module writes."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help page."""
-        formatter.write(format_command(self, ctx))
+        """Write the help page: usage, description, arguments, options and examples."""
+        arguments: list[tuple[str, str]] = []
+        groups: dict[str, list[tuple[str, str]]] = {"Arguments": arguments, "Options": []}
+        common: list[tuple[str, str]] = []
+        usage = []
+        parameter: Any
+        for parameter in self.get_params(ctx):
+            row = (_term(parameter), _describe(parameter))
+            if parameter.param_type_name == "argument":
+                arguments.append(row)
+                usage.append(row[0] if parameter.required else f"[{row[0]}]")
+            elif parameter.rich_help_panel == COMMON or parameter.name == "help":
+                common.append(row)
+            else:
+                groups["Options"].append(row)
+        _write_page(self, ctx, formatter, " ".join([*usage, "[OPTIONS]"]), {**groups, COMMON: common})
 
 
 class HelpGroup(TyperGroup):
     """Group of commands whose help page this module writes."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help page."""
-        formatter.write(format_group(self, ctx))
+        """Write the help page: usage, description, its commands by subject, options and examples."""
+        subjects: dict[str, list[tuple[str, str]]] = {}
+        for name in self.list_commands(ctx):
+            command: Any = self.get_command(ctx, name)
+            subject = command.rich_help_panel or "Commands"
+            subjects.setdefault(subject, []).append((name, first_sentence(command.help or "")))
+        width = max(len(name) for rows in subjects.values() for name, _ in rows)
+        sections = {subject: [(f"{name:{width}}", text) for name, text in rows] for subject, rows in subjects.items()}
+        options = [(_term(p), _describe(p)) for p in self.get_params(ctx) if p.param_type_name == "option"]
+        _write_page(self, ctx, formatter, "COMMAND [OPTIONS]", {**sections, "Options": options})
+        formatter.write_paragraph()
+        formatter.write_text(f"`{ctx.command_path} COMMAND --help` describes a command.")
 
 
-def group_commands(app: typer.Typer) -> None:
-    """Give the commands of a program the help pages of this module, each under its subject."""
-    subject_of = {name: subject for subject, names in SUBJECTS.items() for name in names}
-    for command in app.registered_commands:
-        command.cls = HelpCommand
-        name = command.name or (command.callback.__name__ if command.callback else "")
-        command.rich_help_panel = subject_of.get(name)
-    for group in app.registered_groups:
-        group.cls = HelpGroup
-        group.rich_help_panel = subject_of.get(group.name or "")
-        if group.typer_instance:
-            group_commands(group.typer_instance)
-
-
-def format_command(command: Any, ctx: Any, width: int | None = None) -> str:
-    """Format the help page of a command: usage, description, arguments, options and examples."""
-    width = width or _terminal_width()
-    groups: dict[str, list[tuple[str, str]]] = {ARGUMENTS: [], OPTIONS: []}
-    common: list[tuple[str, str]] = []
-    for parameter in command.get_params(ctx):
-        if getattr(parameter, "hidden", False):
-            continue
-        row = (_term(parameter), _describe(parameter))
-        if parameter.param_type_name == "argument":
-            groups[ARGUMENTS].append(row)
-            continue
-        panel = getattr(parameter, "rich_help_panel", None)
-        if panel == COMMON or parameter.name == "help":
-            common.append(row)
-        else:
-            groups.setdefault(panel or OPTIONS, []).append(row)
-    sections = [(title, rows) for title, rows in [*groups.items(), (COMMON, common)] if rows]
-    path = ctx.command_path
-    lines = [_wrap(f"Usage: {path} {_usage(command, ctx)}", width, "       "), "", *_paragraphs(command.help, width)]
-    for title, rows in sections:
-        lines += ["", f"{title}:", *_two_columns(rows, width)]
-    if examples := list_examples(_command_name(ctx)):
-        lines += ["", "Examples:", *(_wrap(f"  $ {example}", width, "      ") for example in examples)]
-    return "\n".join(lines) + "\n"
-
-
-def format_group(group: Any, ctx: Any, width: int | None = None) -> str:
-    """Format the help page of a group: usage, description and its commands, by subject."""
-    width = width or _terminal_width()
-    subjects: dict[str, list[tuple[str, str]]] = {subject: [] for subject in SUBJECTS}
-    for name in group.list_commands(ctx):
-        command = group.get_command(ctx, name)
-        if command is None or command.hidden:
-            continue
-        subject = getattr(command, "rich_help_panel", None) or "Commands"
-        subjects.setdefault(subject, []).append((name, _first_sentence(command.help or "")))
-    subjects = {subject: rows for subject, rows in subjects.items() if rows}
-    longest = max((len(name) for rows in subjects.values() for name, _ in rows), default=0)
-    lines = [f"Usage: {ctx.command_path} COMMAND [OPTIONS]", "", *_paragraphs(group.help, width)]
-    for subject, rows in subjects.items():
-        lines += ["", f"{subject}:", *_two_columns(rows, width, longest)]
-    options = [(_term(p), _describe(p)) for p in group.get_params(ctx) if p.param_type_name == "option"]
-    lines += ["", f"{OPTIONS}:", *_two_columns(options, width)]
-    if examples := list_examples(_command_name(ctx)):
-        lines += ["", "Examples:", *(_wrap(f"  $ {example}", width, "      ") for example in examples)]
-    lines += ["", _wrap(f"`{ctx.command_path} COMMAND --help` describes a command.", width, "")]
-    return "\n".join(lines) + "\n"
+def _write_page(command: Any, ctx: Any, formatter: Any, usage: str, sections: dict[str, list[tuple[str, str]]]) -> None:
+    formatter.width = max(MIN_WIDTH, min(MAX_WIDTH, ctx.terminal_width or shutil.get_terminal_size().columns))
+    formatter.write_usage(ctx.command_path, usage)
+    formatter.write_paragraph()
+    formatter.write_text(command.help or "")
+    for title, rows in sections.items():
+        if rows:
+            with formatter.section(title):
+                widths = [len(term) for term, _ in rows if len(term) <= MAX_TERM]
+                formatter.write_dl(rows, col_max=max(widths, default=MAX_TERM))
+    formatter.write("\nExamples:\n")
+    for example in EXAMPLES[_command_name(ctx)]:
+        # A word to copy stays whole.
+        lines = textwrap.wrap(
+            f"  $ {example}", formatter.width, subsequent_indent=" " * 6, break_long_words=False, break_on_hyphens=False
+        )
+        formatter.write("\n".join([*lines, ""]))
 
 
 def _command_name(ctx: Any) -> str:
@@ -231,56 +186,3 @@ def _describe(parameter: Any) -> str:
     if shown and default != "":
         text = f"{text} Default: {default}."
     return text
-
-
-def _usage(command: Any, ctx: Any) -> str:
-    """Arguments of a command, in brackets where they may be left out."""
-    words = []
-    for parameter in command.get_params(ctx):
-        if parameter.param_type_name == "argument":
-            word = _term(parameter)
-            words.append(word if parameter.required else f"[{word}]")
-    return " ".join([*words, "[OPTIONS]"])
-
-
-def _first_sentence(text: str) -> str:
-    """First sentence of a description."""
-    first = text.split("\n\n")[0]
-    end = first.find(". ")
-    return first if end < 0 else first[: end + 1]
-
-
-def _paragraphs(text: str | None, width: int) -> list[str]:
-    """Lines of a description, with an empty line between paragraphs."""
-    wrapped = [_wrap(" ".join(paragraph.split()), width, "") for paragraph in (text or "").split("\n\n")]
-    return "\n\n".join(wrapped).split("\n")
-
-
-def _two_columns(rows: Sequence[tuple[str, str]], width: int, longest: int = 0) -> Iterable[str]:
-    """Lines of a list of terms with their meanings."""
-    column = longest or max((len(term) for term, _ in rows if len(term) <= MAX_TERM), default=MAX_TERM)
-    indent = " " * (column + 4)
-    for term, meaning in rows:
-        if len(term) > column:
-            yield f"  {term}"
-            yield _wrap(indent + meaning, width, indent)
-        else:
-            yield _wrap(f"  {term:{column}}  {meaning}", width, indent)
-
-
-def _wrap(text: str, width: int, indent: str) -> str:
-    """Break a text into lines between words; a longer word stays whole."""
-    return textwrap.fill(
-        text,
-        width,
-        subsequent_indent=indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-        replace_whitespace=False,
-        drop_whitespace=True,
-    )
-
-
-def _terminal_width() -> int:
-    """Width of a help page on this terminal."""
-    return max(MIN_WIDTH, min(MAX_WIDTH, shutil.get_terminal_size((MAX_WIDTH, 24)).columns))

@@ -1,64 +1,173 @@
-"""Arguments and options that several commands declare: one of the same name means the same in each."""
+"""What commands share: their decorator, options that mean the same in each, loading a design, checks of file names."""
 
 from __future__ import annotations
 
+import contextlib
+import functools
+import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from fingertip.catalogues.silicones import SILICONES
-from fingertip.foundation.errors import Issue
+from fingertip.cli.completion import COMPLETIONS
+from fingertip.cli.console import (
+    BAD_INPUT,
+    FAULT,
+    Console,
+    ProgressDisplay,
+    describe_fault,
+    describe_path_error,
+    discard_stdout,
+)
+from fingertip.foundation import processes as interruption
+from fingertip.foundation.errors import FingertipError, Issue, OutputError
 
 if TYPE_CHECKING:
     from fingertip.design import Design
 
+PIPE_CLOSED = 141
+COMMON = "Options of all commands"
+"""Heading of these options on the help pages."""
 
+JsonOption = Annotated[
+    bool, typer.Option("--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
+]
+QuietOption = Annotated[
+    bool,
+    typer.Option(
+        "--quiet",
+        "-q",
+        rich_help_panel=COMMON,
+        help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
+    ),
+]
+VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Print the details too, not only the verdict.")]
+ForceOption = Annotated[
+    bool, typer.Option("--force", help="Overwrite files that fingertip did not write, or that were changed since.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable."),
+]
 DesignArgument = Annotated[
     Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
 ]
-"""Design that must be named."""
 OptionalDesignArgument = Annotated[
     Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
 ]
-"""Design that may be left out."""
 MaterialOption = Annotated[
     str | None,
     typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
 ]
-"""Silicone of the skin."""
 CalibratedDesignOption = Annotated[
     Path | None,
     typer.Option("--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."),
 ]
-"""File that a calibration writes."""
 ForceCalibratedOption = Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")]
-"""Permission to overwrite that file."""
+
+_OUTPUT_OPTIONS = [
+    inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=False, annotation=option)
+    for name, option in (("as_json", JsonOption), ("quiet", QuietOption))
+]
 
 
-# Loading of the design that a command is given.
+def command(function: Callable[..., None]) -> Callable[..., None]:
+    """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or at an interruption with its code.
+
+    What no command expects ends with `FAULT`: never with the exit code of a failed check, as a traceback would. A
+    command with a parameter `console` gets one, and has the options --json and --quiet.
+    """
+    # The help page would keep the line breaks of the source within a paragraph.
+    paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
+    function.__doc__ = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
+    signature = inspect.signature(function, eval_str=True)
+    own = signature.parameters
+    declared = [parameter for name, parameter in own.items() if name != "console"]
+    if "console" in own:
+        declared += _OUTPUT_OPTIONS
+    for parameter in declared:
+        for option in getattr(parameter.annotation, "__metadata__", ()):
+            name = parameter.name
+            option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
+
+    @functools.wraps(function)
+    def run(**words: Any) -> None:
+        console = Console(bool(words.get("as_json")), bool(words.get("quiet")))
+        given = {name: value for name, value in {**words, "console": console}.items() if name in own}
+        try:
+            function(**given)
+        except FingertipError as error:
+            if interruption.find_signal(error) is not None:
+                _end_interrupted(error)
+            console.print_issues(error)
+            raise typer.Exit(BAD_INPUT) from None
+        except interruption.INTERRUPTIONS as error:
+            _end_interrupted(error)
+        except BrokenPipeError:
+            discard_stdout()
+            raise typer.Exit(PIPE_CLOSED) from None
+        except (typer.Exit, typer.Abort, typer.BadParameter):
+            raise
+        except Exception as error:
+            if interruption.find_signal(error) is not None:
+                _end_interrupted(error)
+            refusal = describe_path_error(error) if isinstance(error, OSError) else None
+            console.print_issues(refusal or describe_fault(error))
+            raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
+
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in declared}
+    run.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
+    return run
 
 
-Progress: TypeAlias = Callable[[str], None]
-"""Callback that reports progress text."""
+def _end_interrupted(error: BaseException) -> NoReturn:
+    ProgressDisplay().clear()
+    raise typer.Exit(interruption.report(error)) from None
 
 
-def load_design(
-    file: Path | None, changes: Sequence[str] | None, progress: Progress | None = None
-) -> tuple[Design, dict[str, Any]]:
+def load_design(file: Path | None, changes: Sequence[str] | None, console: Console | None = None) -> Design:
     """Load the design of a file, or the default design, with changes. Raises DesignError."""
+    design, is_default = read_design(file, tuple(changes or ()))
+    if file and is_default and console:
+        console.progress(f"{file} sets no parameter: this is the default design, fsr400")
+    return design
+
+
+def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bool]:
+    """Read a design, and whether its file leaves it the default one. Raises DesignError."""
     from fingertip.design import Design
     from fingertip.design.files import load_tables
 
-    loaded = load_tables([file] if file else [], changes or ())
-    if file and not loaded.before and progress:
-        progress(f"{file} sets no parameter: this is the default design, fsr400")
-    return Design.from_tables(loaded.tables, loaded.before, loaded.changed), loaded.tables
+    loaded = load_tables([file] if file else [], changes)
+    return Design.from_tables(loaded.tables, loaded.before, loaded.changed), not loaded.before
 
 
 # Names of files that a command is asked to write: what is wrong with them is found before any work starts.
+
+
+def refuse(*issues: Iterable[Issue]) -> None:
+    """Raise OutputError if there are issues."""
+    if found := [issue for each in issues for issue in each]:
+        raise OutputError(found)
+
+
+@contextlib.contextmanager
+def gather(issues: list[Issue]) -> Iterator[None]:
+    """Add the issues of an error to others, so that all are reported at once."""
+    try:
+        yield
+    except FingertipError as error:
+        issues += error.issues
+
+
+def find_range_issues(option: str, value: float | None, low: float, high: float, remedy: str = "") -> Iterator[Issue]:
+    """Find that a number is out of its range."""
+    if value is not None and not low <= value <= high:
+        yield Issue(option, f"{value} is out of range; choose {low} to {high}{remedy}.")
 
 
 def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
-from fingertip.cli.console import Console, ForceOption, JsonOption, QuietOption, command
-from fingertip.cli.options import find_file_issues, find_idle_issues
+from fingertip.cli.console import Console
+from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues, gather
+from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.files import TemporaryFolder
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 @command
 def simulate(
+    console: Console,
     file: Annotated[
         Path | None,
         typer.Argument(help="Design, scene or manipulation: file or bundled name; the default design if left out."),
@@ -60,31 +62,25 @@ def simulate(
         bool, typer.Option("--parameters", help="Print the scene's parameters with unit, bounds and meaning.")
     ] = False,
     force: ForceOption = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
+    from fingertip.catalogues.output_files import SIGNAL
     from fingertip.foundation import extras
-    from fingertip.foundation.errors import FingertipError
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
-    from fingertip.sim.trace_export import SUFFIXES, signal_writer, write_trace
-    from fingertip.slip.traces.origin import SIGNAL_FOLDER
+    from fingertip.sim.report import SUFFIXES, signal_writer, write_trace
 
-    console = Console(as_json, quiet)
     issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
         issues += find_idle_issues("--parameters", {"--out": out, "--plot": plot})
     simulation: Simulation | None = None
-    try:
+    with gather(issues):
         simulation = load_simulation(
             file, design, changes=changes or (), surface=surface, speed_m_s=speed_m_s, force_n=force_n, seed=seed
         )
-    except FingertipError as error:
-        issues.extend(error.issues)
     if grip is not None:
-        from fingertip.lab.campaign.grip import find_grip_issues
+        from fingertip.lab.campaign.closed_loop import find_grip_issues
 
         issues.extend(find_grip_issues(grip, simulation))
     if issues or simulation is None:
@@ -97,9 +93,8 @@ def simulate(
 
     if plot is not None:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
-    for warning in simulation.find_warnings():
-        console.progress(f"warning: {warning}")
-    path = out or Path("out") / simulation.design.name / SIGNAL_FOLDER / f"{simulation.name}.csv"
+    console.warn(simulation.find_warnings())
+    path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
         signal_writer(simulation.design, path.parent, force).check((path.name,))
     with TemporaryFolder() as folder:
@@ -131,7 +126,7 @@ def _simulate(
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
     from fingertip.sim import ManipulationResult
     from fingertip.sim import report as summary
-    from fingertip.sim.trace_export import open_trace
+    from fingertip.sim.report import open_trace
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None
@@ -139,7 +134,7 @@ def _simulate(
     if grip is None:
         result = simulation.run(progress=progress)
     else:
-        from fingertip.lab.campaign.grip import run_with_grip
+        from fingertip.lab.campaign.closed_loop import run_with_grip
 
         gripped = run_with_grip(simulation, grip, progress)
         result, grips_s = gripped.result, gripped.grips_s

@@ -9,15 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingertip.cli.console import (
-    CHECK_FAILED,
-    Console,
-    JsonOption,
-    QuietOption,
-    command,
-)
-from fingertip.cli.options import find_file_issues, find_idle_issues
+from fingertip.cli.console import CHECK_FAILED, Console, sweep_progress
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, find_range_issues, refuse
 from fingertip.foundation import processes as interruption
+from fingertip.foundation.errors import Issue, SweepError
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -29,6 +24,7 @@ MAX_JOBS = 1024
 
 @command
 def sweep(
+    console: Console,
     file: Annotated[
         Path | None,
         typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled sweep: board, delay, geometry or map."),
@@ -66,24 +62,17 @@ def sweep(
             "(scene.tap.force_n=2); repeatable.",
         ),
     ] = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
 ) -> None:
     """Compute outputs of many designs, one row per design.
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.foundation.errors import Issue, SweepError
     from fingertip.sweep.engines import ProcessEngine, count_processors
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import export
 
-    console = Console(as_json, quiet)
-    issues = [*find_file_issues("--csv", csv, ".csv"), *find_file_issues("--parquet", parquet, ".parquet")]
-    if outputs:
-        issues += find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet})
-    if issues:
-        raise SweepError(issues)
+    idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
+    refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
     if outputs:
         _list_outputs(console)
         return
@@ -94,15 +83,18 @@ def sweep(
         return
     if file is None:
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
-    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
-        raise SweepError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
+    refuse(find_range_issues("--jobs", jobs, 1, MAX_JOBS, ", or leave it out"))
     if jobs is not None and cluster:
         raise SweepError(
             Issue("--jobs", "cannot be combined with --cluster, which has its own workers; leave one of them out.")
         )
     plan = SweepPlan.load(file, changes or ())
     folder = out or _default_folder(plan)
-    engine = _connect_to_cluster(cluster) if cluster else ProcessEngine(jobs or count_processors())
+    engine: Engine = ProcessEngine(jobs or count_processors())
+    if cluster:
+        from fingertip.sweep.dask_engine import DaskEngine
+
+        engine = DaskEngine(cluster)
     with _open_database(console, folder, plan, resume) as database:
         code = _run(console, database, engine)
         _export(console, database, csv, parquet)
@@ -112,7 +104,6 @@ def sweep(
 
 def _load_shown_plan(file: Path | None, out: Path | None, changes: Sequence[str]) -> SweepPlan | None:
     """Load the sweep to report on; None if only its folder is given."""
-    from fingertip.foundation.errors import Issue, SweepError
     from fingertip.sweep.plan import SweepPlan
 
     if file is not None:
@@ -122,12 +113,6 @@ def _load_shown_plan(file: Path | None, out: Path | None, changes: Sequence[str]
     if changes:
         raise SweepError(Issue("--set", "changes a sweep file, but none is given; give the file together with --show."))
     return None
-
-
-def _connect_to_cluster(address: str) -> Engine:
-    from fingertip.sweep.dask_engine import DaskEngine
-
-    return DaskEngine(address)
 
 
 def _default_folder(plan: SweepPlan) -> Path:
@@ -146,7 +131,6 @@ def _open_database(console: Console, folder: Path, plan: SweepPlan, resume: bool
 
 def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     """Run the sweep, print its counts, and give the exit code."""
-    from fingertip.cli.console import sweep_progress
     from fingertip.sweep.run import run_sweep
 
     plan, folder = database.plan, database.folder
@@ -212,5 +196,4 @@ def _list_outputs(console: Console) -> None:
     data = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
     lines = [f"{'output':24} {'group':10} description"]
     lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
-    text = "\n".join(lines)
-    console.result({"outputs": data}, text)
+    console.result({"outputs": data}, "\n".join(lines))

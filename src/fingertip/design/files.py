@@ -14,10 +14,11 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.file_kinds import DESIGN, FileKind, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, FingertipError, Issue, shorten
-from fingertip.foundation.toml_files import DESIGN, MAX_DEPTH, FileKind, UnusableTomlError, parse_toml, read_toml
+from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_toml
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileK
     issues: list[Issue] = []
     for file in files:
         try:
-            _merge(before, read_toml(find_file(file, kind), kind))
+            _merge(before, read_file(find_file(file, kind), kind))
         except FingertipError as error:
             issues.extend(error.issues)
     for change in changes:

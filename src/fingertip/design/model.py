@@ -128,7 +128,7 @@ class Design(DesignTables):
         width_px
             Width of the picture [pixels].
         """
-        return plot("design", self, width_px)
+        return plot("fingertip.pictures.picture:draw", self, width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return every parameter with value, default, unit, bounds and description as a data frame.

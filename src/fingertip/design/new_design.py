@@ -15,6 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingertip.catalogues.bundled import PARAMS, list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import fit_design
@@ -23,7 +24,7 @@ from fingertip.design.model import Design
 from fingertip.design.parameters import Hand
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError
-from fingertip.foundation.toml_files import DESIGN, read_toml
+from fingertip.foundation.toml_files import read_toml
 
 _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 

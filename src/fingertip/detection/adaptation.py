@@ -7,7 +7,6 @@ shape: hum, drift, noise behind a low-pass filter.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +14,9 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fft import FftDetector, FftSettings
-from fingertip.slip.detectors.noise import DEVIATIONS, noise_level
+from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ
 from fingertip.slip.traces.trace import Trace
 
@@ -71,7 +69,7 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     if not white_v > 0.0:
         message = f"covers a constant part of {name}: a signal without noise gives no threshold"
         raise TraceError(Issue("--calibrate", f"{message}; {NOISELESS_REMEDY}."))
-    return max(white_v, _EQUIVALENT_NOISE[detector](design, quiet_v))
+    return max(white_v, find_detector_type(detector).implementation.equivalent_noise_v(design, quiet_v))
 
 
 def first_disturbance(design: Design, quiet_v: Array) -> int | None:
@@ -92,31 +90,6 @@ def count_constant_samples(quiet_v: Array) -> int:
     """Count the samples at the start of a signal that equal the first one."""
     changed = np.flatnonzero(quiet_v != quiet_v[0])
     return int(changed[0]) if len(changed) else len(quiet_v)
-
-
-def _digital_noise_v(design: Design, quiet_v: Array) -> float:
-    """Noise from the mean and deviation of the window mean, as in the rule for its threshold."""
-    chain = SlipChain(ChainSettings.from_design(design))
-    settling = min(len(quiet_v) // 2, round(0.1 * design.detector.sample_rate_hz) + design.detector.window_samples)
-    means = chain.process(quiet_v).statistic_v[settling:]
-    return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
-
-
-def _fast_noise_v(design: Design, quiet_v: Array) -> float:
-    return FastDetector(FastSettings.from_design(design, 1.0)).equivalent_noise_v(quiet_v)
-
-
-def _fft_noise_v(design: Design, quiet_v: Array) -> float:
-    fft = FftDetector(FftSettings.from_design(design, 1.0))
-    rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
-    return math.sqrt(float(np.mean(rms_v**2))) / fft.unit_noise_rms
-
-
-_EQUIVALENT_NOISE: dict[str, Callable[[Design, Array], float]] = {
-    "digital": _digital_noise_v,
-    "fast": _fast_noise_v,
-    "fft": _fft_noise_v,
-}
 
 
 # Adaptation of a design's detector to another sampling rate.
@@ -175,10 +148,11 @@ def adapt_detector(
     noise_is_measured: bool = False,
 ) -> RateAdaptation:
     """Adapt a design to another sampling rate for one detector, and describe the result. Raises DesignError."""
-    keep_threshold = threshold_is_set or detector == "analog"
+    kind = find_detector_type(detector)
+    keep_threshold = threshold_is_set or kind.takes_envelope
     adapted = adapt_rate(design, rate_hz, keep_threshold, window_is_set)
     threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples
-    uses_threshold = not noise_is_measured and detector in ("digital", "analog")
+    uses_threshold = not noise_is_measured and kind.has_design_threshold
 
     window = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
     values = f"the window remains {window}, as set" if window_is_set else f"the window is {window}"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from fingertip.design import Design
@@ -26,10 +27,11 @@ from fingertip.detection.live import CsvStream, Transition, follow, open_stream
 from fingertip.detection.warnings import StepWatch, envelope_warnings, filtered_warnings, step_warnings
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
-from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.detectors.fast import min_noise_v
-from fingertip.slip.detectors.noise import NoiseLevel, measure_noise_level, settings_warnings, threshold_warnings
+from fingertip.slip.detectors.analog import measure_noise_level
+from fingertip.slip.detectors.noise import NoiseLevel, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import (
+    DEFAULT,
+    Detector,
     UsedSignals,
     find_detector_type,
     find_second_column,
@@ -76,7 +78,7 @@ class StreamDetection:
 def detect_file(
     path: str | Path,
     design: Design | None = None,
-    detector: str = "digital",
+    detector: str = DEFAULT,
     *,
     rate_hz: float | None = None,
     calibrate_s: tuple[float, float] | None = None,
@@ -133,24 +135,23 @@ def detect_file(
     MissingLibraryError
         If the file needs a package that is not installed.
     """
-    path, report = Path(path), progress or _ignore
+    path, report = Path(path), progress or (lambda message: None)
     design = design or Design()
-    find_detector_type(detector)
-    adapt = _RateAdapter(
-        detector, _keeps_threshold(design, keep_threshold), keep_window, calibrate_s is not None, report
-    )
+    kind = find_detector_type(detector)
+    keep_threshold = _keeps_threshold(design, keep_threshold)
+    adapt = partial(_adapt, detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
         _check_finite(rate_hz)
         design = adapt(design, rate_hz)
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
-    if not column_map.in_volts and calibrate_s is None and detector != "analog":
+    if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
         message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
         raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and adapt_to_file:
-        design = _adapt_to_file(design, raw, adapt, report)
+        design = _adapt_to_file(design, raw, adapt)
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
     warnings = list(raw.notes)
     if column_map.in_volts:
@@ -164,7 +165,7 @@ def detect_file(
 
     quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
     noise_v, level = None, None
-    if detector == "analog":
+    if kind.takes_envelope:
         is_replayed = trace.envelope_v is None
         warnings += envelope_warnings(trace, design)
         if is_replayed:
@@ -176,13 +177,13 @@ def detect_file(
             design = Design(**tables)
     elif calibrate_s is not None:
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
-        if detector == "fast" and column_map.in_volts:
-            noise_v = max(noise_v, min_noise_v(design))
+        if column_map.in_volts:
+            noise_v = max(noise_v, kind.implementation.min_noise_v(design))
 
     detection = detect(trace, design, detector, noise_v)
     level = level or detection.noise
     if level:
-        may_be_lower = detector != "analog" or calibrate_s is not None
+        may_be_lower = not kind.takes_envelope or calibrate_s is not None
         warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
     if calibrate_s and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
         within = f"within {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
@@ -200,7 +201,7 @@ def detect_file(
 def detect_stream(
     lines: Iterable[str],
     design: Design | None = None,
-    detector: str = "digital",
+    detector: str = DEFAULT,
     *,
     rate_hz: float | None = None,
     scale: float = 1.0,
@@ -227,21 +228,20 @@ def detect_stream(
     DesignError
         If `rate_hz` is out of bounds, or too low for the design's filters.
     """
-    report = progress or _ignore
+    report = progress or (lambda message: None)
     design = design or Design()
-    find_detector_type(detector)
+    kind = find_detector_type(detector)
     if rate_hz is not None:
         _check_finite(rate_hz)
-        adapt = _RateAdapter(detector, _keeps_threshold(design, keep_threshold), keep_window, False, report)
-        design = adapt(design, rate_hz)
+        keep_threshold = _keeps_threshold(design, keep_threshold)
+        design = _adapt(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         message = (
             "names a force, whose thresholds require --calibrate and the whole recording; save the lines in a file."
         )
         raise TraceError(Issue("--column", message))
-    reads_envelope = find_detector_type(detector).input_column == "envelope_v"
-    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if reads_envelope else []))
+    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
     voltage = voltage.with_simulated_names(stream.header.names)
     envelope = _map_envelope(voltage)
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
@@ -259,10 +259,6 @@ def _map_envelope(voltage: ColumnMap) -> ColumnMap:
     return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
 
 
-def _ignore(message: str) -> None:
-    pass
-
-
 def _check_finite(rate_hz: float) -> None:
     """Raise TraceError for NaN and infinity, with which no design can be computed; others have its own messages."""
     if not math.isfinite(rate_hz):
@@ -274,25 +270,23 @@ def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
     return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
 
 
-@dataclass(frozen=True)
-class _RateAdapter:
-    """Adapts designs to a sampling rate for one detector, and reports what it changes."""
-
-    detector: str
-    keep_threshold: bool
-    keep_window: bool
-    noise_is_measured: bool
-    progress: Progress
-
-    def __call__(self, design: Design, rate_hz: float, prefix: str = "") -> Design:
-        result = adapt_detector(
-            design, rate_hz, self.detector, self.keep_threshold, self.keep_window, self.noise_is_measured
-        )
-        self.progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
-        return result.design
+def _adapt(
+    detector: str,
+    keep_threshold: bool,
+    keep_window: bool,
+    noise_is_measured: bool,
+    progress: Progress,
+    design: Design,
+    rate_hz: float,
+    prefix: str = "",
+) -> Design:
+    """Adapt a design to a sampling rate for one detector, and report what changes."""
+    result = adapt_detector(design, rate_hz, detector, keep_threshold, keep_window, noise_is_measured)
+    progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
+    return result.design
 
 
-def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress: Progress) -> Design:
+def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:
     """Adapt the design to the file's sampling rate, if the rates differ and the file has no issues."""
     rate_hz = raw.rate_hz
     if not rate_hz or raw.issues or abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
@@ -309,17 +303,17 @@ def _adapt_to_file(design: Design, raw: RawTrace, adapt: _RateAdapter, progress:
 
 def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
     """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
-    from fingertip.sim.signal import board_output
+    from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
 
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
-        voltage_v, circuits = board_output.compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
         progress(design.force_curve.describe())
     progress(
         f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
         f"{columns.name_in_file('voltage_v')}"
     )
-    return replace(trace, voltage_v=voltage_v, envelope_v=board_output.simulate_envelope_v(design, voltage_v))
+    return replace(trace, voltage_v=voltage_v, envelope_v=simulate_envelope_v(design, voltage_v))
 
 
 def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, name: str) -> NoiseLevel:
@@ -327,9 +321,9 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
     if quiet.stop:
         assert trace.envelope_v is not None
         return measure_noise_level(trace.envelope_v[quiet], design, name)
-    from fingertip.sim.signal import board_output
+    from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level
 
-    simulate_level = board_output.simulate_replay_level if is_replayed else board_output.simulate_quiescent_level
+    simulate_level = simulate_replay_level if is_replayed else simulate_quiescent_level
     return simulate_level(design)
 
 
@@ -337,11 +331,11 @@ def _select_stream_detector(
     stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
 ) -> tuple[Detector, ColumnMap]:
     """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
-    if find_detector_type(detector).input_column != "envelope_v":
+    if not find_detector_type(detector).takes_envelope:
         return make_detector(detector, design), voltage
     if envelope.name_in_file("voltage_v") in stream.header.names:
         return make_detector(detector, design), envelope
-    from fingertip.sim.signal.board_output import SimulatedBoardDetector
+    from fingertip.sim.signal.converter import SimulatedBoardDetector
 
     progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
     return SimulatedBoardDetector(design), voltage

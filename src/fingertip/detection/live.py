@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.detection.warnings import StepWatch
 from fingertip.foundation.errors import Issue, TraceError, shorten
-from fingertip.slip.detectors.detector import Detector
+from fingertip.slip.detectors.registry import Detector
 from fingertip.slip.traces.columns import split_cells, unquote
 from fingertip.slip.traces.csv_header import Header, find_header
-from fingertip.slip.traces.limits import bounded_lines
 from fingertip.slip.traces.sampling import (
     RATE_TOLERANCE,
     STEP_TOLERANCE,
@@ -21,7 +20,7 @@ from fingertip.slip.traces.sampling import (
     rate_bounds_message,
     rate_message,
 )
-from fingertip.slip.traces.trace import ColumnMap, length_message, range_message
+from fingertip.slip.traces.trace import ColumnMap, bounded_lines, length_message, range_message
 
 NAME = "standard input"
 _MAX_QUOTED = 100
@@ -35,7 +34,6 @@ class Transition:
     """Transition between OFF and ON."""
 
     on: bool
-    """State after the transition."""
     time_s: float
     """Time of the first sample in that state [s]."""
 

@@ -17,7 +17,9 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.noise import COARSE_RATIO, noise_level
+from fingertip.slip.detectors.digital import noise_level
+from fingertip.slip.detectors.noise import COARSE_RATIO
+from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
@@ -46,10 +48,7 @@ def find_step_v(volts: Array) -> float | None:
 
 
 def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
-    """Warn of steps in a recording that hide the noise for which the design's thresholds are made.
-
-    Units: `volts` [V].
-    """
+    """Warn of steps in the voltages [V] of a recording that hide the noise that the thresholds assume."""
     settings, step = design.detector, find_step_v(volts)
     assumed = settings.adc_step_v
     if step is None or step <= max(COARSE_RATIO * settings.noise_v, (1 + _MAX_RESIDUAL) * assumed):
@@ -95,7 +94,8 @@ def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[s
     changes: dict[str, float] = {"detector.adc_bits": bits, "detector.adc_range_v": step * 2.0 ** (bits - sign_bits)}
     try:
         changed = Design.without_remedies(**design.with_values(changes).model_dump())
-        if detector == "digital":
+        kind = find_detector_type(detector)
+        if kind.has_design_threshold and not kind.takes_envelope:
             changes["detector.threshold_v"] = noise_level(changed).rounded_threshold_v
             Design.without_remedies(**design.with_values(changes).model_dump())
     except DesignError:
@@ -104,7 +104,6 @@ def _propose(volts: Array, step: float, design: Design, detector: str) -> dict[s
 
 
 # Warnings of recorded outputs of a board that cannot be: a broken wire, two wires exchanged, or the wrong ground.
-
 
 MAX_REST_V = 0.3
 """Largest deviation of the rest of a filtered signal from the signal ground [V]."""
@@ -141,5 +140,4 @@ def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 
 def _find_ground_v(design: Design) -> float:
-    """Find the voltage of the board's signal ground above ground [V]."""
     return signal_ground_ratio(design.board.supply) * design.board.supply_v

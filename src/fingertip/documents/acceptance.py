@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
-from fingertip.casting.hardware import WEIGHTS_G, describe_plug_wires, size_wires
-from fingertip.casting.uses import OPEN_OHM, PRESSED_OHM
+from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, describe_plug_wires, size_wires
 from fingertip.design import Design
 from fingertip.design.formulas.filter import signal_ground_ratio
+from fingertip.documents.template import lay_out_page, render
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, INTERVAL
-
-# Expected readings of a finger: resistance and tactile voltage under weights.
-
 
 SPREAD = 4.0
 """Factor by which the conductance of a good sensor may differ from the data sheet's curve, up or down.
@@ -179,157 +176,7 @@ def _find_delay_ms(detection: Detection) -> float | None:
 
 def render_acceptance(data: dict[str, Any]) -> str:
     """Render the data as a Markdown page."""
-    idle, wires, slide, ratio = data["idle"], data["wires"], data["slide"], data["drop_ratio"]
-    plug = f"{wires['plug']} " if wires["plug"] else ""
-    light, heavy = (f"{data['weights'][i]['mass_g']:g} g" for i in (0, -1))
-    when = "while it slides" if slide["delay_ms"] is None else f"some {slide['delay_ms']:g} ms after it begins to slide"
-    low, high = idle["tactile_v"] - idle["tolerance_v"], idle["tactile_v"] + idle["tolerance_v"]
-    outlet = "window of the base" if data["tail"] == "folded" else "cable channel"
-    before, after, when_to_test = _describe_stages(data["method"])
-    weights = [
-        (
-            f"{entry['mass_g']:g} g", f"{entry['sensor_ohm'] / 1000:.3g} kohm", f"{entry['tactile_v']:.2f} V",
-            f"{entry['limits_v'][0]:.2f} to {entry['limits_v'][1]:.2f} V", f"{entry['factor']:g}",
-        )
-        for entry in data["weights"]
-    ]  # fmt: skip
-    masses, pressed = [row[0] for row in weights], data["pressed"]
-    open_mohm, press_kohm = data["open_ohm"] / 1e6, data["pressed_ohm"] / 1e3
-    sections = [
-        f"# Acceptance sheet: {data['design']}",
-        "Tests of the sensor before and after casting, and of the finished finger on its board. The voltages follow "
-        f"from the design's bridge and from {_describe_curve(data)}.",
-        "## Wires",
-        f"Two insulated wires of at most {wires['max_diameter_mm']:g} mm over the insulation: a conductor of AWG "
-        f"{wires['conductor_awg'][0]} to {wires['conductor_awg'][1]}. {plug}Leave a loop of {wires['slack_mm']} mm "
-        "between the finger and the first place at which the wires are fixed.",
-        f"## Sensor, {before}",
-        f"Connect an ohmmeter to both wires. {when_to_test}",
-        _table(
-            ("test", "must read", "if it does not"),
-            [
-                (
-                    "untouched", f"above {open_mohm:g} Mohm",
-                    "The head is bent or dented, or the pocket is not flat: lift the sensor and file the pocket. A "
-                    "steady reading of some ohm is a solder bridge.",
-                ),
-                (
-                    "head pressed with a finger", f"below {press_kohm:g} kohm, and steady",
-                    "Open circuit: a tab or a joint is broken. A jumping value: a cold joint.",
-                ),
-                (
-                    "released", f"above {open_mohm:g} Mohm within 1 s",
-                    "A slow return means that the air vent is closed: adhesive or sealant stands in the slot, or the "
-                    f"{outlet} is blocked.",
-                ),
-            ],
-        ),
-        f"## Sensor, {after}",
-        "Repeat these tests. Then connect the finger to its powered board, and measure the tactile voltage: red probe "
-        "at T of the board's output connector, black probe at supply ground, not at the signal ground to which the "
-        f"readings of the bring-up sheet refer. Untouched, it must lie between {low:.2f} and {high:.2f} V. Press the "
-        "pad for 10 s and let go: it must return there within 1 s.",
-        _table(
-            ("reading", "meaning"),
-            [
-                (
-                    f"below {low:.2f} V, untouched",
-                    "The skin presses on the sensor: silicone has crept under the tape or into the slot, or the skin "
-                    "shrank. Wait a day and measure again. If it stays, the sensor still works from this offset on, "
-                    "with less range.",
-                ),
-                (f"above {high:.2f} V", "The sensor is not connected as the board expects, or the supply is high."),
-                ("returns slowly", f"The air vent is closed. Open the {outlet}."),
-            ],
-        ),
-        "## Finished finger",
-        "Clamp the finger with its pad up and level. Lay a disc of 8 mm, cut from cork or felt, on the pad above the "
-        "sensor, and put the weight on it without a push. A weight on so small a disc tips: hold it upright in a "
-        "loose guide, such as a tube of paper that carries none of it, or turn the finger over and press the pad on "
-        f"the disc, on a kitchen scale, until it reads {' or '.join(masses)} steadily. Read after 5 s.",
-        _table(("weight on the pad", "sensor", "tactile voltage expected", "accept", "factor"), weights),
-        "The limits allow the sensor's conductance to differ by the factor, either way: "
-        + (
-            "the 95 % interval of the calibration in the range of its forces, and beyond it what single sensors differ "
-            "by."
-            if data["curve"] == "calibrated"
-            else "single sensors differ that much at the same force. `fingertip calibrate sensor` narrows it."
-        )
-        + f" Less than {pressed['tactile_v']:.2f} V, the voltage at {pressed['force_n']:g} N, is a short circuit of "
-        "sensor or wires, or a far greater force than the weight.",
-        _table(
-            ("test", "must happen", "if it does not"),
-            [
-                (
-                    "heavier weight", "a lower voltage than the lighter one",
-                    "The disc does not stand above the sensor, or sensor or wires are shorted.",
-                ),
-                (
-                    f"drop below the untouched voltage: that of {heavy} over that of {light}",
-                    f"{ratio['expected']:g}; accept {ratio['limits'][0]:g} to {ratio['limits'][1]:g}",
-                    "Less: the disc stands beside the sensor, or the skin carries the weight. More: the sensor hardly "
-                    "feels the lighter weight; its slot or tape is stiff.",
-                ),
-                (
-                    "strip of copy paper under the pad, pressed with some 2 N and pulled away at about 100 mm/s",
-                    f"SLIP {when} (detector `{data['detector']}`, simulated trial), and none 1 s after it stops",
-                    "No SLIP: record the trial and look at it with `fingertip detect FILE --plot slip.png`; a pad "
-                    "that is still shiny from mold release slides without vibration, so wipe it with isopropanol. "
-                    "SLIP that does not end: the wires are touched by the paper.",
-                ),
-                (
-                    f"held still with 500 g for {data['still_s']} s", "no SLIP",
-                    "Noise on the wires or the supply: shorten and twist the wires, and measure the noise with the "
-                    "weight on (the board's README says how much is normal).",
-                ),
-            ],
-        ),
-        "SLIP appears, while it lasts, " + _describe_slip(data["board"]),
-        "## Record",
-        "A finger that passes differs from another one; only its own readings tell later whether it has changed.",
-        _table(
-            ("date", "untouched", *(row[0] for row in weights), "ratio of drops", "SLIP on paper", "held still"),
-            [("&nbsp;",) * (5 + len(data["weights"]))],
-        ),
-    ]  # fmt: skip
-    return "\n\n".join(sections) + "\n"
-
-
-def _describe_curve(data: dict[str, Any]) -> str:
-    """Name the curve of the sensor on which the voltages rest."""
-    if data["curve"] == "calibrated":
-        return f"the calibrated curve of this {data['sensor']} (`force_curve`): they hold for no other one"
-    return f"the data sheet's curve of the {data['sensor']}"
-
-
-def _describe_slip(variant: str) -> str:
-    """Say where SLIP is seen: on the board, on the controller, and in what `fingertip detect` prints."""
-    places = [
-        "on the controller with the example `slip_pin` of `fingertip firmware` as its pin `SLIP_PIN`, high: the LED, "
-        "except on a Blue Pill and a Pico W, where another pin must be set (see the README of its library)",
-        f"in a recording as the lines `{DETECTED} {INTERVAL.format(onset='...', end='...')}` that `fingertip detect "
-        "FILE` prints, and for a stream as `ON` and `OFF` of `fingertip detect -`",
-    ]
-    if variant == "comparator":
-        places.insert(0, "on the board as the pin SLIP of the output connector, low")
-    return "; ".join(places) + "."
-
-
-def _describe_stages(method: str) -> tuple[str, str, str]:
-    """Name the stages before and after the skin is on, and say when to test the sensor."""
-    if method == "sleeve":
-        return (
-            "before the skin is pulled on", "after the skin is pulled on",
-            "Do all three tests after mounting, and once more when the tape covers the sensor.",
-        )  # fmt: skip
-    return (
-        "before the skin is cast", "after the skin is cast",
-        "Do all three tests after mounting and once more when sensor and passage are sealed. In the closed mold the "
-        "head cannot be pressed: the untouched sensor must still read the same.",
-    )  # fmt: skip
-
-
-def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    lines = [tuple(head), *(tuple(row) for row in rows)]
-    rule = tuple("---" for _ in lines[0])
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (lines[0], rule, *lines[1:]))
+    masses = [f"{weight['mass_g']:g} g" for weight in data["weights"]]
+    # What `fingertip detect` prints.
+    slip_line = f"{DETECTED} {INTERVAL.format(onset='...', end='...')}"
+    return lay_out_page(render("acceptance.md", **data, masses=masses, slip_line=slip_line))

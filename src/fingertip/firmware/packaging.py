@@ -1,20 +1,22 @@
-"""Files that make the library one of Arduino and of PlatformIO."""
+"""Library for controllers: its descriptions for Arduino and PlatformIO, its measured costs, and the boards it fits."""
 
 from __future__ import annotations
 
 import functools
 import json
+from collections.abc import Iterator
 from importlib import resources
 from typing import Any
 
+from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
 """Name of the library."""
-PROPERTIES, MANIFEST = "library.properties", "library.json"
 _SUMMARY = "Slip detector of a prosthetic fingertip."
-_LICENSE = "Apache-2.0"
+_CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 
 
 def library_properties(design: Design) -> bytes:
@@ -41,7 +43,7 @@ def library_manifest(design: Design) -> bytes:
         "version": _semantic_version(),
         "description": f"{_SUMMARY} {_describe(design)}",
         "keywords": ["slip", "tactile", "prosthetics"],
-        "license": _LICENSE,
+        "license": "Apache-2.0",
         "frameworks": "*",
         "platforms": "*",
         "headers": "slip_detector.h",
@@ -61,11 +63,8 @@ def _semantic_version() -> str:
     return ".".join("".join(c for c in number if c.isdigit()) or "0" for number in numbers)
 
 
-# Costs of the library on a controller, as measured by `tools/firmware/measure.py`, and their limits.
-
-
 TABLE = "measured_costs.json"
-"""Name of the measurements, beside this module."""
+"""Name of the costs of the library on a controller, which `tools/firmware/measure.py` measures, beside this module."""
 MAX_FLASH_BYTES = 32 * 1024
 """Largest flash for code and tables [byte]."""
 MAX_STATE_BYTES, MAX_STACK_BYTES = 512, 512
@@ -99,3 +98,31 @@ def cost_table() -> str:
             )
         )
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def find_warnings(design: Design) -> Iterator[str]:
+    """Warn of a board or a converter that the inputs of a controller do not fit."""
+    supply, detector = SUPPLIES[design.board.supply], design.detector
+    problems = []
+    if not supply.is_for_controller:
+        problems.append(
+            f"the outputs of a board with board.supply={supply.name} may exceed the inputs of a controller of "
+            f"{_CONTROLLER_SUPPLY.nominal_v:g} V"
+        )
+    if detector.adc_polarity != "unipolar":
+        problems.append(
+            f"detector.adc_polarity={detector.adc_polarity} is no converter of a controller, which reads from 0 V up"
+        )
+    if problems:
+        changes = " ".join(f"--set {change}" for change in controller_changes())
+        yield f"{', and '.join(problems)}; with {changes} the board fits a controller."
+
+
+def controller_changes() -> tuple[str, ...]:
+    """Changes to a design that select a board and a converter for a controller."""
+    return (
+        *BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"].changes,
+        "detector.adc_polarity=unipolar",
+        f"detector.adc_range_v={_CONTROLLER_SUPPLY.nominal_v:g}",
+        "detector.adc_bits=12",
+    )

@@ -12,9 +12,6 @@ from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel, load_model
 
-# Constants of the detector `fast` for a design, as the preprocessor definitions of the C library.
-
-
 Group = tuple[str, dict[str, str]]
 """Comment, and definitions that stand below it: name -> value in C."""
 
@@ -180,9 +177,6 @@ def _converter_groups(design: Design) -> Iterator[Group]:
             "ADC_STEP_V": real(d.adc_step_v),
         },
     )
-
-
-# Tables of the detector's trees as constants of C, in the types that take the least memory.
 
 
 _WIDTH, _INDENT = 119, "    "

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.components.values import select_components
-from fingertip.board.kicad.variants import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES, select_components
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.design import Design
 

@@ -1,7 +1,6 @@
 """Display of results in Python and Jupyter: tables in HTML, pictures, and data frames where pandas is installed.
 
-A design cannot import what draws it, which builds on it. `PLOTS` names such functions, and `plot` finds them when they
-are called.
+A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name.
 """
 
 from __future__ import annotations
@@ -17,12 +16,6 @@ from fingertip.foundation.extras import load
 
 if TYPE_CHECKING:
     import pandas
-
-PLOTS = {
-    "design": ("fingertip.pictures.picture", "draw"),
-    "detection": ("fingertip.slip.report", "draw"),
-}
-"""Subject of a picture -> module and function that draw it as PNG."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +50,9 @@ class Picture:
         return Path(path)
 
 
-def plot(what: str, *arguments: Any) -> Picture:
-    """Draw something with the function that `PLOTS` names for it."""
-    module, function = PLOTS[what]
+def plot(where: str, *arguments: Any) -> Picture:
+    """Draw something with a function that returns a PNG, named as ``module:function``."""
+    module, function = where.split(":")
     return Picture(getattr(import_module(module), function)(*arguments))
 
 

@@ -29,6 +29,12 @@ def escape_control(text: str, kept: str = "") -> str:
     return _CONTROL.sub(lambda found: found[0] if found[0] in kept else ascii(found[0])[1:-1], text)
 
 
+def join_words(words: Iterable[str], last_word: str = "and") -> str:
+    """Join words as "a, b and c"."""
+    *first, last = words
+    return f"{', '.join(first)} {last_word} {last}" if first else last
+
+
 def shorten(text: str, length: int) -> str:
     """Replace the middle of a text of more than `length` characters by a note of how many there are."""
     if len(text) <= length:
@@ -45,7 +51,6 @@ def quote_value(value: Any) -> str:
 
 
 def _as_line(text: str, kept: str = "") -> str:
-    """Write a text as one line of bounded length, or as several if line breaks are kept."""
     if len(text) > _MAX_WORD_LENGTH:
         text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
         text = shorten(text, _MAX_MESSAGE_LENGTH)

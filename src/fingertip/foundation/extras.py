@@ -57,10 +57,7 @@ def describe_missing(*modules: str) -> str:
 
 
 def require(field: str, *modules: str, subject: str = "", alternative: str = "") -> None:
-    """Raise unless optional packages are installed. Call this before the work whose result needs them.
-
-    Raises MissingLibraryError.
-    """
+    """Check, before the work that needs them, that optional packages are installed. Raises MissingLibraryError."""
     missing = [module for module in modules if not is_installed(module)]
     if missing:
         raise MissingLibraryError(_make_issue(field, describe_missing(*missing), subject, alternative))

@@ -98,15 +98,11 @@ def round_for_output(value: float) -> float:
 # removed by the next one that makes a folder. Each process holds a lock on its folders, which ends with it; a number
 # of a process in the name would mislead where containers share the folder of temporary files.
 
-
 _FOLDER_PREFIX = "fingertip-tmp-"
 
 
 class TemporaryFolder:
-    """Folder for files that only this process and its children need; a context manager that gives its path.
-
-    Raises OutputError.
-    """
+    """Folder for this process and its children; a context manager that gives its path. Raises OutputError."""
 
     def __init__(self) -> None:
         self.path, self._lock = _make_locked()

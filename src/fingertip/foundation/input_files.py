@@ -36,7 +36,6 @@ class Limit:
     unit: int
     """Size of one unit of the variable: bytes in a megabyte, or 1."""
     unit_name: str = ""
-    """Name of the unit in messages."""
 
     @property
     def value(self) -> int:
@@ -52,7 +51,6 @@ class Limit:
 
 
 TOML_LIMIT = Limit("FINGERTIP_MAX_TOML_MB", 1, _MEGABYTE, "MB")
-"""Largest TOML file [bytes]."""
 RECORDING_LIMIT = Limit("FINGERTIP_MAX_RECORDING_MB", 1024, _MEGABYTE, "MB")
 """Largest recording, and largest array within it [bytes]."""
 SAMPLES_LIMIT = Limit("FINGERTIP_MAX_SAMPLES", 2**23, 1, "samples")
@@ -62,7 +60,6 @@ OUTPUT_LIMIT = Limit("FINGERTIP_MAX_OUTPUT_MB", 256, _MEGABYTE, "MB")
 PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
 """Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
 MAX_MEMBERS = 10_000
-"""Maximum number of files in an archive."""
 MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
 """Maximum size of an archive's list of files [bytes]."""
 MAX_RATIO = 200
@@ -147,10 +144,7 @@ def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | N
 def read_input(
     path: Path, limit: Limit, wanted: str = "a file", length: int | None = None, below: Path | None = None
 ) -> bytes:
-    """Read a regular file, whole or at most its first `length` bytes; the others are as for `check_regular`.
-
-    Raises InputFileError.
-    """
+    """Read a regular file or its first `length` bytes; else as `check_regular`. Raises InputFileError."""
     with open_input(path, limit, wanted, below) as file:
         data = file.read(limit.value + 1 if length is None else length)
     if len(data) > limit.value:  # it grows, or is one of the system's files that state no size

@@ -25,12 +25,13 @@ from __future__ import annotations
 import contextlib
 import functools
 import importlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
 from fingertip.foundation import extras
+from fingertip.foundation.numerics import Array
 
 Function = Callable[..., Any]
 
@@ -69,6 +70,11 @@ def _report_loading() -> None:
     if _progress and not _is_reported:
         _is_reported = True
         _progress("loading compiled loops; their first use on a machine takes some seconds more")
+
+
+def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:
+    """Convert samples to a sequence that loops accept: an array stays an array, anything else becomes a list."""
+    return voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v)
 
 
 class CompiledLoop:

@@ -17,18 +17,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DPI = 150
-"""Resolution of every figure [pixels/inch]."""
 TEXT_COLOUR = "#4a5157"
 """Colour of annotations and of reference lines."""
 GRID_COLOUR = "#e5e8eb"
-"""Colour of grid lines."""
 BLUE, PURPLE, RED, TEAL, ORANGE = "#0f2f57", "#6a3590", "#b03a2e", "#1e8683", "#c9801f"
 """Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey and for every kind of
 colour blindness, and stands out from white by 3:1."""
 SERIES = (BLUE, RED, TEAL, PURPLE, ORANGE)
 """Colours of curves without a meaning of their own; the first ones differ most."""
 SKY, YELLOW, BROWN, PINK = "#5fb0d3", "#e3c33c", "#7a4b26", "#d67fa8"
-"""Further colours of areas."""
 AREAS = (RED, ORANGE, BLUE, YELLOW, PURPLE, SKY, BROWN, PINK)
 """Colours of areas side by side: neighbours in this order differ much in lightness."""
 SHADES = ("#9ecae1", "#4292c6", "#08519c")
@@ -59,10 +56,7 @@ def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
 
 
 def to_png(figure: Figure) -> bytes:
-    """Render a figure as PNG.
-
-    The file holds no date and no version, so the same data gives the same bytes.
-    """
+    """Render a figure as PNG without date and version, so that the same data gives the same bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     out = io.BytesIO()
@@ -71,10 +65,7 @@ def to_png(figure: Figure) -> bytes:
 
 
 def to_svg(figure: Figure) -> bytes:
-    """Render a figure as SVG, with its text as outlines.
-
-    The file holds no date, version or random identifier, so the same data gives the same bytes.
-    """
+    """Render a figure as SVG, its text as outlines, without date, version and random identifiers."""
     import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 

@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Mapping
 
 ReportProgress = Callable[[str], None]
-"""Function that receives messages on progress."""
 
 MIN_SHARE_FOR_ESTIMATE = 0.02
 """Share from which the time left is estimated."""

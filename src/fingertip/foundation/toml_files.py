@@ -1,16 +1,10 @@
-"""TOML files: reading them with every problem reported as an issue, and identifying their kind by their names.
-
-This is the one place that decides what a TOML file is. A design, a scene, a manipulation and a sweep share the suffix
-.toml, so that only the names at the top level of a file tell them apart.
-"""
+"""TOML files, read with every problem reported as an issue."""
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,89 +17,12 @@ _TOO_DEEP = f"nests tables and lists more than {MAX_DEPTH} deep; write them side
 _NUMBER_REMEDY = "write whole numbers of at most 18 digits, and larger ones with an exponent, such as 1e30"
 
 
-@dataclass(frozen=True)
-class FileKind:
-    """A kind of TOML file."""
-
-    name: str
-    names: frozenset[str]
-    """Names that may stand at the top level of the file. A test compares them with the models of the files."""
-    example: str
-    """Name of a bundled file of this kind."""
-    use: str
-    """Command that takes a file of this kind, for somebody who gave it in place of another one."""
-
-    def describe(self) -> str:
-        """Return the kind with its article, such as "a design file"."""
-        return f"a {self.name} file"
-
-
-DESIGN = FileKind(
-    "design",
-    frozenset(
-        {
-            "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
-            "force_curve", "board", "detector",
-        }
-    ),
-    "fsr400",
-    "`fingertip build` takes a design file, and so does design = in a sweep file",
-)  # fmt: skip
-SCENE = FileKind(
-    "scene",
-    frozenset(
-        {
-            "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "noise",
-            "sensing", "converter",
-        }
-    ),
-    "hard_tap",
-    "`fingertip simulate` takes a scene file as its first argument",
-)  # fmt: skip
-MANIPULATION = FileKind(
-    "manipulation",
-    frozenset(
-        {
-            "scene",
-            "outputs",
-            "object",
-            "grasp",
-            "knock",
-            "hand",
-            "drift",
-            "cable",
-            "noise",
-            "sensing",
-            "converter",
-        }
-    ),
-    "real_manipulation",
-    "`fingertip simulate` takes a manipulation file as its first argument",
-)
-SWEEP = FileKind(
-    "sweep",
-    frozenset(
-        {
-            "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
-            "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
-        }
-    ),
-    "board",
-    "`fingertip sweep` takes a sweep file",
-)  # fmt: skip
-KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
-"""All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
-
-
 class UnusableTomlError(Exception):
     """A text is valid TOML, but holds what no file of this program needs. The text completes a sentence."""
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Parse TOML whose values and tables are nested little, and whose whole numbers have 64 bits, as TOML 1.0 asks.
-
-    Raises TOMLDecodeError or UnusableTomlError.
-    """
+    """Parse TOML of few levels and numbers of 64 bits (TOML 1.0). Raises TOMLDecodeError or UnusableTomlError."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
@@ -134,12 +51,12 @@ def check_values(tables: Mapping[str, Any]) -> None:
     raise UnusableTomlError(_TOO_DEEP)
 
 
-def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
+def read_toml(path: Path, wanted: str = "a TOML file") -> dict[str, Any]:
     """Read a TOML file in UTF-8, with or without a byte order mark. Raises TomlFileError."""
     try:
-        text = read_input(path, TOML_LIMIT, kind.describe() if kind else "a TOML file").decode("utf-8-sig")
+        text = read_input(path, TOML_LIMIT, wanted).decode("utf-8-sig")
         text = text.replace("\r\n", "\n").replace("\r", "\n")  # the line breaks of any system
-        tables = parse_toml(text)
+        return parse_toml(text)
     except InputFileError as error:
         raise TomlFileError(error.issues) from None
     except UnicodeDecodeError:
@@ -148,45 +65,6 @@ def read_toml(path: Path, kind: FileKind | None = None) -> dict[str, Any]:
         raise TomlFileError(Issue(str(path), _describe_syntax_error(error, text))) from None
     except UnusableTomlError as error:
         raise TomlFileError(Issue(str(path), f"{error}.")) from None
-    if kind is not None:
-        _require_kind(path, tables, kind)
-    return tables
-
-
-def identify_kind(path: Path) -> FileKind | None:
-    """Identify the kind of a file by its names; None if the file cannot be read or none of its names is known.
-
-    Raises TomlFileError.
-    """
-    try:
-        tables = read_toml(path)
-    except TomlFileError:
-        return None
-    found = _find_kinds(tables)
-    if len(found) > 1:
-        parts = " and ".join(f"{min(names)} of a {kind.name}" for kind, names in found.items())
-        remedy = "and give the design with --design" if DESIGN in found else "one for each"
-        raise TomlFileError(Issue(str(path), f"holds {parts}; write them in two files {remedy}."))
-    return next(iter(found), None)
-
-
-def split_changes(changes: Iterable[str], kinds: Collection[FileKind]) -> tuple[list[str], list[str]]:
-    """Split changes, such as "tap.force_n=5", into those of a file of some kinds and those of the design beside it.
-
-    The name before the first dot decides. A name that only files of other kinds have counts as the file's, whose error
-    then lists the file's names. Any other unknown name counts as the most similar known one, so that the error can
-    suggest it.
-    """
-    own: list[str] = []
-    others: list[str] = []
-    foreign = frozenset().union(*(kind.names for kind in KINDS)) - DESIGN.names
-    own_names = foreign.union(*(kind.names for kind in kinds))
-    known = sorted(own_names | DESIGN.names)
-    for change in changes:
-        name = change.partition("=")[0].partition(".")[0].strip()
-        similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
-        (own if own_names.intersection(similar) else others).append(change)
-    return own, others
 
 
 def _describe_syntax_error(error: tomllib.TOMLDecodeError, text: str) -> str:
@@ -211,36 +89,3 @@ def _describe_syntax_error(error: tomllib.TOMLDecodeError, text: str) -> str:
     if "Illegal character '\\n'" in problem:
         problem = "a text has no closing quote"
     return f"{where} is not valid TOML ({problem}); write a table as [skin], and a parameter as width_mm = 18."
-
-
-def _require_kind(path: Path, tables: Mapping[str, Any], expected: FileKind) -> None:
-    """Refuse a file of which no name belongs to the expected kind alone, but some name to another kind."""
-    found = _find_kinds(tables)
-    if not found or expected in found:
-        return
-    kind = next(iter(found))
-    if expected.names.issuperset(tables):
-        return  # All names are shared with the expected kind.
-    message = f"is {kind.describe()}, not {expected.describe()}; give one such as {expected.example} ({kind.use})."
-    raise TomlFileError(Issue(str(path), message))
-
-
-def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:
-    """Find the kinds that names at the top level of a file belong to, with these names.
-
-    Names of one kind alone decide. Names that are shared count only if no other name decides for a kind that has them.
-    A sweep file may hold names of all kinds.
-    """
-    names = set(tables)
-    found: dict[FileKind, set[str]] = {}
-    for kind in KINDS:
-        shared = frozenset().union(*(other.names for other in KINDS if other is not kind))
-        if own := names & (kind.names - shared):
-            found[kind] = own
-    if SWEEP in found:
-        return {SWEEP: found[SWEEP]}
-    for kind in reversed(KINDS):
-        explained = frozenset().union(*(other.names for other in found))
-        if left := (names & kind.names) - explained:
-            found[kind] = found.get(kind, set()) | left
-    return {kind: found[kind] for kind in KINDS if kind in found}

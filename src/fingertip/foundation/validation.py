@@ -6,62 +6,46 @@ import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 
 
-def find_not_positive(field: str, value: float, unit: str, example: str) -> list[Issue]:
-    """Report a value that is not a finite number above 0."""
-    if math.isfinite(value) and value > 0.0:
-        return []
-    remedy = f"give a finite number above 0, such as {example} {unit}"
-    return [Issue(field, f"{_with_unit(value, unit)} is refused; {remedy}.")]
+def find_not_positive(field: str, values: Array | float, unit: str, example: str) -> list[Issue]:
+    """Report the first of one or many values that is not a finite number above 0."""
+    row = np.ravel(np.asarray(values, dtype=np.float64))
+    return _refuse_first(field, row, row > 0.0, unit, f"give a finite number above 0, such as {example} {unit}")
 
 
-def find_values_not_positive(field: str, values: Array | float, unit: str, example: str) -> list[Issue]:
-    """Report the first of one or many values that is not a finite number above 0 (parameters as above)."""
-    return [
-        Issue(issue.field, issue.message.replace(" is refused", f"{place} is refused"))
-        for place, value in _select_invalid(values, zero_is_valid=False)
-        for issue in find_not_positive(field, value, unit, example)
-    ]
-
-
-def find_negative_values(field: str, values: Array | float, unit: str) -> list[Issue]:
+def find_negative(field: str, values: Array | float, unit: str) -> list[Issue]:
     """Report the first of one or many values that is not a finite number of at least 0."""
+    row = np.ravel(np.asarray(values, dtype=np.float64))
+    return _refuse_first(field, row, row >= 0.0, unit, "give a finite number of at least 0")
+
+
+def _refuse_first(field: str, row: Array, valid: NDArray[np.bool_], unit: str, remedy: str) -> list[Issue]:
     return [
-        Issue(issue.field, issue.message.replace(" is refused", f"{place} is refused"))
-        for place, value in _select_invalid(values, zero_is_valid=True)
-        for issue in find_negative(field, value, unit)
+        Issue(field, f"{f'{row[i]:g} {unit}'.rstrip()}{f' at index {i}' if row.size > 1 else ''} is refused; {remedy}.")
+        for i in np.flatnonzero(~(valid & np.isfinite(row))).tolist()[:1]
     ]
 
 
-def _select_invalid(values: Array | float, zero_is_valid: bool) -> Iterator[tuple[str, float]]:
-    """Yield place and value of the first number that is not finite, or too small, if there is one."""
-    row = np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()
-    valid = np.isfinite(row) & ((row >= 0.0) if zero_is_valid else (row > 0.0))
-    for i in np.flatnonzero(~valid).tolist()[:1]:
-        yield (f" at index {i}" if row.size > 1 else ""), float(row[i])
+def find_not_finite(field: str, values: Array) -> Iterator[Issue]:
+    """Report the first sample that is not finite."""
+    if (bad := np.flatnonzero(~np.isfinite(values))).size:
+        more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
+        yield Issue(field, f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value.")
 
 
-def find_negative(field: str, value: float, unit: str) -> list[Issue]:
-    """Report a value that is not a finite number of at least 0."""
-    if math.isfinite(value) and value >= 0.0:
-        return []
-    return [Issue(field, f"{_with_unit(value, unit)} is refused; give a finite number of at least 0.")]
-
-
-def find_column_issues(**arrays: Array) -> Iterable[Issue]:
+def find_column_issues(**arrays: Array) -> Iterator[Issue]:
     """Report columns that are not finite, with the first such sample, and columns of unequal length."""
     length = len(next(iter(arrays.values())))
     for name, values in arrays.items():
         if values.shape != (length,) or length < 1:
             yield Issue(name, f"shape is {values.shape}; must be ({max(length, 1)},); give one value per sample.")
-        elif (bad := np.flatnonzero(~np.isfinite(values))).size:
-            more = f" (and {bad.size - 1} more after it)" if bad.size > 1 else ""
-            message = f"{values[bad[0]]} at sample {bad[0]}{more} is not a finite number; give the true value."
-            yield Issue(name, message)
+        else:
+            yield from find_not_finite(name, values)
 
 
 def check_type(field: str, value: object, expected: type, example: str) -> None:
@@ -87,7 +71,3 @@ def raise_issues(issues: Iterable[Issue]) -> None:
     """Raise all issues as one error, if there are any. Raises TraceError."""
     if found := list(issues):
         raise TraceError(found)
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{value:g} {unit}".rstrip()

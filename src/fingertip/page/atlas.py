@@ -6,8 +6,6 @@ before is coloured. A parameter that a design does not use is shown on another d
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.parts import parts_by_name
@@ -25,14 +24,14 @@ from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.numerics import Array
-from fingertip.page.html import Markup, code, element, read_asset, render_document
-from fingertip.page.parameters_section import (
+from fingertip.page.html import Markup, code, element, embed, read_asset, render_document
+from fingertip.page.parameters_and_checks import (
     describe_effect,
     group_parameters,
     parameters_of_shapes,
     shapes_of_parameters,
 )
-from fingertip.pictures.raster import Camera, Canvas, bounds
+from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
 
 _TOLERANCE_MM = 0.04
 _SEEN_MM = 0.1
@@ -220,8 +219,6 @@ def find_depth_changes(old: Array, new: Array, least: float) -> tuple[NDArray[np
 
 def _paint(canvas: Canvas, nearer: NDArray[np.bool_], farther: NDArray[np.bool_]) -> bytes:
     """Paint what changed, with a ring around it where it is small, and write the picture as PNG with few colours."""
-    from PIL import Image, ImageDraw
-
     for mask, colour in ((nearer, _NEARER), (farther, _FARTHER)):
         canvas.tint(mask, _GREY, colour)
     picture = Image.fromarray(canvas.image())
@@ -230,9 +227,7 @@ def _paint(canvas: Canvas, nearer: NDArray[np.bool_], farther: NDArray[np.bool_]
     rows = np.flatnonzero((np.asarray(picture) < 255).any(axis=(1, 2)))
     picture = picture.crop((0, max(0, rows[0] - _MARGIN_PX), picture.width, rows[-1] + _MARGIN_PX))
     picture = picture.quantize(_COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    file = io.BytesIO()
-    picture.save(file, format="PNG", optimize=True)
-    return file.getvalue()
+    return to_png(picture)
 
 
 def find_ring(changed: NDArray[np.bool_], height_px: int) -> tuple[float, float, float, float] | None:
@@ -312,6 +307,5 @@ def _render_entry(
 
 
 def _render_picture(picture: AtlasPicture) -> Markup:
-    source = f"data:image/png;base64,{base64.b64encode(picture.png).decode('ascii')}"
-    image = element("img", src=source, alt=f"{picture.path}: {picture.caption}")
+    image = element("img", src=embed(picture.png, "image/png"), alt=f"{picture.path}: {picture.caption}")
     return element("figure", image, element("figcaption", picture.caption))

@@ -5,54 +5,31 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.board import BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
-from fingertip.page.html import Markup, element, figure, join, table
+import numpy as np
+
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.analysis.response import model_filter
+from fingertip.board.analysis.tolerance import Spread, TolerancedFilter, component_tolerances, monte_carlo
+from fingertip.board.circuits.network import build_network
+from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.kicad.sexpr import read_expression
+from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.foundation.numerics import Array
+from fingertip.page.html import Markup, element, figure, join, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
-from fingertip.page.plots import draw_response
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sources import BOARD_FOLDER, COMMANDS, Sources
-
-# Bill of materials of a board as a table whose lines name their parts.
-#
-# `board.js` adds a check box for what is placed and a button that highlights the parts of a line on the pictures of
-# the board. Without scripts it is a plain table.
-
+from fingertip.page.sources import COMMANDS, Sources
+from fingertip.page.svg import Axis, Frame, figure_svg, legend
 
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Note")
-_REFERENCES = "References"
-_CAPTION = "bill of materials; board/bom.csv names the source of each number"
-
-
-def render_bom(text: str) -> Markup:
-    """Render `bom.csv`, without the columns that are empty."""
-    lines = list(csv.DictReader(io.StringIO(text)))
-    columns = [name for name in _COLUMNS if any(line.get(name) for line in lines)]
-    head = (element("th", name if name in ("MPN", "LCSC") else name.lower(), scope="col") for name in columns)
-    rows = (
-        element(
-            "tr",
-            *(element("td", line[name], class_="references" if name == _REFERENCES else None) for name in columns),
-            data_parts=line[_REFERENCES],
-        )
-        for line in lines
-    )
-    whole = element(
-        "table",
-        element("caption", _CAPTION),
-        element("thead", element("tr", *head)),
-        element("tbody", *rows),
-        class_="broad",
-        id="bom",
-    )
-    scroll = element("div", whole, class_="scroll", role="group", tabindex="0", aria_label=_CAPTION)
-    # The script shows the line of controls; without it there is nothing to control.
-    return Markup(f"{element('div', class_='row', id='bom-controls', hidden=True)}{scroll}")
-
-
+_BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number"
 _NOTES = ("Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""
 _PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
@@ -62,64 +39,77 @@ _COPPER = (
 _BACK = (
     "Back, seen from the back: the printed list of values. Frames show where the parts stand, all of them on the front."
 )
-_PARTS = "What to buy for the board"
-_BOUNDS = {"at most": "≤", "at least": "≥"}
 
 
 def render_board(sources: Sources) -> Markup:
     """Render the board, or say how to make it. The response follows from the design alone."""
     response = join((element("h3", "Response", id="response"), draw_response(sources.design)))
     if BOARD_FOLDER in sources.remarks:
-        return join((element("p", sources.remarks[BOARD_FOLDER], class_="note"), response))
-    files = {
-        name: sources.text(f"{BOARD_FOLDER}/{name}") for name in (LAYOUT, SCHEMATIC, BOM, VALUES, README, BRING_UP)
-    }
+        return join((note(sources.remarks[BOARD_FOLDER]), response))
+    layout, schematic, bom, values, readme, bring_up = (
+        sources.text(f"{BOARD_FOLDER}/{name}") for name in (LAYOUT, SCHEMATIC, BOM, VALUES, README, BRING_UP)
+    )
     parts = []
-    if layout := files[LAYOUT]:
-        placement = render_placement(layout, "Placement of the components")
-        copper = render_copper(layout, "Copper of the board")
-        back = render_back(layout, "Back of the board")
+    listed = join((element("h3", "What to buy for the board"), render_bom(bom))) if bom else Markup("")
+    if layout:
+        board = read_expression(layout)
+        placement, back = (
+            render_placement(board, "Placement of the components"),
+            render_back(board, "Back of the board"),
+        )
         # It scrolls by itself on a low screen, so the keyboard must reach it.
         pictures = element(
             "div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"),
             role="group", tabindex="0", aria_label="front and back of the board",
         )  # fmt: skip
-        parts += [element("h3", "Layout"), _set_beside(pictures, files[BOM]), figure(copper, _COPPER, "copper")]
-    elif bom := files[BOM]:
-        parts.append(_render_parts(bom))
-    if schematic := files[SCHEMATIC]:
-        parts += [
-            element("h3", "Schematic"),
-            figure(render_schematic(schematic, "Schematic of the board"), "", "schematic", "wide"),
-        ]
-    if values := files[VALUES]:
+        if listed:  # both are seen at once
+            pictures = element("div", pictures, element("div", listed), class_="parts")
+        copper = figure(render_copper(board, "Copper of the board"), _COPPER, "copper")
+        parts += [element("h3", "Layout"), pictures, copper]
+    else:
+        parts.append(listed)
+    if schematic:
+        drawn = render_schematic(read_expression(schematic), "Schematic of the board")
+        parts += [element("h3", "Schematic"), figure(drawn, "", "schematic", "wide")]
+    if values:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
     parts.append(response)
-    for heading, text in split_sections(files[README] or "").items():
+    for heading, text in split_sections(readme or "").items():
         if heading in _NOTES:
             parts += [element("h3", heading), render(text)]
-    if sheet := files[BRING_UP]:
-        body = render(sheet.partition("\n")[2])
+    if bring_up:
+        body = render(bring_up.partition("\n")[2])
         parts += [element("h3", "Bring-up"), element("details", element("summary", "Bring-up with a multimeter"), body)]
     else:
-        said = (
-            "There is no bring-up sheet: in the folder of this page, ",
-            element("code", COMMANDS[BOARD_FOLDER]),
-            " makes it.",
-        )
-        parts.append(element("p", *said, class_="note"))
+        made = element("code", COMMANDS[BOARD_FOLDER])
+        parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
     return join(parts)
 
 
-def _set_beside(pictures: Markup, bom: str | None) -> Markup:
-    """Set the pictures beside the list of the parts on them, so that both are seen at once."""
-    if not bom:
-        return pictures
-    return element("div", pictures, element("div", _render_parts(bom)), class_="parts")
+def render_bom(text: str) -> Markup:
+    """Render `bom.csv`, without the columns that are empty, as a table whose lines name their parts.
 
-
-def _render_parts(bom: str) -> Markup:
-    return join((element("h3", _PARTS), render_bom(bom)))
+    `board.js` adds a check box for what is placed and a button that highlights the parts of a line on the pictures of
+    the board. Without scripts it is a plain table.
+    """
+    lines = list(csv.DictReader(io.StringIO(text)))
+    columns = [name for name in _COLUMNS if any(line.get(name) for line in lines)]
+    head = (element("th", name if name in ("MPN", "LCSC") else name.lower(), scope="col") for name in columns)
+    rows = (
+        element(
+            "tr",
+            *(element("td", line[name], class_="references" if name == "References" else None) for name in columns),
+            data_parts=line["References"],
+        )
+        for line in lines
+    )
+    whole = element(
+        "table", element("caption", _BOM_CAPTION), element("thead", element("tr", *head)), element("tbody", *rows),
+        class_="broad", id="bom",
+    )  # fmt: skip
+    # The script shows the line of controls; without it there is nothing to control.
+    controls = element("div", class_="row", id="bom-controls", hidden=True)
+    return join((controls, scrolling(whole, _BOM_CAPTION)))
 
 
 def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
@@ -131,9 +121,11 @@ def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
         (
             entry["name"],
             entry["subject"],
-            element("span", _with_unit(entry["value"], entry), class_="num"),
-            element("span", f"{_BOUNDS[entry['bound']]} {_with_unit(entry['limit'], entry)}", class_="num"),
-            element("span", "✓" if entry["passed"] else f"✗ {entry['remedy']}", class_=_tell(entry["passed"])),
+            quantity(entry["value"], entry["unit"]),
+            quantity(entry["limit"], entry["unit"], entry["bound"]),
+            element("span", "✓", class_="passed")
+            if entry["passed"]
+            else element("span", f"✗ {entry['remedy']}", class_="failed"),
         )
         for entry in gate
     ]
@@ -142,9 +134,70 @@ def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
     return element("details", summary, body, open=passed < len(gate))
 
 
-def _with_unit(value: float, entry: Mapping[str, Any]) -> str:
-    return f"{value:.4g} {entry['unit']}".rstrip()
+BOARDS = 1000
+"""Number of boards that the band is drawn from."""
+_SEED = 1
+_LOW_HZ, _HIGH_HZ, _PER_DECADE = 10.0, 1e5, 40
+_WIDTH, _HEIGHT = 760.0, 380.0
 
 
-def _tell(passed: bool) -> str:
-    return "passed" if passed else "failed"
+def draw_response(design: Design) -> Markup:
+    """Draw the gain from the tactile voltage to the rectifier, as a figure with a caption."""
+    circuit = board_circuit(board_values(design))
+    network = build_network(circuit, find_gain_bandwidth_hz(design.board))
+    board = TolerancedFilter(model_filter(circuit, design.board.variant == "article"), network.values)
+    tolerances = component_tolerances(circuit)
+    spread = monte_carlo(board, tolerances, BOARDS, _SEED)
+    steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
+    f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
+    nominal, low, high = _compute_gains(board, tolerances, f_hz)
+    bottom = 10.0 * math.floor(min(low) / 10.0)
+    top = 10.0 * math.ceil((max(high) + 3.0) / 10.0)
+    frame = Frame(
+        Axis(_LOW_HZ, _HIGH_HZ, "frequency [Hz]", True), Axis(bottom, top, "gain [dB]"), 58.0, 46.0,
+        _WIDTH - 80.0, _HEIGHT - 100.0,
+    )  # fmt: skip
+    cutoff, gain = spread["cutoff_hz"], spread["passband_gain"]
+    svg = figure_svg(
+        _WIDTH, _HEIGHT, f"Gain of the filter over frequency, with the band of {BOARDS} boards",
+        frame.axes(),
+        frame.band([*zip(f_hz, high, strict=True)], [*zip(f_hz, low, strict=True)], "var(--band)"),
+        frame.line(zip(f_hz, nominal, strict=True), "var(--series-1)", 2),
+        frame.mark(cutoff.nominal, "var(--series-2)"),
+        legend(210.0, 22.0, (
+            ("var(--series-1)", "", "nominal values"), ("var(--band)", "band", "95 % of boards"),
+            ("var(--series-2)", "4 3", "-3 dB"),
+        )),
+    )  # fmt: skip
+    caption = (
+        f"Computed, not measured. Nominal -3 dB frequency {cutoff.nominal:.1f} Hz, passband gain {gain.nominal:.1f}. "
+        f"Of {BOARDS} boards with components anywhere within the tolerances that are bought, 95 % have "
+        f"{_range(cutoff, 1)} Hz and a gain of {_range(gain, 1)}."
+    )
+    return figure(svg, caption, "response of the filter", "wide")
+
+
+def _range(spread: Spread, decimals: int) -> str:
+    return f"{spread.low_95:.{decimals}f} to {spread.high_95:.{decimals}f}"
+
+
+def _compute_gains(
+    board: TolerancedFilter, tolerances: dict[str, float], f_hz: list[float]
+) -> tuple[list[float], list[float], list[float]]:
+    """Compute the nominal gain at each frequency, and the ends of the interval with 95 % of the boards [dB]."""
+    limits = np.array([tolerances[name] / 100.0 for name in board.names])
+    deviations = limits * np.random.default_rng(_SEED).uniform(-1.0, 1.0, (BOARDS, len(board.names)))
+    values = dict(board.values)
+    for name, ratio in zip(board.names, 1.0 + deviations.T, strict=True):
+        # A network's quantity is the conductance of a resistor.
+        values[name] = board.values[name] / ratio if name.startswith("R") else board.values[name] * ratio
+    exact, drawn = board.model.transfer(board.values).power_gain(), board.model.transfer(values).power_gain()
+    nominal, low, high = [], [], []
+    for hz in f_hz:
+        omega = math.tau * hz
+        nominal.append(10.0 * math.log10(float(exact(omega))))
+        powers: Array = np.asarray(drawn(omega))
+        lower, upper = np.quantile(powers, (0.025, 0.975))
+        low.append(10.0 * math.log10(float(lower)))
+        high.append(10.0 * math.log10(float(upper)))
+    return nominal, low, high

@@ -1,4 +1,4 @@
-"""HTML elements from Python calls: whatever is not marked as HTML already is escaped."""
+"""HTML elements and documents from Python calls: whatever is not marked as HTML already is escaped."""
 
 from __future__ import annotations
 
@@ -41,8 +41,7 @@ def join(children: Iterable[str]) -> Markup:
 def figure(picture: Markup, caption: str, label: str = "", class_: str = "") -> Markup:
     """Build a picture with its caption. It scrolls by itself where it is wider than the page."""
     said = [element("figcaption", caption)] if caption else []
-    inner = element("figure", picture, *said, class_=class_ or None)
-    return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=label or caption)
+    return scrolling(element("figure", picture, *said, class_=class_ or None), label or caption)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", class_: str = "") -> Markup:
@@ -51,8 +50,30 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "",
     header = element("thead", element("tr", *(element("th", cell, scope="col") for cell in head)))
     body = element("tbody", *(element("tr", *(element("td", cell) for cell in row)) for row in rows))
     inner = element("table", *title, header, body, class_=class_ or None)
-    label = caption or ", ".join(str(cell) for cell in head)
-    return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=_plain(label))
+    return scrolling(inner, _plain(caption or ", ".join(str(cell) for cell in head)))
+
+
+def scrolling(inner: Markup, label: str) -> Markup:
+    """Build what scrolls by itself where its content is wider than the page."""
+    return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=label)
+
+
+def note(*children: str) -> Markup:
+    """Build a paragraph that stands out from the text around it."""
+    return element("p", *children, class_="note")
+
+
+def embed(data: bytes, media_type: str) -> str:
+    """Make an address that holds the data of a picture itself."""
+    return f"data:{media_type};base64,{base64.b64encode(data).decode('ascii')}"
+
+
+_SIGNS = {"": "", "at most": "≤ ", "at least": "≥ ", "exactly": "= "}
+
+
+def quantity(value: float, unit: str, bound: str = "") -> Markup:
+    """Build a number with its unit; it may be a bound, such as "at most"."""
+    return element("span", f"{_SIGNS[bound]}{value:.4g} {unit}".rstrip(), class_="num")
 
 
 def _plain(text: str) -> str:
@@ -67,16 +88,14 @@ def _attribute(key: str, value: str | float | bool | None) -> str:
     return f" {name}" if value is True else f' {name}="{escape(str(value))}"'
 
 
-# HTML document with its style and scripts in it.
-#
-# The content security policy at its top allows nothing else: the browser itself refuses every script but those whose
-# hashes it states, and every request that is not named.
-
-
 def render_document(
     title: str, body: Iterable[Markup], style: str, scripts: Sequence[str], connect: str = "", **attributes: str
 ) -> bytes:
-    """Render a document."""
+    """Render a document with its style and scripts in it.
+
+    The content security policy at its top allows nothing else: the browser itself refuses every script but those whose
+    hashes it states, and every request that is not named.
+    """
     head = element(
         "head",
         element("meta", charset="utf-8"),

@@ -8,11 +8,9 @@ from typing import Any
 from fingertip.foundation.version import __version__
 from fingertip.page.board_section import render_board
 from fingertip.page.casting_section import render_basis, render_casting, render_drawing
-from fingertip.page.checks_section import render_checks, render_verdict
 from fingertip.page.html import Markup, element, read_asset, read_viewer_library, render_document
-from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_section import render_parameters
-from fingertip.page.scene import Item, list_items
+from fingertip.page.model_section import Item, list_items, render_model, render_no_view, scene_json
+from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
 from fingertip.slip.detectors.registry import DETECTORS, ENVELOPE_MEAN

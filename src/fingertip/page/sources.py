@@ -12,16 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.report import REPORT, SHEET, STEPS_FOLDER
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import BOARD_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.foundation.output_set.replacement import hash_content
-from fingertip.slip.traces.origin import SIGNAL_FOLDER
 
-BOARD_FOLDER = "board"
 """Folder of the board within the output folder of a design."""
 _MAKE = "fingertip make DESIGN"
 COMMANDS = {

@@ -1,4 +1,7 @@
-"""Trial of a page: the simulated trace, read back from its file, and the slip that the detector finds in it."""
+"""Trial of a page: the simulated trace, read back from its file, and the slip that the detector finds in it.
+
+Plots show the whole of it, and the onset of the first slip at a scale that shows the delay.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +10,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fingertip.catalogues.output_files import DETECTION, SIGNAL_FOLDER, TRACE
 from fingertip.detection.files import detect_file
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.numerics import Array
-from fingertip.page.html import Markup, element, figure, join
-from fingertip.page.plots import Axis, Frame, figure_svg, legend, line, text
+from fingertip.page.html import Markup, element, figure, join, note
 from fingertip.page.sources import COMMANDS, Sources
+from fingertip.page.svg import Axis, Frame, figure_svg, legend, line, text
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, describe_detector, format_delay, format_motion_delay
 from fingertip.slip.traces.intervals import Interval
-from fingertip.slip.traces.origin import BAND_LABEL, DETECTION, SIGNAL_FOLDER, TRACE, encoder_band_s, parse_origin
+from fingertip.slip.traces.origin import BAND_LABEL, encoder_band_s, parse_origin
 from fingertip.slip.traces.trace import Trace
-
-# Trial and detection as SVG: the whole of it, and the onset of the first slip at a scale that shows the delay.
-
 
 _WIDTH, _HEIGHT = 760.0, 420.0
 _BEFORE_S, _AFTER_S = 0.06, 0.12
@@ -159,30 +160,22 @@ def _describe(detection: Detection) -> str:
     return f"{said} Slip: {delays}. False intervals: {len(score.false_intervals)}."
 
 
-def _find_detector(detection: bytes | None) -> str:
-    """Find the detector of the detection beside the trace; without one, the best there is."""
-    return str(json.loads(detection)["detector"]) if detection else "fast"
-
-
 def render_trial(sources: Sources) -> Markup:
     """Render trial and detection, or say how to make them."""
     if SIGNAL_FOLDER in sources.remarks:
-        return element("p", sources.remarks[SIGNAL_FOLDER], class_="note")
-    data = sources.files.get(f"{SIGNAL_FOLDER}/{TRACE}")
-    if data is None:
-        remedy = (
-            f"{SIGNAL_FOLDER}/{TRACE} is missing; in the folder of this page, ",
-            element("code", COMMANDS[SIGNAL_FOLDER]),
-            " makes it.",
-        )
-        return element("p", *remedy, class_="note")
+        return note(sources.remarks[SIGNAL_FOLDER])
+    trace = sources.files.get(f"{SIGNAL_FOLDER}/{TRACE}")
+    if trace is None:
+        made = element("code", COMMANDS[SIGNAL_FOLDER])
+        return note(f"{SIGNAL_FOLDER}/{TRACE} is missing; in the folder of this page, ", made, " makes it.")
+    detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
+    # Without a detection beside the trace, the best detector there is.
+    detector = str(json.loads(detection)["detector"]) if detection else "fast"
     with TemporaryFolder() as temporary:
         path = temporary / TRACE
-        path.write_bytes(data)
-        detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
-        found = detect_file(path, sources.design, _find_detector(detection), origin=parse_origin(detection))
+        path.write_bytes(trace)
+        found = detect_file(path, sources.design, detector, origin=parse_origin(detection))
     onset = draw_onset(found.trace, found.detection)
     parts = [element("h3", "The onset of the slip"), onset] if onset else []
-    warnings = [element("p", warning, class_="note") for warning in found.warnings]
     whole = draw_trial(found.trace, found.detection)
-    return join((*parts, element("h3", "The whole trial"), whole, *warnings))
+    return join((*parts, element("h3", "The whole trial"), whole, *(note(warning) for warning in found.warnings)))

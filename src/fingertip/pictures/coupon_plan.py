@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
 from fingertip.calibration.readings import Length, Point, list_lengths
 from fingertip.design import Design
-from fingertip.pictures.raster import Camera, Canvas
-
-if TYPE_CHECKING:
-    from PIL.ImageDraw import ImageDraw
+from fingertip.pictures.raster import Camera, Canvas, Pen, to_png
 
 _WIDTH_PX = 1600
 _FONT_PX = 21
@@ -62,8 +59,6 @@ class _Plan:
 
 def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
     """Draw both pieces from above, as they lie on the bed, as PNG."""
-    from PIL import Image, ImageDraw, ImageFont
-
     low = {name: mesh.vertices.min(axis=0) for name, mesh in meshes.items()}
     high = {name: mesh.vertices.max(axis=0) for name, mesh in meshes.items()}
     frame, piece = COUPON_PARTS
@@ -92,12 +87,10 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
         text = f"Z{number}: {height.height_mm * plan.growth:.2f}"
         _draw_height(pen, font, plan.at(height.at, height.piece), text, scale)
     _draw_axes(pen, font, height_px)
-    file = io.BytesIO()
-    picture.save(file, format="PNG", optimize=True)
-    return file.getvalue()
+    return to_png(picture)
 
 
-def _draw_length(pen: ImageDraw, font: Any, plan: _Plan, number: int, length: Length) -> None:
+def _draw_length(pen: Pen, font: Any, plan: _Plan, number: int, length: Length) -> None:
     """Draw the line between the jaws and the number: beside the line, or below a wall that is too thin for it."""
     start, end = (plan.at(point, length.piece) for point in length.ends)
     if length.kind == "wall":
@@ -128,14 +121,14 @@ def _arrow(tip: Point, other: Point) -> Iterator[Point]:
     yield tip[0] + dx - dy / 2, tip[1] + dy - dx / 2
 
 
-def _draw_number(pen: ImageDraw, font: Any, at: Point, number: int) -> None:
+def _draw_number(pen: Pen, font: Any, at: Point, number: int) -> None:
     x, y = at
     r = _BALLOON_PX
     pen.ellipse([x - r, y - r, x + r, y + r], fill=(255, 255, 255), outline=_LENGTH_COLOUR, width=2)
     pen.text((x, y), str(number), fill=_LENGTH_COLOUR, font=font, anchor="mm")
 
 
-def _draw_height(pen: ImageDraw, font: Any, at: Point, text: str, scale: float) -> None:
+def _draw_height(pen: Pen, font: Any, at: Point, text: str, scale: float) -> None:
     """Draw a dot on the top of a feature, and its height beside it."""
     x, y = at
     pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
@@ -144,7 +137,7 @@ def _draw_height(pen: ImageDraw, font: Any, at: Point, text: str, scale: float) 
     pen.text((x + 10, y), text, fill=_HEIGHT_COLOUR, font=font, anchor="lm")
 
 
-def _draw_axes(pen: ImageDraw, font: Any, height_px: int) -> None:
+def _draw_axes(pen: Pen, font: Any, height_px: int) -> None:
     """Draw the axes of the bed in the lower left corner."""
     x, y, reach = 30.0, height_px - 30.0, 60.0
     for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):

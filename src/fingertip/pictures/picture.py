@@ -5,13 +5,13 @@ An arrow points at the place where the bone breaks first.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
@@ -19,19 +19,12 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
-from fingertip.design.geometry.solids import Solid
+from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis import knuckle
 from fingertip.foundation.display import Picture
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
+from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
-
-if TYPE_CHECKING:
-    from PIL.ImageDraw import ImageDraw
-
-
-# View of a clevis: the finger on the hand's knuckle, straight and bent to the end of its travel, cut open.
-
 
 HAND = "hand"
 """Name of the hand's part of the joint."""
@@ -41,7 +34,10 @@ _GAP_MM = 12.0
 def place_on_hand(
     design: Design, joint: Joint, evaluator: MeshEvaluator, parts: Mapping[str, Solid]
 ) -> list[tuple[str, Mesh]]:
-    """Place the given parts on the hand twice, side by side along the finger, without their half at x < 0."""
+    """Place the given parts on the hand, straight and bent to the end of the travel, without their half at x < 0.
+
+    Both stand side by side along the finger.
+    """
     placed: list[tuple[str, Mesh]] = []
     shift = 0.0
     for angle_deg in (0.0, design.hand.travel_deg) if design.hand.travel_deg else (0.0,):
@@ -52,7 +48,8 @@ def place_on_hand(
         turned[HAND] = to_canonical_mesh(hand)
         high = max(float(mesh.vertices[:, 2].max()) for mesh in turned.values())
         low = min(float(mesh.vertices[:, 2].min()) for mesh in turned.values())
-        placed += [(name, _shift(mesh, shift - low)) for name, mesh in turned.items()]
+        along = np.array((0.0, 0.0, shift - low))
+        placed += [(name, Mesh(mesh.vertices + along, mesh.triangles)) for name, mesh in turned.items()]
         shift += high - low + _GAP_MM
     return placed
 
@@ -62,10 +59,6 @@ def _turn(evaluator: MeshEvaluator, solid: Solid, joint: Joint, angle_deg: float
     cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
     at_origin = cut.translate((0.0, -joint.axis_y, -joint.axis_z))
     return to_canonical_mesh(at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z)))
-
-
-def _shift(mesh: Mesh, z_mm: float) -> Mesh:
-    return Mesh(mesh.vertices + np.array((0.0, 0.0, z_mm)), mesh.triangles)
 
 
 _TOLERANCE_MM = 0.02
@@ -82,6 +75,10 @@ _MARK_REACH_MM = 1.0
 """Distance along the finger within which the surface above a weak section is looked for."""
 
 
+Mark = tuple[str, Point3]
+"""Text with an arrow to a point [mm]."""
+
+
 @dataclass(frozen=True)
 class PlacedMesh:
     """Mesh at the position where it is drawn."""
@@ -95,22 +92,19 @@ class PlacedMesh:
 
 def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
     """Draw two exploded views of a design above a section through the closed mold."""
-    from PIL import Image
-
     evaluator = MeshEvaluator(_TOLERANCE_MM)
     parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))
     exploded = _explode(parts)
     half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
-    views: list[tuple[str, list[PlacedMesh], Camera, int]] = [
-        ("dorsal view", exploded, Camera.from_angles(28, 24), half),
-        ("palmar view", exploded, Camera.from_angles(28, -38), width_px - half),
-    ]
-    panels = []
-    for title, placed, camera, width in views:
-        progress(f"drawing: {title}")
-        marks = (mark,) if title == "dorsal view" else ()
-        panels.append(_draw_panel(title, placed, camera, width, labels=_PART_LABELS, marks=marks))
+    progress("drawing: dorsal view")
+    dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_PART_LABELS, mark=mark)
+    progress("drawing: palmar view")
+    camera = Camera.from_angles(28, -38)
+    palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_PART_LABELS)
+    top = np.full((max(len(dorsal), len(palmar)), width_px, 3), 255, dtype=np.uint8)
+    top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
+    panels = [top]
     for section in list_sections(design, evaluator):
         progress(f"drawing: {section.title.partition(';')[0]}")
         panels.append(draw_section(section, evaluator, width_px))
@@ -120,29 +114,11 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
         panels.append(
             _draw_panel(title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px, labels=(HAND,))
         )
-    top_height = max(panels[0].shape[0], panels[1].shape[0])
-    below = panels[2:]
-    picture = np.full((top_height + sum(panel.shape[0] for panel in below), width_px, 3), 255, dtype=np.uint8)
-    picture[: panels[0].shape[0], :half] = panels[0]
-    picture[: panels[1].shape[0], half:] = panels[1]
-    for panel in below:
-        picture[top_height : top_height + panel.shape[0]] = panel
-        top_height += panel.shape[0]
-    file = io.BytesIO()
-    Image.fromarray(picture).save(file, format="PNG", optimize=True)
-    return file.getvalue()
-
-
-@dataclass(frozen=True)
-class Mark:
-    """Text with an arrow to a point."""
-
-    text: str
-    point_mm: tuple[float, float, float]
+    return to_png(Image.fromarray(np.concatenate(panels)))
 
 
 def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:
-    """Mark the place where the bone breaks first."""
+    """Return what to write about the place where the bone breaks first, and where it is drawn."""
     found = assess_strength(design, evaluator)
     weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
     (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
@@ -155,7 +131,7 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
         f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
         "at the grip force",
     )
-    return Mark("\n".join(lines), (dx, y + dy, weakest.z_mm + dz))
+    return "\n".join(lines), (dx, y + dy, weakest.z_mm + dz)
 
 
 def _height_of(design: Design, place: str) -> float | None:
@@ -207,11 +183,9 @@ def _draw_panel(
     width_px: int,
     *,
     labels: Collection[str],
-    marks: tuple[Mark, ...] = (),
+    mark: Mark | None = None,
 ) -> NDArray[np.uint8]:
-    """Draw meshes with their names, a scale bar and marks."""
-    from PIL import Image, ImageDraw, ImageFont
-
+    """Draw meshes with their names, a scale bar and a mark."""
     centre, size = bounds([item.mesh for item in placed], camera)
     # A long and flat picture need not fill the width; others leave room for the names.
     scale = (width_px - 2 * _MARGIN_PX) / size[0] * (0.62 if HAND in labels else 0.9)
@@ -232,8 +206,9 @@ def _draw_panel(
         u, v = ((point - centre) @ camera.axes.T * scale)[:2]
         return width_px / 2 + u, height_px / 2 - v
 
-    for mark in marks:
-        _draw_mark(pen, font, mark, to_pixel(np.array(mark.point_mm)), taken)
+    if mark:
+        text, point = mark
+        _draw_mark(pen, font, text, to_pixel(np.array(point)), taken)
     for item in placed:
         if item.label in labels:
             corners = (item.mesh.vertices - centre) @ camera.axes.T * scale
@@ -246,12 +221,12 @@ def _draw_panel(
     return np.asarray(picture)
 
 
-def _draw_mark(pen: ImageDraw, font: Any, mark: Mark, tip: tuple[float, float], taken: NDArray[np.bool_]) -> None:
+def _draw_mark(pen: Pen, font: Any, text: str, tip: tuple[float, float], taken: NDArray[np.bool_]) -> None:
     """Draw a text above the left end of the parts, with a line to the point that it marks."""
-    box = pen.multiline_textbbox((0, 0), mark.text, font=font)
+    box = pen.multiline_textbbox((0, 0), text, font=font)
     place = find_free_place(taken, box, (16.0, tip[1] - 40.0, tip[0], tip[1]))
-    pen.multiline_text(place, mark.text, fill=_MARK_INK, font=font)
-    _claim(taken, pen.multiline_textbbox(place, mark.text, font=font))
+    pen.multiline_text(place, text, fill=_MARK_INK, font=font)
+    _claim(taken, pen.multiline_textbbox(place, text, font=font))
     start = (
         min(max(tip[0], place[0] + 20), place[0] + box[2] - 20),
         place[1] + (box[3] if place[1] < tip[1] else 0) + 4,
@@ -284,9 +259,6 @@ def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> 
     """Mark a rectangle as not empty."""
     left, top, right, bottom = (max(0, int(side)) for side in box)
     taken[top : bottom + 1, left : right + 1] = True
-
-
-# Picture of a design as an object, for Python and Jupyter.
 
 
 def picture(design: Design, width_px: int = 1600) -> Picture:

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.foundation.numerics import Array
 
 Colour = tuple[float, float, float]
+Pen: TypeAlias = ImageDraw.ImageDraw
+Font: TypeAlias = ImageFont.FreeTypeFont
 _CREASE_COSINE = math.cos(math.radians(35.0))
 """Cosine of the angle between facets above which they are shaded as separate surfaces."""
-
 _LEAST_TINT = 0.5
 """Brightness of a tinted pixel in the darkest shade."""
-
 _DECIMALS = 6
 """Decimals of projected points [mm or pixels] and shades. The last digits of a product of matrices depend on the
 processor, and pictures must not."""
-
 _FROM_BELOW = -0.2
 """Dorsal component of the direction to the viewer below which the view is one from below."""
 
@@ -174,3 +176,10 @@ def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[Array, Array]:
     projected = np.round(np.concatenate([mesh.vertices for mesh in meshes]) @ camera.axes.T, _DECIMALS)
     low, high = projected.min(axis=0), projected.max(axis=0)
     return np.round((low + high) / 2 @ camera.axes, _DECIMALS), (high - low)[:2]
+
+
+def to_png(picture: Image.Image) -> bytes:
+    """Write a picture as PNG."""
+    file = io.BytesIO()
+    picture.save(file, format="PNG", optimize=True)
+    return file.getvalue()

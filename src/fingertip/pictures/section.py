@@ -11,10 +11,11 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.bone import sensor_body
@@ -25,11 +26,7 @@ from fingertip.design.geometry.solids import Box, Solid, intersection, union
 from fingertip.design.interfaces import interface_of
 from fingertip.filling.mold_filling import place_vents
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.raster import Colour
-
-if TYPE_CHECKING:
-    from PIL.ImageDraw import ImageDraw
-    from PIL.ImageFont import FreeTypeFont
+from fingertip.pictures.raster import Colour, Font, Pen
 
 Point = tuple[float, float]
 """Point of the plane: along the finger (z) and dorsal (y) [mm]."""
@@ -102,21 +99,20 @@ def _find_cheek(design: Design, bone: Solid, evaluator: MeshEvaluator) -> float:
 
 def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> NDArray[np.uint8]:
     """Draw a section with the names of its features; returns the picture (height, width, 3)."""
-    from PIL import Image, ImageDraw, ImageFont
-
     font = ImageFont.load_default(size=_FONT_PX * _FINE)
-    assert isinstance(font, ImageFont.FreeTypeFont)
+    assert isinstance(font, Font)
     cuts = {name: slice_solid(evaluator, solid, _PLANE_MM) for name, solid in section.parts.items()}
     dashed = [slice_solid(evaluator, solid, x) for solid, x in section.dashed]
-    corners = np.concatenate([ring for rings in (*cuts.values(), *dashed) for ring in rings])
+    outlines = [ring for rings in (*cuts.values(), *dashed) for ring in rings]
+    corners = np.concatenate(outlines)
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale = 0.8 * width_px / (high[0] - low[0])
     size = (high - low) * scale
-    outlines = [ring for rings in (*cuts.values(), *dashed) for ring in rings]
     features = [one for one in dict.fromkeys(section.features) if is_near(one.at, outlines)]
-    upper = [feature for feature in features if feature.at[1] >= 0]
-    lower = [feature for feature in features if feature.at[1] < 0]
-    above, below = (_place_names(names, font, low[0], scale, width_px, size[0]) for names in (upper, lower))
+    above, below = (
+        _place_names([one for one in features if (one.at[1] < 0) == is_low], font, low[0], scale, width_px, size[0])
+        for is_low in (False, True)
+    )
     head = _ROW_PX + 14
     top = head + _ROW_PX * _count_rows(above) + _LINE_PX
     height_px = int(top + size[1] + _LINE_PX + _ROW_PX * _count_rows(below) + 44)
@@ -164,10 +160,8 @@ def slice_solid(evaluator: MeshEvaluator, solid: Solid, x: float) -> list[Array]
     return [np.asarray(ring) * np.array([-1.0, 1.0]) for ring in turned.slice(x).to_polygons()]
 
 
-def draw_scale_bar(pen: ImageDraw, corner: Point, pixels_per_mm: float) -> None:
+def draw_scale_bar(pen: Pen, corner: Point, pixels_per_mm: float) -> None:
     """Draw a bar of a round length, its lower left corner at a point of the picture."""
-    from PIL import ImageFont
-
     wanted = 130 / pixels_per_mm
     decade = 10.0 ** math.floor(math.log10(wanted))
     length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted)
@@ -268,7 +262,12 @@ class _PlacedName:
 
 
 def _place_names(
-    features: Sequence[Feature], font: FreeTypeFont, low_z: float, scale: float, width_px: int, length_px: float
+    features: Sequence[Feature],
+    font: Font,
+    low_z: float,
+    scale: float,
+    width_px: int,
+    length_px: float,
 ) -> list[_PlacedName]:
     """Place names in as few rows as their widths allow, each as near as possible to what it names."""
     left = (width_px - length_px) / 2
@@ -314,7 +313,7 @@ def _count_rows(names: Sequence[_PlacedName]) -> int:
     return 1 + max((placed.row for placed in names), default=-1)
 
 
-def _draw_name(pen: ImageDraw, font: FreeTypeFont, placed: _PlacedName, target: Point, line_y: float, way: int) -> None:
+def _draw_name(pen: Pen, font: Font, placed: _PlacedName, target: Point, line_y: float, way: int) -> None:
     """Draw a name and the line to its feature, with a dot at the end."""
     x, y = placed.x * _FINE, (line_y + way * (_ROW_PX * placed.row + 2)) * _FINE
     pen.line([(x, y), target], fill=_NAME_INK, width=_FINE)
@@ -335,8 +334,6 @@ def _colour_of(name: str) -> tuple[int, int, int]:
 
 def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int, int]) -> None:
     """Fill outlines by the even-odd rule, so that holes stay open, and draw their edges."""
-    from PIL import Image, ImageChops, ImageDraw
-
     mask = Image.new("1", picture.size)
     for ring in rings:
         one = Image.new("1", picture.size)
@@ -348,7 +345,7 @@ def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int
         pen.line([*ring, ring[0]], fill=_INK, width=_FINE)
 
 
-def _dash(pen: ImageDraw, line: Sequence[Point]) -> None:
+def _dash(pen: Pen, line: Sequence[Point]) -> None:
     """Draw a dashed line."""
     on, off = 7.0 * _FINE, 4.0 * _FINE
     done = 0.0

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.sim.contact.surface_profile import SURFACES
-from fingertip.sim.hand.manipulation_file import ManipulationFile
+from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.files.manipulation import ManipulationFile
+from fingertip.sim.files.scene import SceneFile
 from fingertip.sim.scene.run import run_scene
-from fingertip.sim.scene.scene_file import SceneFile
 from fingertip.sim.scene.timeline import SLIDE_M
 from fingertip.slip.traces.trace import Trace
 
@@ -49,9 +49,7 @@ class Trial:
     """
 
     surface: str = "medium"
-    """Name of the surface."""
     speed_m_s: float = 0.04
-    """Peak sliding speed [m/s]."""
     force_n: float | None = None
     """Holding force [N]. None lets the seed draw one between 0.2 and 2 N."""
     seed: int = 0
@@ -109,10 +107,7 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
 
 
 def article_trials() -> Iterator[tuple[SceneFile, int]]:
-    """Yield scene and seed of each of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5 repeats.
-
-    Every trial has its own seed.
-    """
+    """Yield scene and own seed of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5 repeats."""
     seed = 0
     for configuration, surfaces in (("sliding_finger", tuple(SURFACES)), ("sliding_surface", GRASPED_SURFACES)):
         for surface in surfaces:

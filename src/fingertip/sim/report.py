@@ -1,15 +1,27 @@
-"""Summary of a simulation, as text and as data."""
+"""Results of a simulation: summary as text and as data, plot, and trace file."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+import io
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
+from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.output_set import SetWriter, hash_parameters
+from fingertip.foundation.output_set.replacement import hash_content
+from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.files.schema import OUTPUTS
 from fingertip.sim.hand.manipulation import ManipulationResult
 from fingertip.sim.scene.run import SceneRecord, SceneResult
 from fingertip.slip.traces.intervals import STICK_S, intervals, merge
@@ -85,30 +97,8 @@ def _describe_surface(name: str) -> str:
 
 
 # Plot of a simulation: one panel for each recorded output.
-#
-# Beside the plots of the benchmarks, this is the only module of `fingertip.sim` that draws.
-
 
 AnyArray = NDArray[Any]
-
-_LABELS = {
-    "voltage_v": ("sampled\nvoltage [V]", 1),
-    "force_n": ("normal\nforce [N]", 1),
-    "slip": ("true slip", 1),
-    "velocity_m_s": ("velocity\n[mm/s]", 1000),
-    "shear_m": ("pad shear\n[mm]", 1000),
-    "tactile_v": ("tactile\nvoltage [V]", 1),
-    "filtered_v": ("filtered\nvoltage [V]", 1),
-    "envelope_v": ("envelope\nvoltage [V]", 1),
-    "sampled_envelope_v": ("sampled\nenvelope [V]", 1),
-    "sampled_filtered_v": ("sampled filtered\nvoltage [V]", 1),
-    "closing_m": ("finger\nclosing [mm]", 1000),
-    "command_m": ("commanded\nclosing [mm]", 1000),
-    "object_m": ("object\nposition [mm]", 1000),
-    "pin_n": ("pin force\n[N]", 1),
-    "slip_pin_v": ("ON/OFF\noutput [V]", 1),
-}
-"""Axis label of each output, and the factor from its unit to the label's."""
 
 
 def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
@@ -123,14 +113,16 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
         signal = result.output(name) if isinstance(result, ManipulationResult) else result.columns[name]
         rows = signal if signal.ndim == 2 else signal[None, :]
         style_axes(axes, "both")
-        label, factor = _LABELS[name]
+        output = OUTPUTS[name]
         if name == "slip":
             _draw_slip_bars(axes, result.time_s, rows, fingers)
         else:
             _shade_slip(axes, result)
             for i, row in enumerate(rows):
-                axes.plot(result.time_s, factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i)
-            axes.set_ylabel(label)
+                axes.plot(
+                    result.time_s, output.factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i
+                )
+            axes.set_ylabel(output.label)
     if isinstance(result, ManipulationResult):
         _add_legend(panels, names, fingers)
         _mark_events(panels, result)
@@ -161,7 +153,6 @@ def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
 
 
 def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:
-    """Add a legend to the first panel that has a line for each finger."""
     for axes, name in zip(panels, names, strict=True):
         if name not in ("slip", "object_m", "pin_n"):
             axes.legend(
@@ -179,7 +170,6 @@ def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) ->
 
 
 def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
-    """Mark the moments of a manipulation with dotted lines."""
     events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
     if result.plan.pin:
         events.append(("knock", result.plan.knock_s))
@@ -192,3 +182,106 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
             label, (time_s, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3), textcoords="offset points",
             ha="center", va="bottom", fontsize=9, color=TEXT_COLOUR,
         )  # fmt: skip
+
+
+# Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk.
+
+
+SUFFIXES = (".csv", ".npz")
+"""Suffixes of the files that are written."""
+DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
+"""Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
+bytes."""
+
+
+def signal_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
+    """Writer of simulated traces of a design, and of what is made from them; `top` as for `SetWriter`."""
+    parameters = hash_parameters(design.model_dump(mode="json"))
+    return SetWriter(folder, SIGNAL_FOLDER, design.name, parameters, force=force, top=top)
+
+
+def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
+    """Move a trace into a design's signals, and remove plot and detection of another one; return their names."""
+    is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
+    return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
+
+
+class CsvTraceWriter:
+    """Writer of a CSV file: one line that names the columns, then one sample per line, with fixed decimals."""
+
+    def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
+        self._file = file
+        file.write((",".join(["time_s", *names]) + "\n").encode("ascii"))
+
+    def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+        """Add the next samples of all columns."""
+        cells = [[f"{t:.7f}" for t in time_s.tolist()]]
+        cells += [
+            [_format_cell(name, value) for value in round_column(name, v).tolist()] for name, v in columns.items()
+        ]
+        lines = [*map(",".join, zip(*cells, strict=True)), ""]
+        self._file.write("\n".join(lines).encode("ascii"))
+
+    def close(self) -> None:
+        """Complete the file."""
+
+
+class NpzTraceWriter:
+    """Writer of a numpy archive with one member per column. The columns wait in temporary files."""
+
+    def __init__(self, file: BinaryIO, names: Sequence[str]) -> None:
+        self._file = file
+        self._spools = {name: tempfile.TemporaryFile() for name in ("time_s", *names)}  # noqa: SIM115 (closed below)
+        self._types: dict[str, np.dtype[Any]] = {}
+        self._count = 0
+
+    def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+        """Add the next samples of all columns."""
+        self._count += len(time_s)
+        rounded = {"time_s": np.round(time_s, 7)} | {name: round_column(name, v) for name, v in columns.items()}
+        for name, values in rounded.items():
+            self._types[name] = values.dtype
+            self._spools[name].write(values.tobytes())
+
+    def close(self) -> None:
+        """Complete the file."""
+        with zipfile.ZipFile(self._file, "w") as archive:
+            for name, spool in self._spools.items():
+                # A date of its own would give other bytes every day.
+                member = zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0))
+                member.compress_type = zipfile.ZIP_DEFLATED
+                kind = np.lib.format.dtype_to_descr(self._types[name])
+                with archive.open(member, "w", force_zip64=True) as out, spool:
+                    header = {"descr": kind, "fortran_order": False, "shape": (self._count,)}
+                    np.lib.format.write_array_header_1_0(out, header)
+                    spool.seek(0)
+                    shutil.copyfileobj(spool, out)
+
+
+def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> CsvTraceWriter | NpzTraceWriter:
+    """Open a writer for the kind of file that a path names, CSV or NPZ. Raises TraceError."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise TraceError(Issue(str(path), f"is not a known kind of trace file; end it in {' or '.join(SUFFIXES)}."))
+    return NpzTraceWriter(file, names) if path.suffix.lower() == ".npz" else CsvTraceWriter(file, names)
+
+
+def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
+    """Encode columns as CSV or NPZ, by the path's ending; equal numbers give equal bytes. Raises TraceError."""
+    out = io.BytesIO()
+    writer = open_trace(out, path, [*columns])
+    writer.write(time_s, columns)
+    writer.close()
+    return out.getvalue()
+
+
+def _decimals(name: str) -> int:
+    return next(decimals for end, decimals in reversed(DECIMALS.items()) if name.endswith(end))
+
+
+def round_column(name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Round a column to the decimals that are written; negative zero becomes zero."""
+    return values if values.dtype == np.bool_ else np.round(values, _decimals(name)) + 0.0
+
+
+def _format_cell(name: str, value: float | bool) -> str:
+    return ("1" if value else "0") if isinstance(value, bool) else f"{value:.{_decimals(name)}f}"

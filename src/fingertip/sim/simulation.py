@@ -11,22 +11,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.limits import adc_range_warnings
 from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.sim.article import Trial
+from fingertip.sim.files.manipulation import ManipulationFile
+from fingertip.sim.files.scene import SceneFile
+from fingertip.sim.files.schema import find_converter_warnings
 from fingertip.sim.hand.manipulation import ManipulationResult, run_manipulation
-from fingertip.sim.hand.manipulation_file import ManipulationFile
 from fingertip.sim.hand.motion import Controller
+from fingertip.sim.report import open_trace
 from fingertip.sim.scene.run import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
-from fingertip.sim.scene.scene_file import SceneFile
-from fingertip.sim.signal.parameters import find_converter_warnings
-from fingertip.sim.trace_export import open_trace
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,8 @@ def load_simulation(
     kind = identify_kind(file) if file else None
     is_scene = kind in (SCENE, MANIPULATION)
     scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [])
+    options: dict[str, Any] = {"surface": surface, "speed_m_s": speed_m_s, "force_n": force_n}
+    options = {option: value for option, value in options.items() if value is not None}
     issues: list[Issue] = []
     if not is_scene:
         if design_file:
@@ -114,12 +116,13 @@ def load_simulation(
         issues.extend(error.issues)
     try:
         if file is None or not is_scene:
-            scene = _build_trial(surface, speed_m_s, force_n, seed).scene
-        elif kind is MANIPULATION:
-            options = _manipulation_changes(surface, speed_m_s, force_n)
-            scene = ManipulationFile.load(file, changes=[*scene_changes, *options])
+            scene = Trial(**options, seed=seed).scene
         else:
-            scene = SceneFile.load(file, changes=[*scene_changes, *_scene_changes(surface, speed_m_s, force_n)])
+            model = ManipulationFile if kind is MANIPULATION else SceneFile
+            for option, value in options.items():
+                text = f'"{value}"' if isinstance(value, str) else repr(value)
+                scene_changes += [f"{name}={text}" for name in model.options[option]]
+            scene = model.load(file, changes=scene_changes)
     except FingertipError as error:
         issues.extend(error.issues)
     if speed_m_s is not None and isinstance(scene, SceneFile) and not scene.slide.distance_m:
@@ -131,7 +134,6 @@ def load_simulation(
 
 
 def _find_files(file: str | Path | None, design_file: str | Path | None) -> tuple[Path | None, Path | None]:
-    """Find the file and the design beside it, which may be bare names."""
     found: list[Path | None] = []
     issues: list[Issue] = []
     for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
@@ -142,34 +144,3 @@ def _find_files(file: str | Path | None, design_file: str | Path | None) -> tupl
     if issues:
         raise FingertipError(issues)
     return found[0], found[1]
-
-
-def _build_trial(surface: str | None, speed_m_s: float | None, force_n: float | None, seed: int) -> Trial:
-    default = Trial()
-    return Trial(
-        default.surface if surface is None else surface,
-        default.speed_m_s if speed_m_s is None else speed_m_s,
-        force_n,
-        seed,
-    )
-
-
-def _scene_changes(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterator[str]:
-    """Express the values as changes of a scene."""
-    if surface is not None:
-        yield f'contact.surface="{surface}"'
-    if speed_m_s is not None:
-        yield f"slide.speed_m_s={speed_m_s!r}"
-    if force_n is not None:
-        yield f"hold.min_force_n={force_n!r}"
-        yield f"hold.max_force_n={force_n!r}"
-
-
-def _manipulation_changes(surface: str | None, speed_m_s: float | None, force_n: float | None) -> Iterator[str]:
-    """Express the values as changes of a manipulation."""
-    if surface is not None:
-        yield f'object.surface="{surface}"'
-    if speed_m_s is not None:
-        yield f"knock.speed_m_s={speed_m_s!r}"
-    if force_n is not None:
-        yield f"grasp.force_n={force_n!r}"

@@ -13,12 +13,12 @@ from typing import Any, BinaryIO, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL, TRACE
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.output_set import SetWriter, hash_parameters
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set import SetWriter
 from fingertip.foundation.output_set.replacement import hash_content
-from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
+from fingertip.foundation.output_set.writer import has_hash
 
 SUFFIXES = (".csv", ".npz")
 """Suffixes of the files that are written."""
@@ -29,8 +29,7 @@ bytes."""
 
 def signal_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
     """Writer of simulated traces of a design, and of what is made from them; `top` as for `SetWriter`."""
-    parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder, SIGNAL_FOLDER, design.name, parameters, force=force, top=top)
+    return SIGNAL.writer(design, folder, force, top)
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:

@@ -1,13 +1,34 @@
-"""Slip detection on a sampled voltage: traces, detectors and intervals, independent of the simulation."""
+"""Slip detection on a sampled voltage: traces, detectors and intervals, independent of the simulation.
 
-from fingertip.slip.detection import Detection, detect
-from fingertip.slip.detectors.detector import Detector, DetectorOutput
-from fingertip.slip.detectors.digital import ChainSettings, SlipChain
-from fingertip.slip.detectors.registry import DETECTORS, make_detector
-from fingertip.slip.traces.intervals import Interval, Score
-from fingertip.slip.traces.read import read_trace
-from fingertip.slip.traces.trace import Trace
+Each name is imported when it is first used, so that the names of the detectors are known without numpy.
+"""
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fingertip.slip.detection import Detection, detect
+    from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+    from fingertip.slip.detectors.registry import DETECTORS, Detector, DetectorOutput, make_detector
+    from fingertip.slip.traces.intervals import Interval, Score
+    from fingertip.slip.traces.read import read_trace
+    from fingertip.slip.traces.trace import Trace
+
+_MODULES = {
+    "DETECTORS": "detectors.registry",
+    "ChainSettings": "detectors.digital",
+    "Detection": "detection",
+    "Detector": "detectors.registry",
+    "DetectorOutput": "detectors.registry",
+    "Interval": "traces.intervals",
+    "Score": "traces.intervals",
+    "SlipChain": "detectors.digital",
+    "Trace": "traces.trace",
+    "detect": "detection",
+    "make_detector": "detectors.registry",
+    "read_trace": "traces.read",
+}
+"""Public name -> module that defines it."""
 __all__ = [
     "DETECTORS",
     "ChainSettings",
@@ -22,3 +43,9 @@ __all__ = [
     "make_detector",
     "read_trace",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

@@ -10,10 +10,12 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.slip.detectors.detector import DetectorOutput
+from fingertip.slip.detectors.digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.noise import NoiseLevel, noise_level
+from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import (
+    DEFAULT,
+    DetectorOutput,
     UsedSignals,
     find_detector_type,
     find_signals,
@@ -35,7 +37,6 @@ class UsedThreshold:
     """Threshold in use, by the detector and over time."""
 
     quantity: str
-    """Quantity of the detector that it applies to."""
     first_on_v: float | None
     """Threshold where the detector turns ON first [V]; None if it stays OFF."""
     last_v: float
@@ -76,7 +77,6 @@ class Detection:
     signals: UsedSignals
     """Columns of the trace that the detector took."""
     threshold: UsedThreshold
-    """Threshold that was used."""
     memory_s: float
     """Longest time that ON outlasts slip [s]."""
     noise: NoiseLevel | None
@@ -92,7 +92,6 @@ class Detection:
     learned_noise_v: float | None
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
     trace: Trace
-    """Trace that the detector was run on."""
 
     @property
     def threshold_v(self) -> float:
@@ -141,7 +140,7 @@ class Detection:
         MissingLibraryError
             If matplotlib is not installed.
         """
-        return plot("detection", self.trace, self, title or f"detector {self.detector}")
+        return plot("fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}")
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the intervals as a data frame; `is_true` is missing where the true slip is not known.
@@ -161,7 +160,7 @@ class Detection:
         return to_dataframe(columns, "Detection.to_dataframe")
 
 
-def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: float | None = None) -> Detection:
+def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float | None = None) -> Detection:
     """Detect slip in a trace.
 
     Parameters
@@ -185,7 +184,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     issues = find_issues(trace, design.detector, in_volts=noise_v is None)
     inputs = select_inputs(trace, detector)
     if not inputs:
-        remedy = "record it, or use --detector digital, which works without a board"
+        remedy = f"record it, or use --detector {DEFAULT}, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
     if issues:
@@ -196,7 +195,7 @@ def detect(trace: Trace, design: Design, detector: str = "digital", noise_v: flo
     scored = None
     if trace.slip is not None:
         scored = score(detected, intervals(trace.time_s, trace.slip), instance.memory_s)
-    level = noise_level(design, noise_v) if detector == "digital" else None
+    level = noise_level(design, noise_v) if isinstance(instance, SlipChain) else None
     incipient = intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None
     learned_v = instance.noise_v if isinstance(instance, FastDetector) else None
     confidences = _confidences(output, trace, detected)

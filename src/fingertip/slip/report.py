@@ -14,9 +14,11 @@ from fingertip.foundation.plot_style import (
     ORANGE,
     RED,
     REFERENCE,
+    TEAL,
     TEXT_COLOUR,
     TRUTH,
     new_figure,
+    style_axes,
     to_png,
 )
 from fingertip.slip.detection import Detection
@@ -126,16 +128,12 @@ def _interval_data(interval: Interval) -> dict[str, float]:
 
 # Plot of a detection. This is the only module of `slip` that draws.
 
-
 _BEFORE_S, _AFTER_S = 0.06, 0.14
 """Time before and after an onset that is drawn larger [s]."""
 
 
 def draw(trace: Trace, detection: Detection, title: str) -> bytes:
-    """Draw the voltage, the statistic with its threshold, and ON/OFF over a common time axis.
-
-    Below them, the first onset is drawn again, so wide that its delay can be read.
-    """
+    """Draw voltage, statistic with threshold, and ON/OFF over one time axis; below, the first onset enlarged."""
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     onset = _find_onset(detection, slips)
     figure = new_figure(10, 7 if onset is None else 9.6)
@@ -187,7 +185,6 @@ def _find_onset(detection: Detection, slips: Sequence[Interval] | None) -> _Onse
 
 
 def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: _Onset) -> None:
-    """Draw the statistic around an onset, with the delay as an arrow."""
     _draw_statistic(axes, trace, detection)
     at = onset.begin_s if onset.begin_s is not None else onset.detected_s
     assert at is not None
@@ -277,3 +274,28 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
         phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
         phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
         axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=TEXT_COLOUR)
+
+
+def draw_trace(trace: Trace) -> bytes:
+    """Draw the columns of a trace below each other, with the true slips shaded, as PNG. Raises MissingLibraryError."""
+    columns = [
+        (label, values, colour)
+        for label, values, colour in (
+            ("tactile voltage [V]", trace.voltage_v, BLUE),
+            ("normal force [N]", trace.force_n, TEAL),
+            ("envelope [V]", trace.envelope_v, ORANGE),
+            ("filtered signal [V]", trace.filtered_v, RED),
+        )
+        if values is not None
+    ]
+    figure = new_figure(10, 1.0 + 2.2 * len(columns))
+    panels = figure.subplots(len(columns), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (label, values, colour) in zip(panels, columns, strict=True):
+        style_axes(axes, "both")
+        for slip in () if trace.slip is None else intervals(trace.time_s, trace.slip):
+            axes.axvspan(slip.onset_s, slip.end_s, color="0.8", linewidth=0)
+        axes.plot(trace.time_s, values, color=colour, linewidth=0.8)
+        axes.set_ylabel(label)
+    panels[-1].set_xlabel("time [s]; shaded: true slip" if trace.slip is not None else "time [s]")
+    figure.align_ylabels()
+    return to_png(figure)

@@ -16,10 +16,8 @@ from fingertip.cad.verification.verify import check_parts, verify
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError
-from fingertip.page.checks_section import EVERY_FILE, render_checks, render_verdict
-from fingertip.page.model_section import render_boxes
-from fingertip.page.parameters_section import shapes_of_parameters
-from fingertip.page.scene import Item, place_items, scene_data
+from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
+from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict, shapes_of_parameters
 from fingertip.studio.form import make_pointer
 from fingertip.studio.worker import StillWanted
 

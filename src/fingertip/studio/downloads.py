@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.print_files import FDM, PRINT_FOLDER, SLA, PlateKind, make_print_files
-from fingertip.cad.report import DESIGN, DESIGN_HEADING
+from fingertip.cad.printing.print_files import FDM, SLA, PlateKind, make_print_files
+from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
+from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.geometry.solids import scaled

@@ -9,7 +9,7 @@ from fingertip.design import Design
 from fingertip.design.files import json_schema
 from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_section import shapes_of_parameters
+from fingertip.page.parameters_and_checks import shapes_of_parameters
 from fingertip.studio.answers import FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items
 from fingertip.studio.downloads import DOWNLOADS
 from fingertip.studio.form import Field, Group, Slider, make_form

@@ -18,7 +18,7 @@ from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
-    from fingertip.sim.scene.scene_file import SceneFile
+    from fingertip.sim.files.scene import SceneFile
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.designs import CachedEvaluator
 
@@ -121,7 +121,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
 
 def compute_noise(context: PointContext) -> OutputValues:
     """Compute what the article's signal chain shows in noise alone."""
-    from fingertip.slip.detectors.noise import noise_level
+    from fingertip.slip.detectors.digital import noise_level
 
     level = noise_level(context.design)
     return {"noise_level_v": level.mean_v, "min_threshold_v": level.threshold_v}
@@ -130,15 +130,15 @@ def compute_noise(context: PointContext) -> OutputValues:
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign.evaluate import (
+    from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.campaign.run import (
+        DetectorResult,
         evaluate,
         find_onset_s,
         measure_vibration_n,
         median_of_known,
         simulate_trace,
     )
-    from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.campaign.run import DetectorResult
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
@@ -171,7 +171,7 @@ def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
     from fingertip.foundation.jit import compiled
     from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.studies.step_sensitivity import compare_grids
+    from fingertip.lab.studies.steps import compare_grids
 
     assert context.scene is not None
     case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector

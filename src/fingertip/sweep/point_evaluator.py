@@ -28,7 +28,7 @@ from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.rows import Chunk, ChunkResult, PointResult
 
 if TYPE_CHECKING:
-    from fingertip.sim.scene.scene_file import SceneFile
+    from fingertip.sim.files.scene import SceneFile
     from fingertip.sweep.designs import CachedEvaluator
 
 
@@ -110,7 +110,7 @@ class PointEvaluator:
         return design, scene
 
     def _build_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
-        from fingertip.sim.scene.scene_file import SceneFile
+        from fingertip.sim.files.scene import SceneFile
 
         scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
         return SceneFile(**apply_changes(tables, scene_changes))

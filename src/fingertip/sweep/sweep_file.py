@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.file_kinds import DESIGN, SCENE, SWEEP
 from fingertip.design.files import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters import quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, SweepError, quote_value
-from fingertip.foundation.toml_files import DESIGN, SCENE, SWEEP
 
 if TYPE_CHECKING:
     from tomlkit.items import Item

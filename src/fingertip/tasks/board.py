@@ -9,19 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.board import (
-    BOM,
-    BRING_UP,
-    BRING_UP_READINGS,
-    DECK,
-    LAYOUT,
-    NETLIST,
-    PROJECT,
-    README,
-    SCHEMATIC,
-    VALUES,
-    WIRING,
-)
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
@@ -35,10 +22,26 @@ from fingertip.board.kicad.layout import kicad_pcb_file
 from fingertip.board.kicad.models import MODEL_FOLDER, model_files
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.placement import load_template
-from fingertip.board.kicad.project import kicad_project_file
+from fingertip.board.kicad.project import BoardConfiguration, find_configuration, kicad_project_file
 from fingertip.board.kicad.schematic import kicad_schematic_file
-from fingertip.board.kicad.variants import BoardConfiguration, find_configuration
 from fingertip.board.parts.circuit import Circuit
+from fingertip.catalogues.output_files import (
+    BOARD,
+    BOM,
+    BRING_UP,
+    BRING_UP_READINGS,
+    DECK,
+    FAB_FOLDER,
+    FABRICATION,
+    LAYOUT,
+    NETLIST,
+    PROJECT,
+    PROVENANCE,
+    README,
+    SCHEMATIC,
+    VALUES,
+    WIRING,
+)
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
@@ -58,8 +61,6 @@ BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
 """Names of the files of a board."""
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
-FAB_FOLDER = "fab"
-PROVENANCE = "made_from.sha256"
 _EDITABLE = EditableNames(LAYOUT, SCHEMATIC, PROJECT, NETLIST)
 _MAX_DIFF_LENGTH = 300
 """Maximum length of a line of a difference [characters]."""
@@ -110,14 +111,9 @@ def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[
     ]
 
 
-def board_folder(design: Design) -> Path:
-    """Folder that a design's board is written to unless another is named."""
-    return Path("out") / design.name / "board"
-
-
 def refuse_other_board(design: Design) -> None:
     """Refuse to replace a board of another circuit in the default folder of a design's board. Raises OutputError."""
-    folder, name = board_folder(design), find_configuration(board_values(design)).name
+    folder, name = BOARD.folder(design), find_configuration(board_values(design)).name
     finish_interrupted(folder)
     netlist = kicad_netlist_file(board_circuit(board_values(design)))
     refuse_other_circuit(folder, netlist, _EDITABLE, folder.with_name(f"board_{name}"))
@@ -159,7 +155,7 @@ def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: b
     edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE, make_layout)
     if bring_up:
         files |= bring_up_files(design)
-    writer, models = board_writer(design, folder, force), model_sets(folder, force)
+    writer, models = BOARD.writer(design, folder, force), model_sets(folder, force)
     writer.check(files, edited.revisions)
     for model_writer, contents in models:
         model_writer.check(contents)
@@ -192,21 +188,11 @@ def write_board(
     """
     if out is None and not force:
         refuse_other_board(design)
-    plan = plan_board(design, board_folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
+    plan = plan_board(design, BOARD.folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
     paths = plan.write()
     for note in plan.edited.notes:
         progress(note)
     return paths
-
-
-def board_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
-    """Writer of the files of a design's board, in a folder; `top` as for `SetWriter`."""
-    return _writer(design, folder, "board", force, top)
-
-
-def _writer(design: Design, folder: Path, kind: str, force: bool, top: Path | None) -> SetWriter:
-    parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder, kind, design.name, parameters, force=force, top=top)
 
 
 def write_fabrication(
@@ -224,7 +210,7 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files
 
-    folder = board_folder(design) if out is None else Path(out)
+    folder = BOARD.folder(design) if out is None else Path(out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     placement, sources = find_configuration(values).placement, board_files(design)
@@ -247,7 +233,7 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 
     if not force:
         _refuse_edited(folder)
-    writer = _writer(design, folder / FAB_FOLDER, "fabrication", force, folder)
+    writer = FABRICATION.writer(design, folder / FAB_FOLDER, force, folder)
     writer.check((PROVENANCE,))
     find_kicad()
     return writer

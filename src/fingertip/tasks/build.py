@@ -15,15 +15,10 @@ from typing import Any
 
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.print_files import PLATE_KINDS, PRINT_FOLDER
+from fingertip.cad.printing.print_files import PLATE_KINDS
 from fingertip.cad.report import (
-    ASSEMBLY,
-    DESIGN,
     DESIGN_HEADING,
     FORMATS,
-    REPORT,
-    SHEET,
-    STEPS_FOLDER,
     Build,
     BuiltPart,
 )
@@ -34,16 +29,26 @@ from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.quantities import measure_volumes
+from fingertip.catalogues.output_files import (
+    ASSEMBLY,
+    DESIGN,
+    PART_FILES,
+    PRINT_FOLDER,
+    PRINTS,
+    REPORT,
+    SHEET,
+    STEPS,
+    STEPS_FOLDER,
+)
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.documents.casting.markdown import render_sheet
-from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
-from fingertip.foundation.output_set import SetWriter, hash_parameters, read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set import SetWriter, read_manifest
+from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.progress import Work
 
 
@@ -109,7 +114,7 @@ def build(
     if out is not None and not str(out).strip():
         message = "is empty; give a folder, such as . for the current one, or omit the option."
         raise DesignError(Issue("--out", message))
-    folder = Path("out") / design.name if out is None else Path(out)
+    folder = PART_FILES.folder(design) if out is None else Path(out)
     known = tuple(parts_by_name(design))
     names = select_names("--parts", known if parts is None else parts, known)
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
@@ -185,25 +190,18 @@ def build(
 
 def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of the files that describe a design's parts, in a folder."""
-    parameters = hash_parameters(design.model_dump(mode="json"))
     adopted = () if read_manifest(folder) else _files_of_version_one(folder)
-    return SetWriter(folder, "parts", design.name, parameters, adopted, force)
+    return PART_FILES.writer(design, folder, force, adopted=adopted)
 
 
 def steps_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of the pictures of the casting steps, in the folder of the casting sheet."""
-    return _subset_writer(design, folder, STEPS_FOLDER, force)
+    return STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
 
 
 def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
     """Writer of the files for the printer, in the folder of a design's parts."""
-    return _subset_writer(design, folder, PRINT_FOLDER, force)
-
-
-def _subset_writer(design: Design, folder: Path, kind: str, force: bool) -> SetWriter:
-    """Writer of a set in a folder of its own below the parts, with the same parameters."""
-    parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder / kind, kind, design.name, parameters, force=force, top=folder)
+    return PRINTS.writer(design, folder / PRINT_FOLDER, force, folder)
 
 
 def _replace_subset(
@@ -222,12 +220,12 @@ def _replace_subset(
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
-def _draw_steps(design: Design, casting: Mapping[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
     """Draw the pictures of the casting steps."""
-    from fingertip.documents.casting.markdown import steps
+    from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps
 
-    return draw_steps(design, casting, steps(casting), progress)
+    return draw_steps(design, casting, [step.picture for step in steps(casting)], progress)
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

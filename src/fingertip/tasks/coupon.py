@@ -16,19 +16,18 @@ from fingertip.cad.shapes.parts import print_scale
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file
 from fingertip.cad.verification.verify import MESH_FORMATS, validate_tolerance
-from fingertip.calibration.readings import PLAN, identify_coupon, list_lengths, write_template
+from fingertip.calibration.readings import identify_coupon, list_lengths, write_template
+from fingertip.catalogues.output_files import COUPON, COUPON_READINGS, COUPON_SHEET, PLAN
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.coupon import render_instructions
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.files import round_for_output
-from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.pictures.coupon_plan import draw_plan
 from fingertip.tasks.build import select_names
 
 DEFAULT_FORMATS = ("stl", "3mf")
-READINGS, PAGE = "coupon_readings.toml", "coupon.md"
 
 
 @dataclass(frozen=True)
@@ -77,14 +76,14 @@ def write_coupon(
     if out is not None and not str(out).strip():
         message = "is empty; give a folder, such as . for the current one, or omit the option."
         raise DesignError(Issue("--out", message))
-    folder = Path("out") / design.name / "coupon" if out is None else Path(out)
+    folder = COUPON.folder(design) if out is None else Path(out)
     file_formats = select_names("--formats", formats, FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
-    writer = SetWriter(folder, "coupon", design.name, hash_parameters(design.model_dump(mode="json")), force=force)
+    writer = COUPON.writer(design, folder, force)
     names = [f"{part}.{file_format}" for part in COUPON_PARTS for file_format in file_formats]
-    writer.check([*names, READINGS, PAGE, PLAN])
+    writer.check([*names, COUPON_READINGS, COUPON_SHEET, PLAN])
     coupon = make_coupon(design, folder, file_formats, tolerance_mm, progress)
     writer.write(coupon.contents)
     return coupon
@@ -121,8 +120,8 @@ def make_coupon(
         part = COUPON_PARTS[name]
         checks += check_brep_solid(design, part, meshes[name], measured, print_scale(design, part), tolerance_mm)
         contents[f"{name}.step"] = step.contents[f"{name}.step"]
-    contents[READINGS] = write_template(design).encode()
-    contents[PAGE] = render_instructions(design, READINGS).encode()
+    contents[COUPON_READINGS] = write_template(design).encode()
+    contents[COUPON_SHEET] = render_instructions(design, COUPON_READINGS).encode()
     progress("drawing the plan view")
     contents[PLAN] = draw_plan(design, meshes)
     return Coupon(design, folder, meshes, contents, tuple(checks))

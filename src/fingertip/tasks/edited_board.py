@@ -15,7 +15,7 @@ from fingertip.board.kicad.sexpr import Node, Word, read_expression, replace_wor
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
+from fingertip.foundation.output_set.writer import has_hash
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
 _MAX_NAMES = 6

@@ -5,25 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from fingertip.catalogues.output_files import BUFFER, FIRMWARE, MANIFEST, PROPERTIES, README, TIMER
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
-from fingertip.firmware.packaging import MANIFEST, PROPERTIES, library_manifest, library_properties
+from fingertip.firmware.packaging import library_manifest, library_properties
 from fingertip.firmware.sources import library_sources, read_template
 from fingertip.foundation.errors import InputFileError
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
-from fingertip.foundation.output_set import SetWriter, hash_parameters
 
-KIND = "firmware"
-README, TIMER, BUFFER = "README.md", "slip_timer.h", "slip_buffer.h"
 SOURCES, EXAMPLES = "src", "examples"
 """Folders of the library, as Arduino names them."""
 _EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
 """Example -> its files. Arduino names a sketch like its folder."""
-
-
-def firmware_folder(design: Design) -> Path:
-    """Folder that a design's library is written to unless another is named."""
-    return Path("out") / design.name / KIND
 
 
 def firmware_files(design: Design) -> dict[str, dict[str, bytes]]:
@@ -60,8 +53,11 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
         If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
         written then.
     """
-    folder = firmware_folder(design) if out is None else Path(out)
-    sets = [(_writer(design, folder, place, force), contents) for place, contents in firmware_files(design).items()]
+    folder = FIRMWARE.folder(design) if out is None else Path(out)
+    sets = [
+        (FIRMWARE.writer(design, folder / place, force, folder), contents)
+        for place, contents in firmware_files(design).items()
+    ]
     for writer, contents in sets:
         writer.check(contents)
     for writer, contents in sets:
@@ -76,11 +72,6 @@ def firmware_differences(design: Design, folder: str | Path) -> list[str]:
         for place, contents in firmware_files(design).items()
         for difference in _compare(Path(folder), place, contents)
     ]
-
-
-def _writer(design: Design, folder: Path, place: str, force: bool) -> SetWriter:
-    parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder / place, KIND, design.name, parameters, force=force, top=folder)
 
 
 def _compare(folder: Path, place: str, contents: Mapping[str, bytes]) -> list[str]:

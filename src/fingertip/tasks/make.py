@@ -15,15 +15,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip.cad.report import Build
+from fingertip.catalogues.output_files import (
+    ACCEPTANCE,
+    BOARD,
+    BOARD_FOLDER,
+    DETECTION,
+    PAGE,
+    PART_FILES,
+    PLOT,
+    SIGNAL_FOLDER,
+    TRACE,
+)
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.page import PAGE
 from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
-from fingertip.sim.trace_export import encode_trace, signal_writer
-from fingertip.slip.traces.origin import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
-from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, board_writer, plan_board
+from fingertip.sim.report import encode_trace, signal_writer
+from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer
 
 if TYPE_CHECKING:
@@ -33,8 +42,6 @@ if TYPE_CHECKING:
 
 DETECTOR = "fast"
 """Detector of the trial: the best there is."""
-ACCEPTANCE = "acceptance.md"
-"""Acceptance sheet, beside the casting sheet."""
 
 
 @dataclass(frozen=True)
@@ -82,13 +89,13 @@ def make(
     FingertipError
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
-    folder = Path("out") / design.name if out is None else Path(out)
-    board_folder, signal = folder / "board", signal_writer(design, folder / SIGNAL_FOLDER, force, folder)
+    folder = PART_FILES.folder(design) if out is None else Path(out)
+    board_folder, signal = folder / BOARD_FOLDER, signal_writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
     formats = None if formats is None else tuple(formats)
     draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
-    board_writer(design, board_folder, force, folder).check(BRING_UP_FILES)
+    BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
     plan_board(design, board_folder, force=force)
     signal.check((TRACE, PLOT, DETECTION))
     boards: list[BoardPlan] = []

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
 from fingertip.foundation.files import open_atomic
-from fingertip.page import PAGE
 from fingertip.page.atlas import draw_atlas, render_atlas
 from fingertip.page.render import render_page
 from fingertip.page.sources import read_sources
@@ -22,7 +22,7 @@ def write_page(
 
     Returns its size [byte]. Raises OutputError.
     """
-    folder = Path("out") / design.name if out is None else Path(out)
+    folder = PART_FILES.folder(design) if out is None else Path(out)
     writer = parts_writer(design, folder, force)
     writer.check((PAGE,))
     try:

@@ -1,13 +1,14 @@
-"""Figures of a design's board: the values of its components, and the response, noise and limits of its circuit."""
+"""Figures of a design's board: values of its components, response, noise and limits, and the errata of the article."""
 
 from __future__ import annotations
 
 import functools
+import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
-from fingertip.board.analysis.errata import Erratum, board_errata
 from fingertip.board.analysis.gate import GateCondition, check_gate
 from fingertip.board.analysis.interference import (
     AliasAttenuation,
@@ -41,11 +42,10 @@ from fingertip.board.analysis.thresholds import (
 )
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
 from fingertip.board.circuits.signal_paths import board_circuit
-from fingertip.board.components.filter import FilterSelection, select_filter
-from fingertip.board.components.supplies import SUPPLIES
-from fingertip.board.components.values import ComponentValues, select_components
+from fingertip.board.components.selection import FilterSelection, select_filter
+from fingertip.board.components.values import SUPPLIES, ComponentValues, select_components
 from fingertip.board.parts.circuit import GND, VCC, VEE
-from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.catalogues.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, choose_low_offset_amplifier, find_gain_bandwidth_hz
 from fingertip.design.parameters import Board
@@ -171,4 +171,80 @@ def board_values(design: Design) -> BoardValues:
         threshold_spread=spread,
         gate=check_gate(circuit, design, limits, achieved.passband_gain, rails, offset, spread),
         errata=board_errata(components.amplifier, has_diode),
+    )
+
+
+# Touches of the finger, and how far down each drives the filtered signal: results of simulations, stored as data.
+#
+# `tests/board/test_touches.py` simulates each touch again.
+
+
+@dataclass(frozen=True)
+class SimulatedTouch:
+    """Touch of the finger and the lowest filtered voltage that it causes on the default board, by simulation.
+
+    The amplifiers are ideal, so the voltage is that which would be reached if nothing limited it.
+    """
+
+    force_n: float
+    rise_s: float
+    """Time in which the force rises."""
+    min_filtered_v: float
+
+
+SLOW_PRESS = SimulatedTouch(1.5, 0.2, -0.1)
+FAST_PRESSES = SimulatedTouch(1.5, 0.04, -2.1), SimulatedTouch(1.5, 0.025, -4.2)
+"""Presses that reach the TL082's typical limit, and exceed it."""
+KNOCK = SimulatedTouch(0.2, 0.004, -2.6)
+"""Tap on an object that is held with 1 N."""
+
+
+def describe_touches() -> str:
+    """Describe which touches drive the filtered signal below the TL082's input range."""
+    limit, beyond = FAST_PRESSES
+    return (
+        f"in simulations of the article's board a press to {limit.force_n:g} N takes the filtered signal to "
+        f"{limit.min_filtered_v:.1f} V if the force rises within {1e3 * limit.rise_s:g} ms and to "
+        f"{beyond.min_filtered_v:.1f} V within {1e3 * beyond.rise_s:g} ms, but only to "
+        f"{SLOW_PRESS.min_filtered_v:.1f} V within {1e3 * SLOW_PRESS.rise_s:g} ms; a knock of {KNOCK.force_n:g} N "
+        f"within {1e3 * KNOCK.rise_s:g} ms on a held object takes it to {KNOCK.min_filtered_v:.1f} V"
+    )
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """One error of the article about its own board.
+
+    Its components are C1 = C2 = C3 = 1 uF, R1 = 2.4k, R2 = 1.2k, R3 = 4.7k, R4 = 1.5k, R5 = 100k, R_LP = 2k and
+    C_LP = 2.2 uF.
+    """
+
+    subject: str
+    statement: str
+    """Statement or omission of the article."""
+    correction: str
+    """Correct statement, with a note if it does not apply to the board at hand."""
+
+
+def load_errata() -> tuple[Erratum, ...]:
+    """Load the errata of the article about its own board."""
+    rows = json.loads((Path(__file__).parent / "errata.json").read_text("utf-8"))
+    return tuple(
+        Erratum(row["subject"], row["statement"], row["correction"].format(touches=describe_touches())) for row in rows
+    )
+
+
+def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
+    """List the errata, with notes on those that do not apply to a board."""
+    notes = {}
+    if amplifier != ARTICLE_AMPLIFIER:
+        notes["input range of the amplifiers"] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"
+    if not has_diode:
+        notes["offset"] = "C14 is such a capacitor"
+        notes |= dict.fromkeys(("envelope, eq. (11)", "rectifier"), "it has a precision rectifier and a low-pass")
+    return tuple(
+        replace(e, correction=f"{e.correction} (does not apply to this board: {notes[e.subject]})")
+        if e.subject in notes
+        else e
+        for e in load_errata()
     )

@@ -26,9 +26,8 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.analysis.thresholds import BLOCKING_DIODE, OutputOffset, ThresholdSpread
 from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.bridge import AMPLIFIERS, MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.components.supplies import SUPPLIES
 from fingertip.board.components.values import CLAMP as CLAMP_DIODES
-from fingertip.board.components.values import LOW_LEAKAGE_CLAMP
+from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
 from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, VMID, Circuit, parse_component_value
 from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design import Design

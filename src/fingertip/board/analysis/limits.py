@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.components.supplies import Supply
+from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, Circuit
 from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V

@@ -28,7 +28,7 @@ from fingertip.board.components.bridge import (
     TEMPERATURE_K,
     sensor_conductance_s,
 )
-from fingertip.board.components.preferred_values import nearest_value
+from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     ADC_TACTILE,

@@ -14,7 +14,7 @@ import numpy as np
 
 from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
-from fingertip.board.components.preferred_values import nearest_value
+from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_FILTERED,

@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from fingertip.board.bringup.bench import HOST, Fault, list_faults
-from fingertip.board.bringup.limits import METER_AC, Limits
-from fingertip.board.bringup.plan import BringUp, resistance_limits
+from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.signal_paths import RECT_OUT

@@ -31,7 +31,7 @@ from fingertip.board.bringup.rectifier import Drive, mean_voltages
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import AMPLIFIERS
-from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.values import SUPPLIES
 from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.bringup.bench import TONE_V
+from fingertip.board.bringup.bench import HOST, TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
-from fingertip.board.bringup.idle_level import note_idle_level
-from fingertip.board.bringup.limits import SUPPLY_PERCENT, Limits
-from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, BringUp
+from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
 from fingertip.board.circuits.signal_paths import RECT_OUT
-from fingertip.board.parts.circuit import VCC
+from fingertip.board.parts.circuit import VCC, VMID
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.toml_files import read_toml
@@ -207,6 +205,8 @@ _HINTS = {
     "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
 }
 """Meanings of the readings that are not part of the diagnosis."""
+IDLE_SHARE = 0.5
+"""Share of the detector's threshold above which the envelope at rest is to be added to it."""
 _NO_CURRENT = 0.1
 """Share of the least current up to which the board draws none."""
 
@@ -233,7 +233,7 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
     diagnosis = diagnose(plan.board, plan.levels, levels, readings.tone_v)
     hints = [f"{row['name']}: {_explain_reading(row)}." for row in rows if row["name"] in _HINTS and not row["passed"]]
     if threshold_v is not None and QUIET_ENVELOPE in levels and not diagnosis.mistake:
-        hints += note_idle_level(plan, levels[QUIET_ENVELOPE], threshold_v)
+        hints += _note_idle_level(plan, levels[QUIET_ENVELOPE], threshold_v)
     sources = find_sources(plan.board, plan.levels, levels, readings.tone_v)
     return {
         "passed": all(row["passed"] for row in rows),
@@ -245,6 +245,23 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
         "explained": diagnosis.is_explained,
         "verdict": _verdict(diagnosis, len(levels), rows, sources),
     }
+
+
+def _note_idle_level(plan: BringUp, volts: float, threshold_v: float) -> list[str]:
+    """Say where the envelope at rest at TP4 [V] is large beside the detector's threshold [V]."""
+    limits = plan.levels[QUIET_ENVELOPE]
+    # Beyond its limits it is a fault or a mistake of the measurement, and no offset to allow for.
+    if not IDLE_SHARE * threshold_v < volts <= limits.high_v:
+        return []
+    raised = threshold_v + volts - limits.expected_v
+    level = "E minus M" if plan.board.signal_ground == VMID else "E"
+    return [
+        f"{QUIET_ENVELOPE}: {1e3 * volts:.0f} mV is {100 * volts / threshold_v:.0f} % of detector.threshold_v "
+        f"({1e3 * threshold_v:g} mV). For the detector `analog` alone, add it, less the mean due to noise "
+        f"({1e3 * limits.expected_v:.1f} mV): `--detector analog --set detector.threshold_v={raised:.3f}`; {level} at "
+        f"{HOST} in place of {QUIET_ENVELOPE} is more exact. Never change it for `digital`, the default: its envelope "
+        "is computed from T and has no offset of the board."
+    ]
 
 
 def _explain_reading(row: dict[str, Any]) -> str:

@@ -24,8 +24,8 @@ from fingertip.board.parts.circuit import (
     Component,
     parse_component_value,
 )
-from fingertip.board.parts.mating import group_plug_wires
 from fingertip.board.parts.symbols import AO3401A, LOCKING_CONNECTORS
+from fingertip.board.parts.table import group_plug_wires
 
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""

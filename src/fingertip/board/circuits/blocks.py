@@ -6,8 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F, VREF_BOTTOM_OHM, VREF_TOP_OHM
-from fingertip.board.components.supplies import SUPPLIES, Supply
-from fingertip.board.components.values import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A, ComponentValues
+from fingertip.board.components.values import (
+    CLAMP,
+    LOW_LEAKAGE_CLAMP,
+    MAX_LOW_LEAKAGE_A,
+    SUPPLIES,
+    ComponentValues,
+    Supply,
+)
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,

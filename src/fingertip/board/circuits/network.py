@@ -19,7 +19,7 @@ import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
 Spectrum = NDArray[np.complex128]
-Value = float | Array
+Value: TypeAlias = "float | Array"
 """One value, or one for each of many boards."""
 
 UNITY = ""

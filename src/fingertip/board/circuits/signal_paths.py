@@ -25,8 +25,7 @@ from fingertip.board.circuits.blocks import (
     component,
     supply_capacitor,
 )
-from fingertip.board.components.supplies import SUPPLIES, Supply
-from fingertip.board.components.values import ComponentValues
+from fingertip.board.components.values import SUPPLIES, ComponentValues, Supply
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     ENVELOPE,

@@ -24,7 +24,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from fingertip.board.components.preferred_values import neighbouring_values, values_around
+from fingertip.board.components.selection import neighbouring_values, values_around
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design.parameters.finger import TURN_ON_N
 
@@ -40,6 +40,8 @@ DIVIDER_F = 10e-6
 """Capacitor across each divider that halves the supply or feeds VREF [F]."""
 VREF_TOP_OHM, VREF_BOTTOM_OHM = 30e3, 120e3
 """Divider of VREF [ohm]. With `DIVIDER_F` it filters the supply's ripple above 0.7 Hz, as that of VMID does."""
+POWER_UP_S = 2.0
+"""Time after power-up in which the voltages of a board for a controller settle [s]: eight time constants."""
 VREF_RATIO = VREF_BOTTOM_OHM / (VREF_TOP_OHM + VREF_BOTTOM_OHM)
 """VREF as a ratio of the supply. What is left to the supply is the headroom of its buffer."""
 

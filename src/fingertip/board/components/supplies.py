@@ -28,20 +28,14 @@ class Supply:
     """Net of the amplifiers' negative supply pins."""
     description: str
     """Short description for titles."""
-    nominal_v: float = 5.0
+    nominal_v: float
     """Nominal supply voltage [V]."""
-    bridge_supply: str = VCC
+    bridge_supply: str
     """Net that feeds the bridge."""
-
-    @property
-    def signal_ground_ratio(self) -> float:
-        """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
-        return signal_ground_ratio(self.name)
-
-    @property
-    def is_for_controller(self) -> bool:
-        """Return whether the board is made for a controller: protected, with the filtered signal at its output too."""
-        return self.name in CONTROLLER_SUPPLIES
+    signal_ground_ratio: float
+    """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
+    is_for_controller: bool
+    """True for a board for a controller: protected, with the filtered signal at its output too."""
 
     def signal_ground_v(self, supply_v: float) -> float:
         """Voltage of the signal ground above ground [V]."""
@@ -57,11 +51,11 @@ class Supply:
 
 
 SUPPLIES = {
-    supply.name: supply
-    for supply in (
-        Supply("split", GND, VEE, "split supply"),
-        Supply("single", VMID, GND, "single supply with buffered mid-supply"),
-        Supply("single_3v3", VMID, GND, "3.3 V supply with buffered mid-supply", 3.3, VREF),
-    )
+    name: Supply(name, *properties, signal_ground_ratio(name), name in CONTROLLER_SUPPLIES)
+    for name, properties in {
+        "split": (GND, VEE, "split supply", 5.0, VCC),
+        "single": (VMID, GND, "single supply with buffered mid-supply", 5.0, VCC),
+        "single_3v3": (VMID, GND, "3.3 V supply with buffered mid-supply", 3.3, VREF),
+    }.items()
 }
 """Supplies by name. A test compares the names with those that the design file accepts."""

@@ -1,4 +1,4 @@
-"""Values of all components of a board, selected for a design."""
+"""Supplies of a board, and the values of all its components, selected for a design."""
 
 from __future__ import annotations
 
@@ -8,32 +8,90 @@ import math
 from dataclasses import dataclass
 
 from fingertip.board.components.bridge import CONTROLLER_SERIES, CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
-from fingertip.board.components.filter import (
+from fingertip.board.components.selection import (
     FilterSelection,
     FirstStageCapacitors,
     nearest_capacitance,
+    nearest_value,
+    neighbouring_values,
     pole_hz,
     select_filter,
 )
-from fingertip.board.components.preferred_values import nearest_value, neighbouring_values
-from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.parts.circuit import GND, VCC, VEE, VMID, VREF
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
-from fingertip.design.formulas.filter import AVERAGING_OHM, MAX_AVERAGING_F, FilterComponents
+from fingertip.design.formulas.filter import (
+    AVERAGING_OHM,
+    CONTROLLER_SUPPLIES,
+    MAX_AVERAGING_F,
+    FilterComponents,
+    signal_ground_ratio,
+)
+from fingertip.design.parameters import Board
 
-# Component values of variant `comparator`: the article's threshold on the windowed mean, in hardware.
+# Supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
 #
-# The window of L samples becomes an RC low-pass of the same delay, tau = L / (2 fs). A trimmer sets the threshold
-# between 0 and about twice the design's threshold, which corresponds to its midpoint. The output reports slip while
-# the averaged envelope exceeds the threshold. Positive feedback lowers the threshold by a quarter while the output
-# reports slip.
+# On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply
+# of 5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.formulas.supply`). Bridge, filters, rectifier,
+# envelope and threshold refer to it, and the amplifiers need rail-to-rail inputs and outputs. The board for 3.3 V is
+# made for the controller of a hand: its outputs stay within the supply, its connectors are keyed and lock, a reversed
+# supply does no harm, and the bridge is fed from VREF, a buffered ratio of the supply without its ripple.
 
 
-TRIMMER_OHM = 10e3
-PULL_UP_OHM = 4.7e3
-HYSTERESIS_RATIO = 0.25
-"""Hysteresis as a ratio of the threshold."""
-_MIN_AVERAGING_F = 1e-9
+@dataclass(frozen=True)
+class Supply:
+    """One way of supplying the board."""
+
+    name: str
+    signal_ground: str
+    """Net to which the signals refer."""
+    negative_rail: str
+    """Net of the amplifiers' negative supply pins."""
+    description: str
+    """Short description for titles."""
+    nominal_v: float
+    """Nominal supply voltage [V]."""
+    bridge_supply: str
+    """Net that feeds the bridge."""
+    signal_ground_ratio: float
+    """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
+    is_for_controller: bool
+    """True for a board for a controller: protected, with the filtered signal at its output too."""
+
+    def signal_ground_v(self, supply_v: float) -> float:
+        """Voltage of the signal ground above ground [V]."""
+        return self.signal_ground_ratio * supply_v
+
+    def upper_headroom_v(self, supply_v: float) -> float:
+        """Voltage from the signal ground to the upper rail [V]."""
+        return supply_v * (1.0 - self.signal_ground_ratio)
+
+    def lower_headroom_v(self, supply_v: float) -> float:
+        """Voltage from the lower rail to the signal ground [V]."""
+        return supply_v * self.signal_ground_ratio if self.signal_ground_ratio else supply_v
+
+
+SUPPLIES = {
+    name: Supply(name, *properties, signal_ground_ratio(name), name in CONTROLLER_SUPPLIES)
+    for name, properties in {
+        "split": (GND, VEE, "split supply", 5.0, VCC),
+        "single": (VMID, GND, "single supply with buffered mid-supply", 5.0, VCC),
+        "single_3v3": (VMID, GND, "3.3 V supply with buffered mid-supply", 3.3, VREF),
+    }.items()
+}
+"""Supplies by name. A test compares the names with those that the design file accepts."""
+
+
+# Values of the components.
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Tolerances that the design states for the signal path."""
+
+    resistor_percent: float
+    capacitor_percent: float
+    """Tolerance of the capacitors [%]; 0 is that of the parts sold."""
 
 
 @dataclass(frozen=True)
@@ -55,71 +113,6 @@ class ComparatorStage:
             "R18": self.averaging_ohm, "C17": self.averaging_f, "R19": self.trimmer_top_ohm,
             "R20": self.hysteresis_ohm, "R21": PULL_UP_OHM, "RV1": TRIMMER_OHM,
         }  # fmt: skip
-
-
-def compute_threshold_v(
-    trimmer_top_ohm: float, hysteresis_ohm: float, supply_v: float, signal_ground_ratio: float = 0.0
-) -> float:
-    """Compute the ON threshold [V] above the signal ground, with the trimmer at its midpoint.
-
-    Until slip is detected, the pull-up connects the output's end of the hysteresis resistor to the supply.
-    """
-    upper_v, low_ohm = (1.0 - signal_ground_ratio) * supply_v, TRIMMER_OHM / 2.0
-    pull = 1.0 / (TRIMMER_OHM / 2.0 + trimmer_top_ohm) + 1.0 / (hysteresis_ohm + PULL_UP_OHM)
-    return upper_v * pull / (pull + 1.0 / low_ohm)
-
-
-def size_comparator(
-    threshold_v: float,
-    window_s: float,
-    supply_v: float,
-    series: str,
-    signal_ground_ratio: float = 0.0,
-    capacitor_series: str = "given",
-) -> ComparatorStage:
-    """Size the comparator stage for a threshold [V], a window [s] and a supply [V]."""
-    upper_v, low_ohm = (1.0 - signal_ground_ratio) * supply_v, TRIMMER_OHM / 2.0
-    # Supply and output together pull the threshold up by x = 1 / high and y = 1 / (hysteresis + pull-up), where
-    # x + y = T / low / (U - T). When the output falls by the whole supply, the threshold falls by about
-    # supply y / (x + y + 1 / low).
-    pull = threshold_v / low_ohm / (upper_v - threshold_v)
-    feedback = HYSTERESIS_RATIO * threshold_v / supply_v * (pull + 1.0 / low_ohm)
-
-    def error(pair: tuple[float, float]) -> float:
-        on_v = compute_threshold_v(*pair, supply_v, signal_ground_ratio)
-        return round(abs(math.log(on_v / threshold_v)), 12)
-
-    tops = neighbouring_values(1.0 / (pull - 1.0 / (1.0 / feedback + PULL_UP_OHM)) - low_ohm, series)
-    feedbacks = neighbouring_values(1.0 / feedback, series)
-    trimmer_top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
-    averaging_f = min(
-        max(nearest_capacitance(window_s / 2.0 / AVERAGING_OHM, capacitor_series), _MIN_AVERAGING_F), MAX_AVERAGING_F
-    )
-    averaging_ohm = nearest_value(window_s / 2.0 / averaging_f, series)
-    return ComparatorStage(averaging_ohm, averaging_f, trimmer_top_ohm, hysteresis_ohm)
-
-
-# Components between the board and the analog-to-digital converter (ADC): anti-aliasing poles for its sampling rate.
-#
-# Frequencies above half the sampling rate alias to below it. The band of the vibrations ends at `BAND_CUTOFFS`
-# cutoffs, and the lowest frequency that aliases into it is the sampling rate less that. The tactile voltage passes two
-# poles, both near a quarter of the sampling rate: the second section has ten times the impedance of the first, so that
-# they hardly interact. The envelope has a pole of its own already (in variant `article` only for falling voltages),
-# and passes one.
-#
-# `fingertip.board.analysis.interference` computes what they attenuate.
-
-
-POLE_PER_SAMPLE_RATE = 0.25
-FIRST_OHM, SECOND_OHM = 1e3, 10e3
-"""Approximate resistances. Together with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
-CLAMP, LOW_LEAKAGE_CLAMP = "BAT54S", "BAV199"
-"""Clamps of the ADC pins. The second serves boards for a controller, whose outputs stay within the supply anyway."""
-CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
-"""Reverse current of a clamp's diode [A]: the value of the SPICE deck's model, and the maximum of a BAT54 at 25 V and
-25 degrees Celsius (its data sheets; unverified)."""
-LOW_LEAKAGE_A, MAX_LOW_LEAKAGE_A = 3e-12, 5e-9
-"""The same of a BAV199: typical, and maximum at 75 V and 25 degrees Celsius (its data sheets; unverified)."""
 
 
 @dataclass(frozen=True)
@@ -146,26 +139,6 @@ class AdcInterface:
     def filtered_by_reference(self) -> dict[str, float]:
         """Value of each component of the filtered signal's section, which equals the envelope's."""
         return {"R27": self.envelope_ohm, "C25": self.envelope_f}
-
-
-def size_adc_interface(sample_rate_hz: float, series: str, capacitor_series: str = "given") -> AdcInterface:
-    """Size the anti-aliasing poles for a sampling rate [Hz], with resistors and capacitors of these series."""
-    target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
-
-    def size_section(approximate_ohm: float) -> tuple[float, float]:
-        c_f = nearest_capacitance(pole_hz(approximate_ohm, target_hz), capacitor_series)  # 1 / (2 pi R f) is C
-        return nearest_value(pole_hz(target_hz, c_f), series), c_f
-
-    return AdcInterface(*size_section(FIRST_OHM), *size_section(SECOND_OHM), *size_section(SECOND_OHM))
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Tolerances that the design states for the signal path."""
-
-    resistor_percent: float
-    capacitor_percent: float
-    """Tolerance of the capacitors [%]; 0 is that of the parts sold."""
 
 
 @dataclass(frozen=True)
@@ -208,19 +181,11 @@ class ComponentValues:
 
 def select_components(design: Design) -> ComponentValues:
     """Select the values of a board's components. Raises BoardError."""
-    board, detector = design.board, design.detector
-    supply, selection = SUPPLIES[board.supply], select_filter(board)
-    comparator_stage = None
+    board, detector, supply = design.board, design.detector, SUPPLIES[design.board.supply]
+    selection, comparator_stage = select_filter(board), None
     if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
-        comparator_stage = size_comparator(
-            detector.threshold_v,
-            window_s,
-            board.supply_v,
-            board.series,
-            supply.signal_ground_ratio,
-            board.capacitor_series,
-        )
+        comparator_stage = size_comparator(detector.threshold_v, window_s, board, supply.signal_ground_ratio)
     return ComponentValues(
         variant=board.variant,
         supply=supply.name,
@@ -240,3 +205,81 @@ def select_components(design: Design) -> ComponentValues:
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series, board.capacitor_series),
         comparator_stage=comparator_stage,
     )
+
+
+# Component values of variant `comparator`: the article's threshold on the windowed mean, in hardware.
+#
+# The window of L samples becomes an RC low-pass of the same delay, tau = L / (2 fs). A trimmer sets the threshold
+# between 0 and about twice the design's threshold, which corresponds to its midpoint. The output reports slip while
+# the averaged envelope exceeds the threshold. Positive feedback lowers the threshold by a quarter while the output
+# reports slip.
+
+
+TRIMMER_OHM = 10e3
+PULL_UP_OHM = 4.7e3
+HYSTERESIS_RATIO = 0.25
+"""Hysteresis as a ratio of the threshold."""
+_MIN_AVERAGING_F = 1e-9
+
+
+def size_comparator(
+    threshold_v: float, window_s: float, board: Board, signal_ground_ratio: float = 0.0
+) -> ComparatorStage:
+    """Size the comparator stage for a threshold [V] and a window [s]."""
+    upper_v, low_ohm = (1.0 - signal_ground_ratio) * board.supply_v, TRIMMER_OHM / 2.0
+    # Supply and output together pull the threshold up by x = 1 / high and y = 1 / (hysteresis + pull-up), where
+    # x + y = T / low / (U - T). When the output falls by the whole supply, the threshold falls by about
+    # supply y / (x + y + 1 / low).
+    pull = threshold_v / low_ohm / (upper_v - threshold_v)
+    feedback = HYSTERESIS_RATIO * threshold_v / board.supply_v * (pull + 1.0 / low_ohm)
+
+    def error(pair: tuple[float, float]) -> float:
+        # The trimmer is at its midpoint. Until slip is detected, the pull-up connects the output's end of the
+        # hysteresis resistor to the supply.
+        trimmer_top_ohm, hysteresis_ohm = pair
+        pull = 1.0 / (TRIMMER_OHM / 2.0 + trimmer_top_ohm) + 1.0 / (hysteresis_ohm + PULL_UP_OHM)
+        return round(abs(math.log(upper_v * pull / (pull + 1.0 / low_ohm) / threshold_v)), 12)
+
+    tops = neighbouring_values(1.0 / (pull - 1.0 / (1.0 / feedback + PULL_UP_OHM)) - low_ohm, board.series)
+    feedbacks = neighbouring_values(1.0 / feedback, board.series)
+    trimmer_top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
+    tau_s = window_s / 2.0
+    nearest_f = nearest_capacitance(tau_s / AVERAGING_OHM, board.capacitor_series)
+    averaging_f = min(max(nearest_f, _MIN_AVERAGING_F), MAX_AVERAGING_F)
+    return ComparatorStage(
+        nearest_value(tau_s / averaging_f, board.series), averaging_f, trimmer_top_ohm, hysteresis_ohm
+    )
+
+
+# Components between the board and the analog-to-digital converter (ADC): anti-aliasing poles for its sampling rate.
+#
+# Frequencies above half the sampling rate alias to below it. The band of the vibrations ends at `BAND_CUTOFFS`
+# cutoffs, and the lowest frequency that aliases into it is the sampling rate less that. The tactile voltage passes two
+# poles, both near a quarter of the sampling rate: the second section has ten times the impedance of the first, so that
+# they hardly interact. The envelope has a pole of its own already (in variant `article` only for falling voltages),
+# and passes one.
+#
+# `fingertip.board.analysis.interference` computes what they attenuate.
+
+
+POLE_PER_SAMPLE_RATE = 0.25
+FIRST_OHM, SECOND_OHM = 1e3, 10e3
+"""Approximate resistances. Together with the clamp they limit its current to 1 mA at 10 V beyond the rails."""
+CLAMP, LOW_LEAKAGE_CLAMP = "BAT54S", "BAV199"
+"""Clamps of the ADC pins. The second serves boards for a controller, whose outputs stay within the supply anyway."""
+CLAMP_A, MAX_CLAMP_A = 0.1e-6, 2e-6
+"""Reverse current of a clamp's diode [A]: the value of the SPICE deck's model, and the maximum of a BAT54 at 25 V and
+25 degrees Celsius (its data sheets; unverified)."""
+LOW_LEAKAGE_A, MAX_LOW_LEAKAGE_A = 3e-12, 5e-9
+"""The same of a BAV199: typical, and maximum at 75 V and 25 degrees Celsius (its data sheets; unverified)."""
+
+
+def size_adc_interface(sample_rate_hz: float, series: str, capacitor_series: str = "given") -> AdcInterface:
+    """Size the anti-aliasing poles for a sampling rate [Hz], with resistors and capacitors of these series."""
+    target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
+
+    def size_section(approximate_ohm: float) -> tuple[float, float]:
+        c_f = nearest_capacitance(pole_hz(approximate_ohm, target_hz), capacitor_series)  # 1 / (2 pi R f) is C
+        return nearest_value(pole_hz(target_hz, c_f), series), c_f
+
+    return AdcInterface(*size_section(FIRST_OHM), *size_section(SECOND_OHM), *size_section(SECOND_OHM))

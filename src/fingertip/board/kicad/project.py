@@ -1,11 +1,15 @@
-"""KiCad project file: design rules of the board, the checks that do not apply, and the folder of the 3D models."""
+"""Boards that can be generated, by variant and supply, and KiCad's project file: design rules, checks, 3D models."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 
+from fingertip.board.components.values import SUPPLIES, ComponentValues, Supply
 from fingertip.board.kicad.footprints import SILK_CLEARANCE_MM, SILK_LINE_MM, TEXT_HEIGHT_MM
 from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
+from fingertip.board.kicad.placement import Placement, load_placement
+from fingertip.board.kicad.schematic_sheet import Sheet, make_sheet
 from fingertip.board.parts.circuit import Circuit
 
 REVISION = "2"
@@ -59,3 +63,62 @@ def kicad_project_file(circuit: Circuit) -> bytes:
         "text_variables": {MODEL_VARIABLE: MODEL_FOLDER_OF_PROJECT},
     }
     return (json.dumps(data, indent=2) + "\n").encode()
+
+
+# Boards that can be generated: schematic sheet and placement of each.
+
+
+@dataclass(frozen=True)
+class BoardConfiguration:
+    """A board variant on one of the supplies."""
+
+    variant: str
+    supply: Supply
+
+    @property
+    def name(self) -> str:
+        """Name of the placement and the routing template, such as "article_split"."""
+        return f"{self.variant}_{self.supply.name}"
+
+    @property
+    def changes(self) -> tuple[str, str, str]:
+        """Changes to a design that select this configuration."""
+        return (
+            f"board.variant={self.variant}",
+            f"board.supply={self.supply.name}",
+            f"board.supply_v={self.supply.nominal_v:g}",
+        )
+
+    @property
+    def sheet(self) -> Sheet:
+        """Schematic sheet."""
+        return make_sheet(self.variant, self.supply)
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """Lines that name the board on its back, with the only supply voltage that it bears."""
+        name = f"fingertip {self.name.replace('_', ' ')}"
+        warning = (f"{self.supply.nominal_v:g} V only",) if self.supply.is_for_controller else ()
+        return (name, f"rev {REVISION}", *warning)
+
+    @property
+    def placement(self) -> Placement:
+        """Positions of the components on the board."""
+        return load_placement(self.name)
+
+
+BOARD_VARIANTS = ("article", "precision", "comparator")
+"""Names of the variants. A test compares them with those that the design file accepts."""
+
+BOARD_CONFIGURATIONS = {
+    configuration.name: configuration
+    for configuration in (
+        BoardConfiguration(variant, supply) for variant in BOARD_VARIANTS for supply in SUPPLIES.values()
+    )
+}
+"""Every variant on every supply, by name."""
+
+
+def find_configuration(values: ComponentValues) -> BoardConfiguration:
+    """Find the configuration that values were computed for."""
+    return BOARD_CONFIGURATIONS[f"{values.variant}_{values.supply}"]

@@ -1,14 +1,25 @@
-"""Sheet of a schematic as data: positions of symbols, wires and labels. Units of 1.27 mm, with the y axis down."""
+"""Sheets of the board variants as data: positions of symbols, wires and labels, and the graphics of the symbols.
+
+A sheet shows the signal from left to right, in rows, with the supply below; its units are 1.27 mm, the y axis is down.
+`schematic_blocks.json` holds the blocks that do not depend on the supply. `symbol_graphics.json` holds the graphics of
+each unit of a symbol in mm, with the y axis up, as in KiCad's libraries. Pins lie exactly where these have them, so
+that the symbols can be updated from them; a test compares them with KiCad 9. The lines are drawn here.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+import functools
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
-from fingertip.board.components.supplies import Supply
+from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import VEE, VMID, VREF
 
+_FOLDER = Path(__file__).parent
 UNIT_MM = 1.27
 """Half the pitch of the grid that KiCad's pins lie on."""
 
@@ -46,17 +57,11 @@ class PowerSymbol:
 
 @dataclass(frozen=True)
 class Label:
-    """Name of a net on a wire. With an angle of 180 the text runs to the left of the point."""
+    """Name of a net on a wire, or in a flag, which connects all sheets.
 
-    net: str
-    x: int
-    y: int
-    angle: int = 0
-
-
-@dataclass(frozen=True)
-class GlobalLabel:
-    """Name of a net in a flag that points in the direction `angle` [degree]. It connects all sheets."""
+    On a wire, with an angle of 180 the text runs to the left of the point. A flag points in the direction `angle`
+    [degree].
+    """
 
     net: str
     x: int
@@ -75,7 +80,8 @@ class Sheet:
     labels: tuple[Label, ...] = ()
     texts: tuple[tuple[str, int, int], ...] = ()
     """Texts with their positions."""
-    global_labels: tuple[GlobalLabel, ...] = ()
+    global_labels: tuple[Label, ...] = ()
+    """Names of nets in flags."""
 
     def segments(self, pins: Iterable[Point]) -> list[Segment]:
         """Segments of the wires, split where another wire ends or a pin lies on them, as KiCad requires."""
@@ -93,14 +99,7 @@ class Sheet:
 
 def join_blocks(*blocks: Sheet) -> Sheet:
     """Join several blocks to one sheet."""
-    return Sheet(
-        symbols=tuple(item for block in blocks for item in block.symbols),
-        wires=tuple(item for block in blocks for item in block.wires),
-        power_symbols=tuple(item for block in blocks for item in block.power_symbols),
-        labels=tuple(item for block in blocks for item in block.labels),
-        texts=tuple(item for block in blocks for item in block.texts),
-        global_labels=tuple(item for block in blocks for item in block.global_labels),
-    )
+    return Sheet(**{field.name: sum((getattr(block, field.name) for block in blocks), ()) for field in fields(Sheet)})
 
 
 def apply_supply(sheet: Sheet, supply: Supply) -> Sheet:
@@ -114,9 +113,9 @@ def apply_supply(sheet: Sheet, supply: Supply) -> Sheet:
         placeholders = {SGND: supply.signal_ground, VNEG: supply.negative_rail, VBRIDGE: supply.bridge_supply}
         net = placeholders.get(symbol.name, symbol.name)
         if net == VMID:
-            global_labels.append(GlobalLabel(net, symbol.x, symbol.y, {0: 270, 90: 0, 180: 90}[symbol.angle]))
+            global_labels.append(Label(net, symbol.x, symbol.y, {0: 270, 90: 0, 180: 90}[symbol.angle]))
         elif net == VREF:
-            global_labels.append(GlobalLabel(net, symbol.x, symbol.y, 90))
+            global_labels.append(Label(net, symbol.x, symbol.y, 90))
         elif symbol.name == VNEG:
             power_symbols.append(PowerSymbol(net, symbol.x, symbol.y, 180 if net == VEE else 0))
         else:
@@ -129,12 +128,6 @@ def _lies_between(a: Point, c: Point, b: Point) -> bool:
     if a[0] == b[0] == c[0]:
         return min(a[1], b[1]) < c[1] < max(a[1], b[1])
     return a[1] == b[1] == c[1] and min(a[0], b[0]) < c[0] < max(a[0], b[0])
-
-
-# Graphics of the schematic symbols [mm], with the y axis up, as in KiCad's libraries.
-#
-# Pins lie exactly where KiCad's libraries have them, so that the symbols can be updated from the libraries. A test
-# compares them with KiCad 9. The lines are drawn here.
 
 
 @dataclass(frozen=True)
@@ -167,173 +160,165 @@ class UnitGraphic:
     """Half width and half height of the body, which texts of a rotated symbol must clear."""
 
 
-def _box(x0: float, y0: float, x1: float, y1: float) -> tuple[Point, ...]:
-    return ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))
+def _load_graphics() -> dict[str, tuple[UnitGraphic, ...]]:
+    data = json.loads((_FOLDER / "symbol_graphics.json").read_text("utf-8"))
+    return {name: tuple(map(_read_unit, units)) for name, units in data.items()}
 
 
-def _connector(pins: int, top: float) -> UnitGraphic:
-    ys = [round(top - 2.54 * i, 2) for i in range(pins)]
-    body = _box(-1.27, ys[-1] - 1.27, 1.27, top + 1.27)
-    return UnitGraphic(
-        {str(i): PinGraphic(-5.08, y, 0, 3.81) for i, y in enumerate(ys, start=1)},
-        (body, *(((-1.27, y), (0.0, y)) for y in ys)),
-        show_numbers=True,
-        reference_at=(0.0, top + 3.81),
-        value_at=(0.0, ys[-1] - 3.81),
-    )
+def _read_unit(unit: dict[str, Any]) -> UnitGraphic:
+    pins = {number: PinGraphic(*pin) for number, pin in unit.pop("pins").items()}
+    return UnitGraphic(pins, **{name: _freeze(value) for name, value in unit.items()})
 
 
-def _with_mounting_pin(connector: UnitGraphic, y: float) -> UnitGraphic:
-    """Connector with the mounting pin below it, whose open end has the height y."""
-    tab = ((-1.27, y + 3.048), (1.27, y + 3.048))
-    pins = connector.pins | {"MP": PinGraphic(0.0, y, 90, 3.048)}
-    return replace(
-        connector, pins=pins, lines=(*connector.lines, tab), value_at=(0.0, connector.reference_at[1] + 2.54)
-    )
+def _freeze(value: Any) -> Any:
+    """Turn lists into tuples."""
+    return tuple(map(_freeze, value)) if isinstance(value, list) else value
 
 
-def _amplifier(plus: str, minus: str, out: str) -> UnitGraphic:
-    return UnitGraphic(
-        {
-            plus: PinGraphic(-7.62, 2.54, 0, 2.54),
-            minus: PinGraphic(-7.62, -2.54, 0, 2.54),
-            out: PinGraphic(7.62, 0.0, 180, 2.54),
-        },
-        filled=(((-5.08, 5.08), (5.08, 0.0), (-5.08, -5.08), (-5.08, 5.08)),),
-        show_numbers=True,
-        show_names=True,
-        reference_at=(2.54, 5.08),
-        value_at=(3.81, -5.08),
-    )
-
-
-_DUAL_AMPLIFIER = (
-    _amplifier("3", "2", "1"),
-    _amplifier("5", "6", "7"),
-    UnitGraphic(
-        {"8": PinGraphic(-2.54, 7.62, 270, 3.81), "4": PinGraphic(-2.54, -7.62, 90, 3.81)},
-        show_numbers=True, show_names=True, reference_at=(2.54, 1.27), value_at=(2.54, -1.27),
-    ),
-)  # fmt: skip
-_DIODE_ARROW = ((1.27, 1.27), (-1.27, 0.0), (1.27, -1.27), (1.27, 1.27))
-
-SYMBOL_GRAPHICS: dict[str, tuple[UnitGraphic, ...]] = {
-    "R": (
-        UnitGraphic(
-            {"1": PinGraphic(0.0, 3.81, 270, 1.27), "2": PinGraphic(0.0, -3.81, 90, 1.27)},
-            (_box(-1.016, -2.54, 1.016, 2.54),),
-            reference_at=(2.032, 1.016), value_at=(2.032, -1.016), body=(1.016, 2.54),
-        ),
-    ),
-    "C": (
-        UnitGraphic(
-            {"1": PinGraphic(0.0, 3.81, 270, 2.794), "2": PinGraphic(0.0, -3.81, 90, 2.794)},
-            (((-1.9, 0.8), (1.9, 0.8)), ((-1.9, -0.8), (1.9, -0.8)), ((0.0, 0.8), (0.0, 1.016)),
-             ((0.0, -0.8), (0.0, -1.016))),
-            reference_at=(2.54, 1.27), value_at=(2.54, -1.524), body=(1.9, 0.8),
-        ),
-    ),
-    "1N4148W": (
-        UnitGraphic(
-            {"1": PinGraphic(-3.81, 0.0, 0, 2.54), "2": PinGraphic(3.81, 0.0, 180, 2.54)},
-            (_DIODE_ARROW, ((-1.27, 1.27), (-1.27, -1.27))),
-            reference_at=(0.0, -2.54), value_at=(0.0, 2.54), body=(1.27, 1.27),
-        ),
-    ),
-    "BAT54S": (
-        UnitGraphic(
-            {
-                "1": PinGraphic(-7.62, 0.0, 0, 3.81), "2": PinGraphic(7.62, 0.0, 180, 3.81),
-                "3": PinGraphic(0.0, -5.08, 90, 5.08),
-            },
-            (
-                ((-3.81, 0.0), (3.81, 0.0)),
-                ((-3.81, 1.27), (-1.27, 0.0), (-3.81, -1.27), (-3.81, 1.27)), ((-1.27, 1.27), (-1.27, -1.27)),
-                ((1.27, 1.27), (3.81, 0.0), (1.27, -1.27), (1.27, 1.27)), ((3.81, 1.27), (3.81, -1.27)),
-            ),
-            circles=((0.0, 0.0, 0.2),),
-            reference_at=(0.0, 2.54), value_at=(0.0, 5.08), body=(3.81, 1.27),
-        ),
-    ),
-    **dict.fromkeys(("TL082", "TLV2372", "MCP6022", "OPA2376xxD", "LM2904"), _DUAL_AMPLIFIER),
-    "TLV2371DBV": (
-        replace(_amplifier("3", "4", "1"), pins=_amplifier("3", "4", "1").pins | {
-            "5": PinGraphic(-2.54, 7.62, 270, 3.81), "2": PinGraphic(-2.54, -7.62, 90, 3.81),
-        }),
-    ),
-    "AD623ARMZ": (
-        UnitGraphic(
-            {
-                "2": PinGraphic(-7.62, 5.08, 0, 2.54), "1": PinGraphic(-7.62, 2.54, 0, 2.54),
-                "8": PinGraphic(-7.62, -2.54, 0, 2.54), "3": PinGraphic(-7.62, -5.08, 0, 2.54),
-                "7": PinGraphic(0.0, 7.62, 270, 2.54), "4": PinGraphic(0.0, -7.62, 90, 2.54),
-                "5": PinGraphic(5.08, -7.62, 90, 5.08), "6": PinGraphic(12.7, 0.0, 180, 2.54),
-            },
-            filled=(((-5.08, 7.62), (10.16, 0.0), (-5.08, -7.62), (-5.08, 7.62)),),
-            show_numbers=True, show_names=True, reference_at=(10.16, 8.4), value_at=(10.16, 6.4),
-        ),
-    ),
-    "R_Potentiometer": (
-        UnitGraphic(
-            {"1": PinGraphic(0.0, 3.81, 270, 1.27), "3": PinGraphic(0.0, -3.81, 90, 1.27),
-             "2": PinGraphic(3.81, 0.0, 180, 1.27)},
-            (_box(-1.016, -2.54, 1.016, 2.54), ((2.54, 0.0), (1.2, 0.0)), ((1.7, 0.4), (1.2, 0.0), (1.7, -0.4))),
-            reference_at=(-3.6, 1.016), value_at=(-3.6, -1.016),
-        ),
-    ),
-    "LMV331": (
-        UnitGraphic(
-            {
-                "1": PinGraphic(-7.62, 2.54, 0, 2.54), "3": PinGraphic(-7.62, -2.54, 0, 2.54),
-                "4": PinGraphic(7.62, 0.0, 180, 2.54), "5": PinGraphic(-2.54, 7.62, 270, 3.81),
-                "2": PinGraphic(-2.54, -7.62, 90, 3.81),
-            },
-            filled=(((-5.08, 5.08), (5.08, 0.0), (-5.08, -5.08), (-5.08, 5.08)),),
-            show_numbers=True, show_names=True, reference_at=(3.4, 4.4), value_at=(5.08, -4.4),
-        ),
-    ),
-    "Conn_01x02": (_connector(2, 0.0),),
-    "Conn_01x02_MountingPin": (_with_mounting_pin(_connector(2, 0.0), -7.62),),
-    "Conn_01x10_MountingPin": (_with_mounting_pin(_connector(10, 10.16), -17.78),),
-    "AO3401A": (
-        UnitGraphic(
-            {"1": PinGraphic(-5.08, 0.0, 0, 2.54), "3": PinGraphic(2.54, 5.08, 270, 2.54),
-             "2": PinGraphic(2.54, -5.08, 90, 2.54)},
-            (((-2.54, 0.0), (0.254, 0.0)), ((0.254, 1.905), (0.254, -1.905)), ((0.762, 2.286), (0.762, 1.27)),
-             ((0.762, 0.508), (0.762, -0.508)), ((0.762, -1.27), (0.762, -2.286)), ((2.54, 2.54), (2.54, 1.778),
-             (0.762, 1.778)), ((2.54, -2.54), (2.54, 0.0), (0.762, 0.0)), ((2.54, -1.778), (0.762, -1.778)),
-             ((2.286, 0.0), (1.27, 0.381), (1.27, -0.381), (2.286, 0.0))),
-            circles=((1.651, 0.0, 2.794),),
-            reference_at=(5.08, 1.905), value_at=(5.08, 0.0), body=(2.8, 2.8),
-        ),
-    ),
-    "Conn_01x03": (_connector(3, 2.54),),
-    "Conn_01x04": (_connector(4, 2.54),),
-    "Conn_01x05": (_connector(5, 5.08),),
-    "TestPoint": (
-        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 2.54)}, circles=((0.0, 3.302, 0.762),),
-              reference_at=(0.0, 5.334), value_at=(0.0, 7.62)),
-    ),
-    "MountingHole": (
-        UnitGraphic({}, circles=((0.0, 0.0, 1.27), (0.0, 0.0, 2.0)), reference_at=(0.0, 3.81), value_at=(0.0, -3.81)),
-    ),
-    "GND": (
-        UnitGraphic({"1": PinGraphic(0.0, 0.0, 270, 0.0)},
-              (((0.0, 0.0), (0.0, -1.27)), ((-1.27, -1.27), (1.27, -1.27)), ((-0.8, -1.778), (0.8, -1.778)),
-               ((-0.3, -2.286), (0.3, -2.286))), value_at=(0.0, -3.81)),
-    ),
-    "VCC": (
-        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 0.0)},
-              (((0.0, 0.0), (0.0, 2.54)), ((-0.762, 1.27), (0.0, 2.54), (0.762, 1.27))), value_at=(0.0, 3.81)),
-    ),
-    "VEE": (
-        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 0.0)},
-              (((0.0, 0.0), (0.0, 2.54)), ((-0.762, 1.27), (0.0, 2.54), (0.762, 1.27))), value_at=(0.0, 3.81)),
-    ),
-    "PWR_FLAG": (
-        UnitGraphic({"1": PinGraphic(0.0, 0.0, 90, 0.0)},
-              (((0.0, 0.0), (0.0, 1.27), (-1.016, 1.905), (0.0, 2.54), (1.016, 1.905), (0.0, 1.27)),),
-              value_at=(0.0, 3.81)),
-    ),
-}  # fmt: skip
+SYMBOL_GRAPHICS = _load_graphics()
 """Units of each symbol in order, by the symbol's name."""
+
+
+# Blocks of the sheets, and the sheets.
+
+
+@functools.cache
+def _load_blocks() -> dict[str, Sheet]:
+    kinds = {"symbols": PlacedSymbol, "power_symbols": PowerSymbol, "labels": Label, "global_labels": Label}
+
+    def read(kind: str, items: Any) -> Any:
+        return tuple(kinds[kind](*item) for item in items) if kind in kinds else _freeze(items)
+
+    data = json.loads((_FOLDER / "schematic_blocks.json").read_text("utf-8"))
+    return {name: Sheet(**{kind: read(kind, items) for kind, items in block.items()}) for name, block in data.items()}
+
+
+def _controller_connector(supply: Supply, has_slip_output: bool) -> Sheet:
+    """Connector J3 to the controller: every second pin is ground, and the ninth is the slip output or ground."""
+    grounds = (62, 66, 70, 74, 78) if has_slip_output else (62, 66, 70, 74, 76, 78)
+    slip = Sheet(wires=(((218, 76), (214, 76)),), labels=(Label("SLIP", 214, 76, 180),)) if has_slip_output else Sheet()
+    connector = Sheet(
+        symbols=(PlacedSymbol("J3", 222, 68), PlacedSymbol("R24", 218, 95)),
+        wires=(
+            ((211, 84), (211, 68), (218, 68)), *(((218, y), (216, y)) for y in grounds), ((216, 62), (216, 82)),
+            ((218, 72), (214, 72)), ((218, 89), (218, 92)),
+        ),
+        power_symbols=(PowerSymbol("GND", 216, 82), PowerSymbol("GND", 222, 82), PowerSymbol("GND", 16, 52)),
+        labels=(Label("M_OUT", 214, 72, 180), Label("M_OUT", 218, 89)),
+        global_labels=(Label(supply.signal_ground, 218, 98, 270),),
+    )  # fmt: skip
+    return join_blocks(connector, slip, _load_blocks()["filtered_output"])
+
+
+def adc_connector(supply: Supply, has_slip_output: bool = False) -> Sheet:
+    """Connector J3 to the ADC or the controller, and the end of the envelope's wire.
+
+    The fourth pin of a pin header is the slip output or ground. On a single supply its fifth pin is the signal ground.
+    """
+    if supply.is_for_controller:
+        return _controller_connector(supply, has_slip_output)
+    return join_blocks(_pin_header(supply, has_slip_output), Sheet(wires=(((211, 84), (211, 62), (218, 62)),)))
+
+
+def _pin_header(supply: Supply, has_slip_output: bool) -> Sheet:
+    if has_slip_output:
+        pin_4 = Sheet(
+            wires=(((218, 66), (216, 66), (216, 76)), ((218, 64), (214, 64))),
+            power_symbols=(PowerSymbol("GND", 214, 64),),
+            labels=(Label("SLIP", 216, 76, 180),),
+        )
+    else:
+        pin_4 = Sheet(
+            wires=(((218, 64), (216, 64), (216, 68)), ((218, 66), (216, 66))),
+            power_symbols=(PowerSymbol("GND", 216, 68),),
+        )
+    if not supply.signal_ground_ratio:
+        return join_blocks(Sheet(symbols=(PlacedSymbol("J3", 222, 62),)), pin_4)
+    with_signal_ground = Sheet(
+        symbols=(PlacedSymbol("J3", 222, 64), PlacedSymbol("R24", 218, 89)),
+        wires=(((218, 68), (218, 86)),),
+        labels=(Label("M_OUT", 218, 82),),
+        global_labels=(Label(supply.signal_ground, 218, 92, 270),),
+    )
+    return join_blocks(with_signal_ground, pin_4)
+
+
+_PLAIN_ENTRY = ((20, 122), (24, 122), (24, 114))
+"""Wire from the supply's connector to the rail."""
+
+
+def supply_block(supply: Supply, positive: Sequence[str], negative: Sequence[str], amplifiers: Sequence[str]) -> Sheet:
+    """Supply connector J2, decoupling capacitors and supply pins of the amplifiers."""
+    # On a board for a controller the protection stands between the connector and the capacitors.
+    first, pitch, entry, flag = (40, 7, ((32, 114),), 37) if supply.is_for_controller else (30, 9, _PLAIN_ENTRY, 79)
+    columns = [first + pitch * i for i in range(len(positive))]
+    pins = [86 + 9 * i for i in range(len(amplifiers))]
+    rail_ends = (79, 114), *((x, 114) for x in pins)
+    positive_row = Sheet(
+        symbols=(
+            *(PlacedSymbol(reference, x, 120) for reference, x in zip(positive, columns, strict=True)),
+            *(PlacedSymbol(reference, 88 + 9 * i, 124, unit=3) for i, reference in enumerate(amplifiers)),
+        ),
+        wires=(
+            (*entry, *rail_ends), *(((x, 114), (x, 118)) for x in pins),
+            *(((x, 114), (x, 117)) for x in columns), *(((x, 123), (x, 124)) for x in columns),
+        ),
+        power_symbols=(
+            PowerSymbol("VCC", 34 if supply.is_for_controller else 26, 114), PowerSymbol("PWR_FLAG", flag, 114),
+            PowerSymbol("GND", 26, 124),
+        ),
+        texts=(("Supply and decoupling", 12, 108),),
+    )  # fmt: skip
+    if supply.signal_ground_ratio:
+        ground = Sheet(
+            symbols=(PlacedSymbol("J2", 16, 122, mirrored=True),),
+            wires=(((20, 124), (83, 124)),),
+            power_symbols=(*(PowerSymbol("GND", x, 130) for x in pins), PowerSymbol("PWR_FLAG", 83, 124)),
+        )
+        names = ("supply_midpoint", *(("protection", "bridge_supply") if supply.is_for_controller else ()))
+        return join_blocks(positive_row, ground, *(_load_blocks()[name] for name in names))
+    negative_columns = columns[: len(negative)]
+    negative_row = Sheet(
+        symbols=(
+            PlacedSymbol("J2", 16, 124, mirrored=True), PlacedSymbol("TP5", 79, 124),
+            *(PlacedSymbol(reference, x, 128) for reference, x in zip(negative, negative_columns, strict=True)),
+        ),
+        wires=(
+            ((20, 124), (79, 124)), ((20, 126), (24, 126), (24, 134), (74, 134), *((x, 134) for x in pins)),
+            *(((x, 134), (x, 130)) for x in pins),
+            *(((x, 124), (x, 125)) for x in negative_columns), *(((x, 131), (x, 134)) for x in negative_columns),
+        ),
+        power_symbols=(
+            PowerSymbol("VEE", 26, 134, 180), PowerSymbol("PWR_FLAG", 74, 134, 180), PowerSymbol("PWR_FLAG", 74, 124),
+        ),
+    )  # fmt: skip
+    return join_blocks(positive_row, negative_row)
+
+
+_ROWS = {
+    "article": ("article_filters",),
+    "precision": ("precision_filters", "rectifier"),
+    "comparator": ("precision_filters", "rectifier"),
+}
+"""Blocks between the connectors and the supply, by variant."""
+
+
+def make_sheet(variant: str, supply: Supply) -> Sheet:
+    """Make the schematic sheet of a variant on a supply."""
+    has_slip, is_article = variant == "comparator", variant == "article"
+    positive = ["C10", "C5", "C12", *([] if is_article else ["C15"]), *(["C18"] if has_slip else [])]
+    if supply.signal_ground_ratio:
+        positive.append("C22")
+    negative, amplifiers = ["C11", "C6", "C13"], ["U1"]
+    if not is_article:
+        negative, amplifiers = [*negative, "C16"], [*amplifiers, "U3"]
+    blocks = _load_blocks()
+    sheet = join_blocks(
+        blocks["bridge"],
+        adc_connector(supply, has_slip),
+        *(blocks[name] for name in _ROWS[variant]),
+        supply_block(supply, positive, negative, amplifiers),
+        *((blocks["comparator"],) if has_slip else ()),
+        blocks["mounting_holes"],
+    )
+    return apply_supply(sheet, supply)

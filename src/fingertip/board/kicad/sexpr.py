@@ -93,9 +93,9 @@ class Node:
         """Name of the list; empty if it has none."""
         return self.words[0] if self.items and isinstance(self.items[0], Word) else ""
 
-    def children(self, head: str) -> Iterator[Node]:
-        """Yield the lists in it that have this name."""
-        return (item for item in self.items if isinstance(item, Node) and item.head == head)
+    def children(self, *heads: str) -> Iterator[Node]:
+        """Yield the lists in it that have one of these names."""
+        return (item for item in self.items if isinstance(item, Node) and item.head in heads)
 
     def word(self, head: str, index: int = 1) -> str:
         """Word of the first list of this name in it; empty if there is none."""

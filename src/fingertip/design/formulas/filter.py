@@ -134,16 +134,6 @@ The gain at the cutoff is then reduced by at most 0.5 %.
 """
 
 
-def select_series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
-    """Select C in series with R4 [F]: the smallest whose corner frequency is at least a decade below the cutoff [Hz].
-
-    For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, the
-    largest is selected.
-    """
-    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * r4_ohm * cutoff_hz)
-    return to_farads(next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1]))
-
-
 DIVIDERS_OHM = {"split": None, "single": (10e3, 10e3), "single_3v3": (54.9e3, 44.2e3)}
 """Upper and lower resistor of the divider [ohm], by the supply's name.
 

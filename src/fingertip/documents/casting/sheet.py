@@ -1,21 +1,23 @@
-"""Data of a casting sheet: everything to weigh, buy, set or wait for, as plain data.
+"""Casting sheet of a design: everything to weigh, buy, set or wait for as plain data, and the page that shows it.
 
-`fingertip.documents.casting.markdown` renders it as a page. Values are rounded here, once, so that page and data agree.
+Values are rounded in the data, once, so that page and data agree. The templates beside this module hold no figure.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
-from fingertip.cad.printing.print_files import LAYER_MM, PRINT_FOLDER
+from fingertip.cad.printing.print_files import LAYER_MM
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.mold import PUSH_S
-from fingertip.casting.hardware import bill_of_materials
+from fingertip.casting.consumables import cover_tape_data, seat_tape_data, uses_adhesive, uses_primer
+from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
     SCALE_G,
@@ -32,10 +34,9 @@ from fingertip.casting.quantities import (
     skin_pull_off_n,
     volumes_data,
 )
-from fingertip.casting.slicer import PrintEstimate, print_settings
-from fingertip.casting.tapes import cover_tape_data, seat_tape_data
-from fingertip.casting.uses import sensor_limits_data, uses_adhesive
+from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, print_settings
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
+from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
 from fingertip.design import Design
@@ -43,57 +44,10 @@ from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
 from fingertip.design.interfaces import interface_of
-from fingertip.documents.casting.supplies import supplies_data
+from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
-# Plan of the work by days: what waits for a cure, from the data of the silicone and the steps of the design.
-
-
-Data = Mapping[str, Any]
-
-_HOURS_PER_DAY = 24.0
-_ADHESIVE_DAYS = 1
-"""Days for which the plan lets adhesive cure, whose time only its maker knows. An assumption."""
-
-
-def plan_data(data: Data) -> list[dict[str, Any]]:
-    """List the stages of the work: the day on which each begins at the earliest, its work, and what it waits for."""
-    cure_h = data["silicone"]["properties"]["cure_h"]["high"]
-    silicone_days = max(1, math.ceil(cure_h / _HOURS_PER_DAY))
-    cured = f"cure of the silicone: {cure_h:g} h"
-    adhesive = "cure of the adhesive: as its maker says"
-    is_glued, is_patched = uses_adhesive(data), data["chaplet"] is not None
-    stages: list[tuple[str, str, int]] = []
-    if is_glued:
-        stages.append(("spread a sample of the adhesive for the test of the cure", adhesive, _ADHESIVE_DAYS))
-    tried = "all parts, the mold and the syringe" if data["filling"]["syringe"] else "all parts and the mold"
-    stages.append((f"test the cure; meanwhile try {tried}", cured, silicone_days))
-    mounting = "mount and wire the sensor"
-    if data["insert"] == "core":
-        stages.append(("release the mold, close it around the core, mix and fill", cured, silicone_days))
-        opening = f"open the mold and roll the skin off; {mounting}"
-        stages += _glue(opening, adhesive, is_glued)
-        finishing = f"{'' if is_glued else opening + '; '}cover the sensor and pull the skin on"
-    else:
-        stages += _glue(f"release the mold, {mounting}", adhesive, is_glued)
-        before = "" if is_glued else f"release the mold, {mounting}, "
-        primer = "cover the sensor and tape the seat; prime the bone, which dries as the primer's maker says"
-        filling = "close, mix and fill within the open time of the primer"
-        stages.append((f"{before}{primer}; {filling}", cured, silicone_days))
-        finishing = "open the mold and trim the skin"
-    patching = "; patch the hole of the screw" if is_patched else ""
-    stages.append((f"{finishing}{patching}", cured if is_patched else "", 0))
-    plan, day = [], 1
-    for work, wait, days in stages:
-        plan.append({"day": day, "work": work, "wait": wait})
-        day += days
-    return plan
-
-
-def _glue(work: str, adhesive: str, is_glued: bool) -> list[tuple[str, str, int]]:
-    """Return the stage that glues; none without adhesive, whose work the next stage then begins with."""
-    return [(f"{work}, and seal with adhesive", adhesive, _ADHESIVE_DAYS)] if is_glued else []
-
+Data = dict[str, Any]
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
@@ -141,7 +95,7 @@ def casting_sheet_data(
         "fit": _fit_data(design),
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
         "skin_held_by": name_retention(design),
-        "sensor_limits": sensor_limits_data(),
+        "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
         "joint": _joint_data(design),
         "bill": bill_of_materials(design),
         "mounting": interface_of(design).mounting(design),
@@ -151,7 +105,20 @@ def casting_sheet_data(
         "filament_bone_breaks": any(warning.startswith(f"{FILAMENT_CHECK}:") for warning in warnings),
         "check_warnings": list(warnings),
     }
-    return data | {"supplies": supplies_data(data), "plan": plan_data(data)}
+    supplies = [
+        supply | {"count": int(supply["count"]) if supply["count"] else None}
+        for supply in render_rows("casting/supplies.md", _add_uses(data))
+    ]
+    return data | {"supplies": supplies, "plan": _plan_data(render_rows("casting/plan.md", _add_uses(data)))}
+
+
+def _plan_data(stages: Iterable[Mapping[str, str]]) -> list[dict[str, Any]]:
+    """Give each stage the day on which it begins at the earliest."""
+    plan, day = [], 1
+    for stage in stages:
+        plan.append({"day": day, "work": stage["work"], "wait": stage["wait"]})
+        day += int(stage["days"])
+    return plan
 
 
 def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
@@ -342,3 +309,28 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             "filament_cm3": round(sum(volumes.values()), 1),
         }
     return data
+
+
+@dataclass(frozen=True)
+class Step:
+    """Step of the procedure."""
+
+    picture: str
+    """Name of the scene in `fingertip.pictures.steps` that shows the step."""
+    text: str
+
+
+def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
+    """Render the data of a sheet as a Markdown page, with a picture for each step if there are any."""
+    page = render("casting/sheet.md", **data, steps=steps(data), pictures=pictures, how_to_install=HOW_TO_INSTALL)
+    return lay_out_page(page)
+
+
+def steps(data: Data) -> list[Step]:
+    """List the steps of the procedure, in order."""
+    _, *pages = render("casting/procedure.md", **_add_uses(data)).split("## ")
+    return [Step(name, " ".join(text.split())) for name, _, text in (page.partition("\n") for page in pages)]
+
+
+def _add_uses(data: Data) -> Data:
+    return data | {"uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}

@@ -6,9 +6,17 @@ A file that the manifest does not name, or that was changed since, is somebody's
 removed unless that is asked for.
 """
 
-from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, hash_parameters, read_manifest
-from fingertip.foundation.output_set.verification import verify_sets
-from fingertip.foundation.output_set.writer import Revision, SetWriter, add_to_set, check_set, finish_interrupted
+from fingertip.foundation.output_set.writer import (
+    MANIFEST,
+    Manifest,
+    Revision,
+    SetWriter,
+    add_to_set,
+    check_set,
+    finish_interrupted,
+    hash_parameters,
+    read_manifest,
+)
 
 __all__ = [
     "MANIFEST",
@@ -20,5 +28,4 @@ __all__ = [
     "finish_interrupted",
     "hash_parameters",
     "read_manifest",
-    "verify_sets",
 ]

@@ -13,11 +13,13 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import errno
 import hashlib
 import json
 import os
 import shutil
 import sys
+import time
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
@@ -25,7 +27,6 @@ from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, find_unsafe_names, is_safe_name, read_input
 
 # Content of a file that is to be written: its bytes, or the path of a finished file that is too large for memory.
-
 
 Content = bytes | Path
 
@@ -96,10 +97,7 @@ def recover(folder: Path) -> None:
 
 
 def try_to_write(folder: Path, path: Path) -> None:
-    """Write a file below a folder and remove it again. The caller holds the lock of the folder's parent.
-
-    Raises OSError.
-    """
+    """Write a file below a folder, whose parent the caller has locked, and remove it again. Raises OSError."""
     made = folder / _TRIAL
     if is_folder(made):  # a command was killed here
         _remove_folder(made)
@@ -113,10 +111,7 @@ def try_to_write(folder: Path, path: Path) -> None:
 
 
 def read_plan(commit: Path) -> tuple[list[str], list[str]]:
-    """Read a complete plan of renames: the names of files to put in place, and of files to remove; none without a plan.
-
-    Raises OutputError.
-    """
+    """Read which files a complete plan of renames puts in place and removes; none without it. Raises OutputError."""
     if not os.path.lexists(commit / _COMPLETE):
         return [], []
     try:
@@ -252,3 +247,51 @@ def _finish_renames(folder: Path) -> None:
         if os.path.lexists(commit / f"new-{name}"):
             os.replace(commit / f"new-{name}", folder / name)
     _remove_folder(commit)
+
+
+# Lock of a folder, and errors of the operating system as sentences.
+
+LOCK_S = 60.0
+"""Time for which a command waits for another one that writes to the same place."""
+
+
+@contextlib.contextmanager
+def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
+    """Hold a lock on a folder, shared while a set in it is only read; it ends with the process, however that ends."""
+    try:
+        import fcntl
+    except ImportError:  # Windows: sets are not locked there
+        yield
+        return
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except PermissionError:  # a folder that may not be listed cannot be locked either
+        yield
+        return
+    try:
+        deadline = time.monotonic() + LOCK_S
+        while True:
+            try:
+                fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+                break
+            except OSError as error:
+                if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+                    break  # a file system without locks
+                if time.monotonic() > deadline:
+                    message = f"another command has been writing here for {LOCK_S:g} s; wait for it and try again."
+                    raise OutputError(Issue(str(folder), message)) from error
+                time.sleep(0.02)
+        yield
+    finally:
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def output_errors(folder: Path) -> Iterator[None]:
+    """Turn errors of the operating system into an OutputError with a remedy."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        message = f"cannot be written ({reason}); choose another folder with --out."
+        raise OutputError(Issue(str(folder), message)) from error

@@ -1,23 +1,33 @@
-"""Writer of sets of files, which leaves alone what is somebody's own."""
+"""Writer of sets of files, which leaves alone what is somebody's own, and the manifest of a set."""
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import json
 import os
+import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.files import write_file
-from fingertip.foundation.input_files import find_link, find_unsafe_names
-from fingertip.foundation.output_set.lock import lock, output_errors
-from fingertip.foundation.output_set.manifest import MANIFEST, Manifest, has_hash, read_manifest
+from fingertip.foundation.input_files import (
+    PARSED_LIMIT,
+    RECORDING_LIMIT,
+    find_link,
+    find_unsafe_names,
+    open_input,
+    read_input,
+)
 from fingertip.foundation.output_set.replacement import (
     Content,
     find_unfinished,
     hash_content,
     is_folder,
+    lock,
+    output_errors,
     recover,
     replace_files,
     try_to_write,
@@ -25,7 +35,6 @@ from fingertip.foundation.output_set.replacement import (
 from fingertip.foundation.version import __version__
 
 # Trial of a place: whether a file can be written there is found out by writing one, before any work starts.
-
 
 _NAME = "trial"
 
@@ -49,7 +58,6 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
 
 
 def _find_existing(folder: Path) -> Path:
-    """Find a folder, or the nearest one above it that exists."""
     return next((path for path in (folder, *folder.parents) if os.path.lexists(path)), folder)
 
 
@@ -179,10 +187,7 @@ class SetWriter:
             raise
 
     def add(self, contents: Mapping[str, Content]) -> None:
-        """Write some files of a set to a folder that holds no set, or one of the same parameters.
-
-        Raises OutputError.
-        """
+        """Write files of a set to a folder without a set, or with one of the same parameters. Raises OutputError."""
         self.check_addition(contents)
         self.write(contents)
 
@@ -246,10 +251,7 @@ def check_set(path: Path) -> None:
 
 
 def finish_interrupted(folder: Path) -> None:
-    """Complete or undo what a command that was killed has left in or beside a folder that a command is to write.
-
-    Raises OutputError.
-    """
+    """Complete or undo what a killed command has left in or beside an output folder. Raises OutputError."""
     folder = Path(os.path.realpath(folder))
     with output_errors(folder):
         if any(find_unfinished(folder)):
@@ -264,3 +266,64 @@ def add_to_set(path: Path, data: bytes, option: str = "--out") -> None:
         write_file(path, data, option)
     else:
         SetWriter(path.parent, manifest.kind, manifest.design, manifest.parameters).write({path.name: data})
+
+
+# Manifest of a set of files: what they are, and what they were made from.
+
+MANIFEST = "manifest.json"
+_SHA256 = re.compile("[0-9a-f]{64}")
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """Files of a set, and what they were made from."""
+
+    fingertip: str
+    """Version that wrote the set."""
+    kind: str
+    """Kind of set, such as "parts" or "board"."""
+    design: str
+    parameters: str
+    """Hash of the parameters that the files depend on."""
+    files: Mapping[str, str]
+    """Name of each file -> SHA-256 hash."""
+
+    def to_bytes(self) -> bytes:
+        """Content of the file."""
+        return (json.dumps(asdict(self) | {"files": dict(sorted(self.files.items()))}, indent=2) + "\n").encode()
+
+
+def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
+    """Read the manifest of a folder; None if it has none, or one that is not of this program.
+
+    A set is the files of one folder: a manifest that names a file elsewhere is not of this program. `below` is the
+    folder that the user has named, if that is another one above.
+    """
+    try:
+        data = json.loads(read_input(folder / MANIFEST, PARSED_LIMIT, below=below or folder))
+        manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
+        texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters)
+        is_own = all(isinstance(text, str) for text in texts) and not find_unsafe_names(manifest.files)
+        is_own &= all(_SHA256.fullmatch(digest) for digest in manifest.files.values())
+    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+    return manifest if is_own else None
+
+
+def hash_parameters(data: object) -> str:
+    """Hash plain data, such as the parameters that a set was made from."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def hash_file(path: Path) -> str:
+    """Hash the content of a file in a folder that may be a stranger's. Raises InputFileError."""
+    with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def has_hash(path: Path, *digests: str | None) -> bool:
+    """Return whether a file is a regular one with one of these hashes."""
+    try:
+        return hash_file(path) in digests
+    except InputFileError:
+        return False

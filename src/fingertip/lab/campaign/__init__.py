@@ -1,1 +1,1 @@
-"""Campaign of simulated trials: plan, evaluation, the article's closed loop, and requirements."""
+"""Campaign of simulated trials: plan and results, the wider mix beside them, and the article's closed loop."""

@@ -19,13 +19,8 @@ from fingertip.sim.article import article_trials
 TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000
 """First seed of a validation."""
-
 LAST_SEED = 2**31 - 1 - 20_000_000
 """Last first seed of a validation, which uses some millions of them."""
-SEED_RANGES = 4
-"""Number of ranges of held-out seeds over which the alarms of a validation are counted."""
-RANGE_SEEDS = 1_000_000
-"""Distance between these ranges."""
 
 
 def check_first_seed(seed: int) -> None:
@@ -123,6 +118,11 @@ def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Itera
         for _ in range(math.ceil(60 * plan.negative_minutes * fraction / nominal_duration_s(cause))):
             yield Case(cause, scene, seed)
             seed += 1
+
+
+def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
+    """Generate the trials of a plan alone."""
+    return (case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip")
 
 
 def nominal_duration_s(cause: str) -> float:

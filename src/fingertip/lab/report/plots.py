@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from fingertip.foundation.plot_style import (
     BLUE,
@@ -11,23 +12,34 @@ from fingertip.foundation.plot_style import (
     PURPLE,
     RED,
     SHADES,
-    TEAL,
     TEXT_COLOUR,
     new_figure,
     style_axes,
     to_png,
 )
 from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
-from fingertip.lab.studies.article_figures import Spectrum, WindowResult
+from fingertip.lab.studies.article import Spectrum, WindowResult
+from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.origin import ENCODER_HZ, encoder_delay_band_s
 
-COLOURS = {"analog": BLUE, "digital": TEAL, "fft": ORANGE, "fast": RED}
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLOURS = {name: kind.colour for name, kind in DETECTORS.items()}
 """Colour of each detector."""
-MARKERS = {"analog": "s", "digital": "o", "fft": "^", "fast": "D"}
+MARKERS = {name: kind.marker for name, kind in DETECTORS.items()}
 OTHER_COLOUR = PURPLE
 """Colour of a detector that has none of its nominal."""
 NOTE = "simulated, held-out seeds"
 """Note on every plot."""
+
+
+def add_legend(axes: Axes, columns: int = 1, side: str = "right", pad: float = 0.2) -> None:
+    """Add a legend above the axes, where it covers no data."""
+    corner = (float(side == "right"), 1.0)
+    axes.legend(
+        frameon=False, ncols=columns, fontsize=9, loc=f"lower {side}", bbox_to_anchor=corner, borderaxespad=pad
+    )  # fmt: skip
 
 
 def plot_delays(result: CampaignResult) -> bytes:
@@ -47,8 +59,7 @@ def plot_delays(result: CampaignResult) -> bytes:
             low_s, high_s = encoder_delay_band_s(median_s)
             label = f"median since the robot moved, by encoders at {ENCODER_HZ:g} Hz"
             axes.axvspan(1000 * low_s, 1000 * high_s, color=ORANGE, alpha=0.35, linewidth=1.0, zorder=0, label=label)
-            # Above the axes, where it covers no data
-            axes.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+            add_legend(axes)
         below = sum(d < 30 for d in ms)
         title = (
             f"{name}: {len(ms)} of {nominal.slips} slips found, {below} within 30 ms, median "
@@ -91,9 +102,7 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     top.set_title(f"{detector}: delay from gross slip by surface and velocity ({NOTE})", loc="left", fontsize=10)
     for axes, label in ((top, "mean delay [ms]"), (bottom, "mean and standard deviation [ms]")):
         axes.set_ylabel(label)
-        axes.legend(
-            frameon=False, ncols=3, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2
-        )  # fmt: skip
+        add_legend(axes, 3)
         style_axes(axes)
     return to_png(figure)
 
@@ -114,26 +123,14 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
             kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
             label = f"{name}, {'median' if fraction == 0.5 else '90th percentile'}"
             marker = MARKERS.get(name, ".")
-            axes.plot(
-                [r for r, _ in kept],
-                [v for _, v in kept],
-                style,
-                marker=marker,
-                markersize=5,
-                color=colour,
-                label=label,
-            )
+            x, y = [rate for rate, _ in kept], [value for _, value in kept]
+            axes.plot(x, y, style, marker=marker, markersize=5, color=colour, label=label)
         nominal = result.at_nominal_threshold(name)
         if math.isfinite(nominal.delay_s(0.5)):
             at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=colour)
-    axes.axhline(
-        1000 * bound_s,
-        color=TEXT_COLOUR,
-        linewidth=1,
-        linestyle="-.",
-        label="estimate for one band's energy alone, median",
-    )
+    label = "estimate for one band's energy alone, median"
+    axes.axhline(1000 * bound_s, color=TEXT_COLOUR, linewidth=1, linestyle="-.", label=label)
     axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":", label="0.1 false alarms per minute")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopSummary
+from fingertip.documents.template import WIDTH, lay_out_page, render, render_rows
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
+from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
-from fingertip.lab.campaign.requirements import Requirement
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
-from fingertip.lab.report import protocol_table, robustness, wider_mix_table
-from fingertip.lab.studies.article import ArticleBoardResult, ProtocolStudy
-from fingertip.lab.studies.article_figures import Spectrum, WindowResult
-from fingertip.lab.studies.bounds import DiscriminationResult
+from fingertip.lab.report import robustness
+from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
+from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, Spectrum, WindowResult
+from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
+from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
-from fingertip.lab.studies.step_sensitivity import SamplingRateResult, StepSensitivity
-from fingertip.lab.studies.variants import BoardResult, KnockResult
-from fingertip.lab.wider_mix.mix import MixSummary
+from fingertip.lab.studies.steps import SamplingRateResult, StepSensitivity
+from fingertip.slip.traces.intervals import INCIPIENT_S
 from fingertip.slip.traces.origin import ENCODER_HZ, ENCODER_NOTE, encoder_delay_band_s, format_delay_band
 
 BOUND_LABEL = (
@@ -27,22 +29,16 @@ BOUND_LABEL = (
 """Label of Lorden's bound (`fingertip.lab.studies.bounds`) in the tables."""
 MATCHED_ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms at which detectors are compared [1/min]."""
-ASSUMPTIONS = (
-    "All traces are simulated. Friction, vibration, noise and the scenes without slip rest on assumptions, which are "
-    "marked in fingertip.sim and in params/scenes. A real finger will differ.",
-    "Gross slip, from which the delay counts, begins when the pad slides at 1 mm/s. Elastic deflection of the bristles "
-    "of the contact, which would spring back, is not sliding. Including it, the pad has moved at 1 mm/s for 5 to 7 ms "
-    "by then, and the robot for some 13 ms. A detector that turns ON in the last 7 ms before gross slip has detected "
-    "it, with a delay of 0. The surface accelerates at 1 m/s2; the table of accelerations shows how much that "
-    "matters.",
-    "The detector analog reads the output of the design's simulated board. The variant article has a bare 1N4148; the "
-    "article does not name its diode. The table of board variants compares it with a board without dead zone.",
-    f"The seeds from {TUNING_SEEDS.start} to {TUNING_SEEDS.stop - 1} were used to tune the detector fast; all seeds "
-    "used here are held out: no constant was chosen on them. The detectors analog, digital and fft were not tuned. The "
-    "thresholds of fft and fast follow from the noise; that of analog and digital is the design's "
-    "detector.threshold_v, by default the one that digital's noise allows.",
-    f"Reported separately: {', '.join(REPORTED_SEPARATELY)}. They shake the finger or its wire in the band of slip.",
-)
+PROTOCOL_COLUMNS = tuple(device for device in DEVICES if device != "fft")
+"""Devices that have a column in the table of the article's protocol."""
+STATED: Mapping[str, Any] = {
+    "onsets": ONSETS,
+    "incipient_s": INCIPIENT_S,
+    "acceleration_m_s2": ASSUMED_M_S2,
+    "tuning_seeds": TUNING_SEEDS,
+    "reported_separately": REPORTED_SEPARATELY,
+}
+"""Numbers that the assumptions of all results state."""
 
 
 @dataclass(frozen=True)
@@ -52,29 +48,20 @@ class StudyResults:
     bounds_s: Sequence[float]
     """Lower bound on the delay of each slip [s] (`fingertip.lab.studies.bounds`)."""
     variations: Sequence[VariationResult]
-    """Result of the detector with each of the simulation's assumptions changed."""
     steps: StepSensitivity
-    """Effect of the simulation's time step."""
     patch_radius_m: float
     """Radius of the pad's contact patch at 1 N [m]."""
     windows: Sequence[WindowResult]
-    """Delay of the article's chain by window length."""
     spectra: Sequence[Spectrum]
-    """Spectra of slip by sensor."""
     accelerations: Sequence[AccelerationResult]
-    """Delays by acceleration of the surface."""
     rates: Sequence[SamplingRateResult]
-    """Delays by sampling rate."""
     boards: Sequence[BoardResult]
     """Detector analog by board variant."""
     article: Sequence[ArticleBoardResult]
     """The same finger on the article's board and converter; empty if the design has them."""
     protocol: ProtocolStudy
-    """The same finger under the article's own protocol."""
     motor: Sequence[DiscriminationResult]
-    """Discrimination of slip from a motor, by length of the segment."""
     knocks: Sequence[KnockResult]
-    """False alarms from knocks, by force."""
     closed_loop: Sequence[ClosedLoopSummary]
     """Manipulations, without control and with each detector."""
     seed_ranges: Sequence[DetectorResult]
@@ -88,61 +75,44 @@ class StudyResults:
         return ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]
 
 
-def as_data(
-    result: CampaignResult, detector: str, requirements: Sequence[Requirement], studies: StudyResults
-) -> dict[str, Any]:
+def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
     """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
     return {
-        "detector": detector,
-        "passed": all(requirement.passed for requirement in requirements),
-        "requirements": [
-            {
-                "name": requirement.name,
-                "value": _number(requirement.value),
-                "limit": requirement.limit,
-                "passed": requirement.passed,
-                "message": requirement.message,
-            }
-            for requirement in requirements
-        ],
         "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
         "matched": {name: _summary(matched) if matched else None for name, matched in _matched(result).items()},
         "trials": result.plan.trials,
         "negative_minutes": result.plan.negative_minutes,
         "first_seed": result.first_seed,
         "detectors": {name: _detector(result, name) for name in result.detectors},
-        "detection_bound": {"median_s": _number(studies.bound_s(0.5)), "p90_s": _number(studies.bound_s(0.9))},
+        "detection_bound": {"median_s": to_number(studies.bound_s(0.5)), "p90_s": to_number(studies.bound_s(0.9))},
         "assumption_sensitivity": robustness.variations_as_data(studies.variations),
         "step_sensitivity": robustness.steps_as_data(studies.steps),
         "windows": [
-            {
-                "window_s": row.window_s,
-                "threshold_v": round(row.threshold_v, 6),
-                "found_share": round(row.found_share, 5),
-                "median_s": _number(row.median_s),
-                "p90_s": _number(row.p90_s),
-                "contact_alarms_per_minute": round(row.contact_alarms_per_minute, 4),
-            }
+            to_data(row, {"threshold_v": 6, "found_share": 5, "contact_alarms_per_minute": 4})
             for row in studies.windows
         ],
         "spectra": [
             {"sensor": one.label, **{f"share_above_{f}_hz": round(one.share_above(f), 4) for f in (67, 100, 200)}}
             for one in studies.spectra
         ],
-        "acceleration_sensitivity": [_fields(row) for row in studies.accelerations],
-        "sampling_rates": [_fields(row) for row in studies.rates],
-        "board_variants": [_fields(row) for row in studies.boards],
-        "article_board": [_fields(row) for row in studies.article],
-        "article_protocol": protocol_table.as_data(studies.protocol),
-        "motor_discrimination": [_fields(row) for row in studies.motor],
-        "knock_rejection": [_fields(row) for row in studies.knocks],
+        "acceleration_sensitivity": list(map(to_data, studies.accelerations)),
+        "sampling_rates": list(map(to_data, studies.rates)),
+        "board_variants": list(map(to_data, studies.boards)),
+        "article_board": list(map(to_data, studies.article)),
+        "article_protocol": protocol_as_data(studies.protocol),
+        "motor_discrimination": list(map(to_data, studies.motor)),
+        "knock_rejection": list(map(to_data, studies.knocks)),
         "closed_loop": [
             {**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in studies.closed_loop
         ],
-        "seed_ranges": wider_mix_table.ranges_as_data(studies.seed_ranges),
-        "wider_mix": wider_mix_table.as_data(studies.wider_mix),
-        "assumptions": list(ASSUMPTIONS),
+        "seed_ranges": robustness.ranges_as_data(studies.seed_ranges),
+        "wider_mix": robustness.mix_as_data(studies.wider_mix),
+        "assumptions": [line.removeprefix("- ") for line in _list_assumptions()],
     }
+
+
+def _list_assumptions() -> list[str]:
+    return lay_out_page(render("validation/assumptions.md", **STATED)).splitlines()
 
 
 def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
@@ -176,41 +146,25 @@ def _summary(result: DetectorResult) -> dict[str, Any]:
     return {
         "scale": result.scale,
         "found_share": round(result.found_share, 5),
-        "median_s": _number(result.delay_s(0.5)),
-        "p90_s": _number(result.delay_s(0.9)),
-        "worst_s": _number(result.worst_s),
-        "median_since_motion_s": _number(result.motion_delay_s(0.5)),
-        "p90_since_motion_s": _number(result.motion_delay_s(0.9)),
-        "p90_since_motion_by_encoders_s": [_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
+        "median_s": to_number(result.delay_s(0.5)),
+        "p90_s": to_number(result.delay_s(0.9)),
+        "worst_s": to_number(result.worst_s),
+        "median_since_motion_s": to_number(result.motion_delay_s(0.5)),
+        "p90_since_motion_s": to_number(result.motion_delay_s(0.9)),
+        "p90_since_motion_by_encoders_s": [to_number(s) for s in encoder_delay_band_s(result.motion_delay_s(0.9))],
         "on_share": round(result.on_share, 4),
         "alarms_per_minute": round(result.alarms_per_minute, 4),
-        "alarms_per_minute_95": [_number(rate) for rate in result.alarm_interval],
+        "alarms_per_minute_95": [to_number(rate) for rate in result.alarm_interval],
     }
 
 
 def _group(values: tuple[float, float, int]) -> dict[str, Any]:
     mean, deviation, count = values
-    return {"mean_s": _number(mean), "deviation_s": _number(deviation), "found": count}
-
-
-def _fields(
-    row: AccelerationResult
-    | ArticleBoardResult
-    | BoardResult
-    | DiscriminationResult
-    | KnockResult
-    | SamplingRateResult,
-) -> dict[str, Any]:
-    """Fields of a row by name, rounded; an infinite delay is null."""
-    return {k: _number(v) if isinstance(v, float) else v for k, v in asdict(row).items()}
-
-
-def _number(value: float) -> float | None:
-    return round(value, 7) if math.isfinite(value) else None
+    return {"mean_s": to_number(mean), "deviation_s": to_number(deviation), "found": count}
 
 
 def _ms(seconds: float) -> str:
-    return f"{1000 * seconds:6.1f} ms" if math.isfinite(seconds) else "  missed "
+    return format_ms(seconds, "  missed ", "6.1f")
 
 
 def _band(delay_s: float) -> str:
@@ -246,7 +200,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
         nominal = result.at_nominal_threshold(name)
         alarms, minutes = nominal.alarms(), nominal.minutes()
         separate = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes)
-        rate = wider_mix_table.format_rate(nominal)
+        rate = robustness.format_rate(nominal)
         lines.append(f"{name:8} {100 * nominal.on_share:6.1f}% {rate:>20}   {separate}".rstrip())
     lines += [
         "ON: share of a slip, after its detection, in which the detector is ON.",
@@ -265,7 +219,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
                 f"{name:8} {100 * matched.found_share:6.1f}% {_ms(matched.delay_s(0.5))} "
                 f"{_ms(matched.delay_s(0.9))}   at {matched.scale:g} times its nominal threshold"
             )
-    lines += wider_mix_table.as_lines(studies.seed_ranges, studies.wider_mix, detector)
+    lines += robustness.mix_table(studies.seed_ranges, studies.wider_mix, detector)
     lines += _study_tables(studies)
     lines += robustness.variation_table(studies.variations, detector)
     lines += robustness.step_table(studies.steps)
@@ -302,7 +256,7 @@ def _study_tables(studies: StudyResults) -> list[str]:
         f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
         for a in studies.article
     ]
-    lines += protocol_table.as_lines(studies.protocol)
+    lines += protocol_as_lines(studies.protocol)
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
     lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
     lines.append(f"bound: {BOUND_LABEL}:")
@@ -348,3 +302,62 @@ def _study_tables(studies: StudyResults) -> list[str]:
 
 def _short_ms(seconds: float) -> str:
     return f"{1000 * seconds:7.1f}" if math.isfinite(seconds) else " missed"
+
+
+@dataclass(frozen=True)
+class ProtocolRow:
+    """One figure of the article, ours beside it."""
+
+    figure: str
+    article: str
+    ours: dict[str, str]
+    """Device -> value; a device that the figure does not apply to is left out."""
+    differs: str
+    """Difference between the two, and its reason."""
+
+
+def list_protocol_rows(study: ProtocolStudy) -> list[ProtocolRow]:
+    """List the article's figures (sections IV.A, IV.B and V) beside ours."""
+    data = {
+        "columns": PROTOCOL_COLUMNS,
+        "devices": [study.find(name) for name in PROTOCOL_COLUMNS],
+        "later": [(moved_m, [study.find(name, moved_m) for name in PROTOCOL_COLUMNS]) for moved_m in MOVED_M[1:]],
+        "fft": study.find("fft"),
+        "boards": list(study.manipulations.values()),
+        "motion_ms": ONSETS["motion_ms"],
+        "encoders_ms": [1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)],
+        "ms": lambda seconds: format_ms(seconds, "none found"),
+    }
+    return [
+        ProtocolRow(
+            row["figure"], row["article"], {name: row[name] for name in PROTOCOL_COLUMNS if row[name]}, row["differs"]
+        )
+        for row in render_rows("validation/protocol.md", data)
+    ]
+
+
+def protocol_as_lines(study: ProtocolStudy) -> list[str]:
+    """Format the table as text; what differs stands below each row."""
+    head = "".join(f"{name:>18}" for name in PROTOCOL_COLUMNS)
+    lines = [
+        "",
+        "the article's own protocol beside its figures. Zero: first reading of encoders at "
+        f"{ENCODER_HZ:g} Hz that shows the",
+        "robot's motion. Window and converter: those of the design article. Threshold: what the noise of each board's",
+        "output allows. Nothing was tuned to the article's figures:",
+        f"{'':34} {'article':>29}{head}",
+    ]
+    for row in list_protocol_rows(study):
+        cells = "".join(f"{row.ours.get(name, ''):>18}" for name in PROTOCOL_COLUMNS)
+        lines.append(f"{row.figure:34} {row.article:>29}{cells}".rstrip())
+        lines += textwrap.wrap(row.differs, WIDTH, initial_indent="    ", subsequent_indent="    ")
+    return lines
+
+
+def protocol_as_data(study: ProtocolStudy) -> dict[str, Any]:
+    """Return the table and the numbers behind it for JSON; what is not known is null."""
+    return {
+        "encoder_hz": ENCODER_HZ,
+        "rows": [asdict(row) for row in list_protocol_rows(study)],
+        "results": list(map(to_data, study.results)),
+    }

@@ -6,11 +6,12 @@ window length (figure 5), and manipulations in the closed loop (figures 16 and 1
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
@@ -25,18 +26,17 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
-from fingertip.lab.campaign.evaluate import simulate_trace
-from fingertip.lab.campaign.grip import NO_CONTROL, ClosedLoopTrial, any_finger_slips
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
-from fingertip.lab.campaign.run import scene_surface
-from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR
-from fingertip.lab.studies.article_figures import WINDOW_DETECTOR, WINDOWS_S, with_window
+from fingertip.lab.campaign.run import scene_surface, simulate_trace
+from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
+from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
 from fingertip.sim.article import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.report import shade_encoder_band
-from fingertip.slip.traces.intervals import intervals
+from fingertip.slip.traces.intervals import Interval, intervals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -128,11 +128,10 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     highest = max(float(np.max(mean_mv)), threshold_mv, float(np.quantile(1000 * sampled, 0.999)))
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
-    rows = [(name, make_detector(name, design).process(*select_inputs(trace, name)).on) for name in DETECTORS_SHOWN]
-    _draw_rows(on, trace, rows)
+    flags = {name: make_detector(name, design).process(*select_inputs(trace, name)).on for name in DETECTORS_SHOWN}
+    _draw_flags(on, trace, flags)
     for axes in (force, voltage, envelope):
-        _shade_slip(axes, trace)
-        _shade_motion(axes, trace)
+        _shade(axes, trace)
         style_axes(axes)
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
@@ -140,11 +139,8 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
             axes.axvline(float(t[at]), color=REFERENCE, linestyle="--", linewidth=1)
     title = f"{example.title}; grey dashes: contact and release; shaded: slip ({NOTE})"
     force.set_title(title, loc="left", fontsize=10)
-    on.set_xlabel("time [s]")
-    on.set_xlim(float(t[0]), float(t[-1]))
-    envelope.legend(
-        frameon=False, ncols=2, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2
-    )  # fmt: skip
+    on.set(xlabel="time [s]", xlim=(float(t[0]), float(t[-1])))
+    add_legend(envelope, 2, "left")
     figure.align_ylabels()
     return to_png(figure)
 
@@ -170,8 +166,7 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         twin.set_ylim(0, 2600 * max(0.04, float(np.max(slipping, initial=0.0))))
         twin.set_ylabel("envelope [mV]", color=_ENVELOPE)
         twin.spines["top"].set_visible(False)
-        _shade_slip(axes, trace)
-        _shade_motion(axes, trace)
+        _shade(axes, trace)
         spans = [(i.onset_s, i.end_s - i.onset_s) for i in intervals(t, chain.on)]
         axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLOURS["digital"], linewidth=0)
         axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
@@ -193,14 +188,14 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     t = example.trace.time_s
     voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
     voltage.set_ylabel("tactile voltage [V]")
-    _shade_slip(voltage, example.trace)
-    _shade_motion(voltage, example.trace)
-    voltage.legend(frameon=False, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-    rows = []
-    for window_s in WINDOWS_S:
-        flags = make_detector(WINDOW_DETECTOR, with_window(design, window_s)).process(example.trace.voltage_v).on
-        rows.append((f"{1000 * window_s:g} ms", flags))
-    _draw_rows(on, example.trace, rows)
+    _shade(voltage, example.trace)
+    add_legend(voltage)
+    windows = {f"{1000 * window_s:g} ms": with_window(design, window_s) for window_s in WINDOWS_S}
+    flags = {
+        name: make_detector(WINDOW_DETECTOR, windowed).process(example.trace.voltage_v).on
+        for name, windowed in windows.items()
+    }
+    _draw_flags(on, example.trace, flags)
     on.set_ylabel("window")
     voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
     on.set_xlabel("time [s]")
@@ -211,11 +206,8 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
 
 def plot_closed_loop(trials: Sequence[ClosedLoopTrial], detector: str) -> dict[str, bytes]:
     """Plot a manipulation for each of `CLOSED_LOOP_PLOTS`, with and without control; returns name -> PNG."""
-    plots = {}
-    for name, shown in CLOSED_LOOP_PLOTS.items():
-        if pair := select_pair(trials, detector, shown):
-            plots[name] = plot_manipulation(*pair)
-    return plots
+    pairs = {name: select_pair(trials, detector, shown) for name, shown in CLOSED_LOOP_PLOTS.items()}
+    return {name: plot_manipulation(*pair) for name, pair in pairs.items() if pair}
 
 
 def select_pair(
@@ -252,8 +244,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         force.plot(t, manipulation.output("force_n")[i], color=color, linewidth=0.8, label=finger)
         closing.plot(t, 1000 * manipulation.signals.closing_m[i], color=color, linewidth=1.1, label=finger)
     force.set_ylabel("normal force [N]")
-    # Above the axes, where it covers no data
-    force.legend(frameon=False, ncols=5, fontsize=9, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+    add_legend(force, 5)
     closing.set_ylabel("closing [mm]")
     # Show the last millimetres, in which the hand reacts: the initial closing is the same in all manipulations.
     closed = np.searchsorted(t, manipulation.plan.closed_s)
@@ -266,11 +257,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), REFERENCE),
         ("true slip", intervals(t, any_finger_slips(manipulation)), TRUTH),
     )
-    for row, (_, found, color) in enumerate(rows):
-        spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.01)) for i in found]
-        detections.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
-    detections.set_yticks(range(len(rows)), [name for name, _, _ in rows])
-    detections.set_ylim(len(rows) - 0.4, -0.6)
+    _draw_rows(detections, rows, 0.01)
     detections.set_ylabel(f"detections\nof {trial.detector}")
     for decision in trial.decisions:
         if decision.tightened:
@@ -282,9 +269,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     displacement.plot(other.time_s, 1000 * other.signals.object_m, color=REFERENCE, label=label)
     displacement.set_ylabel("object [mm]")
     displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
-    displacement.legend(
-        frameon=False, fontsize=9, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0
-    )
+    add_legend(displacement, 2, "left", 0.0)
     for axes in panels:
         style_axes(axes)
     displacement.set_xlim(float(t[0]), float(t[-1]))
@@ -297,27 +282,27 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     return to_png(figure)
 
 
-def _draw_rows(
-    axes: Axes, trace: Trace, rows: Sequence[tuple[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]]
-) -> None:
+def _draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]) -> None:
     """Draw one row of ON intervals per name, the true slip last."""
     assert trace.slip is not None
-    named = [*rows, ("true slip", trace.slip)]
-    for row, (name, flags) in enumerate(named):
-        spans = [(i.onset_s, max(i.end_s - i.onset_s, 0.004)) for i in intervals(trace.time_s, flags)]
-        color = TRUTH if name == "true slip" else COLOURS.get(name, BLUE)
-        axes.broken_barh(spans, (row - 0.35, 0.7), color=color, linewidth=0)
-    axes.set_yticks(range(len(named)), [name for name, _ in named])
-    axes.set_ylim(len(named) - 0.4, -0.6)
+    rows = [(name, intervals(trace.time_s, on), COLOURS.get(name, BLUE)) for name, on in flags.items()]
+    _draw_rows(axes, [*rows, ("true slip", intervals(trace.time_s, trace.slip), TRUTH)], 0.004)
     style_axes(axes, "x")
 
 
-def _shade_motion(axes: Axes, trace: Trace) -> None:
-    if trace.origin.motion_s is not None:
-        shade_encoder_band(axes, trace.origin.motion_s)
+def _draw_rows(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float) -> None:
+    """Draw one row of intervals per name, each at least so long that it is seen [s]."""
+    for row, (_, found, colour) in enumerate(rows):
+        spans = [(i.onset_s, max(i.end_s - i.onset_s, shortest_s)) for i in found]
+        axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
-def _shade_slip(axes: Axes, trace: Trace) -> None:
+def _shade(axes: Axes, trace: Trace) -> None:
+    """Shade true slip, and the readings of the encoders that show the motion first."""
     assert trace.slip is not None
     for slip in intervals(trace.time_s, trace.slip):
         axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.25, linewidth=0)
+    if trace.origin.motion_s is not None:
+        shade_encoder_band(axes, trace.origin.motion_s)

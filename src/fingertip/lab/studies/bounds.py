@@ -1,7 +1,8 @@
-"""Estimated lower bound on the mean delay of a detector that sees the energy of one band only: Lorden's bound.
+"""Limits of one force axis: a bound on the delay, and what is not distinguished from slip, motors and weak knocks.
 
-A change that increases the information by I per second is found, on average and for a mean time between false alarms of
-gamma independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
+The estimated lower bound on the mean delay of a detector that sees the energy of one band only is Lorden's. A change
+that increases the information by I per second is found, on average and for a mean time between false alarms of gamma
+independent decisions, no sooner than ``ln(gamma) / I`` (G. Lorden, Ann. Math. Stat. 42(6), 1971,
 doi:10.1214/aoms/1177693055). CUSUM reaches this bound. Here slip grows, so the information is integrated from the onset
 until it reaches ln(gamma).
 
@@ -12,10 +13,20 @@ not have to distinguish slip from a load change, and it knows in advance how str
 not a goal. A detector that also sees the slow force, as `fast` does, may be sooner. The bound is asymptotic, for rare
 false alarms, and limits the mean over the noise: the same slip is found a little sooner with some noise, and later with
 other noise. Percentiles of few slips may lie below it.
+
+Motors: the best-fitting pair of tones, of any frequency, phase and amplitude, over a constant and a slope, is
+subtracted from a segment of the voltage. The residual of a motor is noise, and somewhat more for a motor whose
+amplitude grows. The residual of slip, which is not a tone, is larger than that once the segment is long enough: a few
+periods. In a shorter time no detector on one force axis can distinguish them; it must take motors for slip, or be late.
+
+Knocks: a knock excites the pad's own resonance, in the band in which slip shows, and lasts as long as the energy window
+of a few milliseconds: on one force axis a weak knock looks like a short slip. A hard knock differs only in its rate of
+change, which no slip reaches. The trees of `fast` weigh slope, decay and one-way movement.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -25,8 +36,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign.evaluate import simulate_trace
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, CampaignPlan, Case, generate_cases
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
+from fingertip.lab.campaign.run import run_cases, simulate_trace
 from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.noise import input_noise_v, mean_quantised_noise_v
@@ -43,11 +54,11 @@ _SMOOTHING_S = 0.002
 
 def compute_bounds_s(
     design: Design,
-    plan: CampaignPlan,
+    trials: int,
     first_seed: int = HELD_OUT_FROM,
     change: Callable[[SceneFile], SceneFile] = lambda scene: scene,
 ) -> list[float]:
-    """Compute the bound on the mean delay of each slip of a campaign [s].
+    """Compute the bound on the mean delay of each slip of some trials [s].
 
     Each scene is changed first. The bound is infinite where the information never suffices.
     """
@@ -64,9 +75,7 @@ def compute_bounds_s(
     smoothing, creep = max(1, round(_SMOOTHING_S * rate)), round(_CREEP_S * rate)
     bounds = []
     with compiled():
-        for case in generate_cases(plan, first_seed):
-            if case.cause != "slip":
-                break
+        for case in generate_trials(trials, first_seed):
             scene = change(case.scene)
             sensing = scene.sensing.model_copy(update={"noise": False})
             scene = scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
@@ -82,15 +91,6 @@ def compute_bounds_s(
             known = np.flatnonzero(information >= required)
             bounds.append(max(0.0, float(begin + known[0] + 1 - slipping[0]) / rate) if known.size else math.inf)
     return bounds
-
-
-# Discrimination of slip from a motor's tones: the shortest time in which any detector could distinguish them.
-#
-# A motor causes a tone and its second harmonic. The best-fitting pair of such tones, of any frequency, phase and
-# amplitude, over a constant and a slope, is subtracted from a segment of the voltage. The residual of a motor is
-# noise, and somewhat more for a motor whose amplitude grows. The residual of slip, which is not a tone, is larger than
-# that once the segment is long enough: a few periods. In a shorter time no detector on one force axis can distinguish
-# them; it must take motors for slip, or be late.
 
 
 SEGMENTS_S = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)
@@ -119,7 +119,7 @@ def study_motor_discrimination(
     """Compare slips and motors from their onset on, for each length of the segment."""
     rate, noise = design.detector.sample_rate_hz, input_noise_v(design)
     motor_scene = NEGATIVE_SCENES["motor"][0]
-    cases = [case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip"]
+    cases = list(generate_trials(trials, first_seed))
     cases += [Case("motor", motor_scene, first_seed + 10_000 + i) for i in range(motors)]
     segments: dict[str, list[Array]] = {"slip": [], "motor": []}
     longest = round(max(segments_s) * rate)
@@ -165,3 +165,42 @@ def _residual(segment: Array, bases: Sequence[Array]) -> float:
     """RMS residual of the best-fitting pair of tones, per degree of freedom that remains."""
     square = min(float(segment @ segment - np.sum((basis.T @ segment) ** 2)) for basis in bases)
     return math.sqrt(max(square, 0.0) / (len(segment) - 7))
+
+
+FORCES_N = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+RISES_S = (0.002, 0.004, 0.01)
+"""Rise times of a knock [s]: 2 to 10 ms (assumption, as in ``params/scenes/hard_tap.toml``)."""
+_SEED_OFFSET = 20_000
+
+
+@dataclass(frozen=True)
+class KnockResult:
+    """Result of one detector for knocks of one force and rise time."""
+
+    detector: str
+    force_n: float
+    """Peak force [N]."""
+    rise_s: float
+    false_alarm_share: float
+    """Fraction of the knocks that were reported as slip: alarms over knocks, at most 1."""
+
+
+def study_knock_rejection(
+    design: Design,
+    detectors: Sequence[str] = ("digital", "fast"),
+    scenes: int = 3,
+    first_seed: int = HELD_OUT_FROM,
+    forces_n: Sequence[float] = FORCES_N,
+    rises_s: Sequence[float] = RISES_S,
+) -> list[KnockResult]:
+    """Run scenes with a few knocks each, for every force and rise time."""
+    scene = NEGATIVE_SCENES["hard tap"][0]
+    results, seed = [], first_seed + _SEED_OFFSET
+    for rise_s, force_n in itertools.product(rises_s, forces_n):
+        tap = scene.tap.model_copy(update={"force_n": force_n, "rise_s": rise_s})
+        cases = [Case("hard tap", scene.model_copy(update={"tap": tap}), seed + i) for i in range(scenes)]
+        seed += scenes
+        for name, (found,) in run_cases(design, cases, dict.fromkeys(detectors, (1.0,))).items():
+            alarms = sum(len(trial.alarms) for trial in found.trials)
+            results.append(KnockResult(name, force_n, rise_s, min(1.0, alarms / (scenes * tap.count))))
+    return results

@@ -1,9 +1,14 @@
-"""Sensitivity of the delay to the acceleration of the surface, the assumption that changes it most.
+"""Sensitivity of the delay to the simulation's assumptions, one at a time, on the same trials.
 
-The article gives a trapezoidal velocity profile, 4 cm at 4, 6 or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second"
-(figure 9). An acceleration a adds ``v / a`` to that second: 40 ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both
-round to one second. Vibration in the fingertip's band needs a speed of ``f lambda``, frequency times wavelength, so
-slip with a larger acceleration is found sooner, by every detector and by the bound.
+Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the surface
+over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers. Their levels
+are assumptions that nobody has verified.
+
+The acceleration of the surface changes the delay most. The article gives a trapezoidal velocity profile, 4 cm at 4, 6
+or 8 cm/s, and that 4 cm at 4 cm/s "lasted one second" (figure 9). An acceleration a adds ``v / a`` to that second: 40
+ms at the 1 m/s2 assumed here, 4 ms at 10 m/s2, and both round to one second. Vibration in the fingertip's band needs a
+speed of ``f lambda``, frequency times wavelength, so slip with a larger acceleration is found sooner, by every detector
+and by the bound.
 """
 
 from __future__ import annotations
@@ -15,20 +20,29 @@ from typing import Any, TypeAlias
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.evaluate import (
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    Case,
+    generate_cases,
+    generate_trials,
+)
+from fingertip.lab.campaign.run import (
+    DetectorResult,
     TrialResult,
     evaluate,
     find_onset_s,
     measure_vibration_n,
     median_of_known,
+    quantile_s,
+    run_cases,
     simulate_trace,
 )
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, generate_cases
-from fingertip.lab.campaign.run import DetectorResult, quantile_s
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneFile
 from fingertip.slip import DETECTORS
-from fingertip.slip.detectors.noise import noise_level
+from fingertip.slip.detectors.digital import noise_level
 
 ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
 ASSUMED_M_S2 = 1.0
@@ -56,35 +70,23 @@ def study_accelerations(
     detectors: Sequence[str] = tuple(DETECTORS),
 ) -> list[AccelerationResult]:
     """Run the same trials at each acceleration, with the design's thresholds."""
-    plan = CampaignPlan(trials, 0.5)
+    trials_at_1 = list(generate_trials(trials, first_seed))
     results = []
     for a in accelerations_m_s2:
 
         def accelerate(scene: SceneFile, a: float = a) -> SceneFile:
             return scene.model_copy(update={"slide": scene.slide.model_copy(update={"acceleration_m_s2": a})})
 
-        delays: dict[str, list[float]] = {name: [] for name in detectors}
-        slips = dict.fromkeys(detectors, 0)
-        with compiled():
-            for case in generate_cases(plan, first_seed):
-                if case.cause != "slip":
-                    break
-                changed = replace(case, scene=accelerate(case.scene))
-                trace, force_n = simulate_trace(design, changed, detectors)
-                for name in detectors:
-                    (result,) = evaluate(changed, trace, force_n, name, design, [1.0])
-                    delays[name] += result.delays_s
-                    slips[name] += result.slips
-        bounds = compute_bounds_s(design, plan, first_seed, accelerate)
-        for name, found, count in [(BOUND, bounds, len(bounds)), *((n, delays[n], slips[n]) for n in detectors)]:
-            fraction = sum(delay < float("inf") for delay in found) / count
-            results.append(
-                AccelerationResult(a, name, fraction, quantile_s(found, count, 0.5), quantile_s(found, count, 0.9))
-            )
+        bounds = compute_bounds_s(design, trials, first_seed, accelerate)
+        rows = [(BOUND, bounds, len(bounds))]
+        cases = [replace(case, scene=accelerate(case.scene)) for case in trials_at_1]
+        found = run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
+        rows += [(name, pooled.delays_s, pooled.slips) for name, (pooled,) in found.items()]
+        for name, delays_s, count in rows:
+            share = sum(map(math.isfinite, delays_s)) / count
+            median_s, p90_s = (quantile_s(delays_s, count, q) for q in (0.5, 0.9))
+            results.append(AccelerationResult(a, name, share, median_s, p90_s))
     return results
-
-
-# Changes of the simulation's assumptions: parameters of scene and design, and the values or factors they take.
 
 
 _SCENE = "scene."
@@ -196,13 +198,6 @@ VARIATIONS: tuple[Variation, ...] = (
 )
 
 
-# Sensitivity of the delay to the simulation's assumptions: one at a time, on the same trials.
-#
-# Among them are effects that real fingers show and that the trials leave out by default: a pad that averages the
-# surface over its contact patch, stick-slip, noise that is not white, mains hum, and converters of microcontrollers.
-# Their levels are assumptions that nobody has verified.
-
-
 UNCHANGED = Variation("unchanged", {})
 _NEGATIVE_MINUTES = 2.0
 
@@ -231,6 +226,7 @@ class VariationResult:
 
 @dataclass(frozen=True)
 class _VariationRun:
+    variation: Variation
     pooled: DetectorResult
     onsets_s: tuple[float, ...]
     """True onset in each trial, NaN without slip."""
@@ -245,36 +241,33 @@ def study_assumptions(
     variations: Sequence[Variation] = VARIATIONS,
 ) -> list[VariationResult]:
     """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
-    base = _run_variation(design, detector, UNCHANGED, trials, first_seed)
-    results = [_compare(UNCHANGED, base, base)]
-    for variation in variations:
-        results.append(_compare(variation, _run_variation(design, detector, variation, trials, first_seed), base))
-    return results
+    plan = CampaignPlan(trials, _NEGATIVE_MINUTES)
+    cases = [case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY]
+    runs = [_run_variation(design, detector, variation, cases) for variation in (UNCHANGED, *variations)]
+    return [_compare(run, runs[0]) for run in runs]
 
 
-def _run_variation(design: Design, detector: str, variation: Variation, trials: int, first_seed: int) -> _VariationRun:
+def _run_variation(design: Design, detector: str, variation: Variation, cases: Sequence[Case]) -> _VariationRun:
     changed_design = variation.vary_design(design)
     collected: list[TrialResult] = []
     onsets_s, vibrations_n = [], []
     with compiled():
-        for case in generate_cases(CampaignPlan(trials, _NEGATIVE_MINUTES), first_seed):
-            if case.cause in REPORTED_SEPARATELY:
-                continue
+        for case in cases:
             changed_case = replace(case, scene=variation.vary_scene(case.scene))
             trace, force_n = simulate_trace(changed_design, changed_case, [detector])
             collected += evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
             if case.cause == "slip":
                 onsets_s.append(find_onset_s(changed_design, changed_case, trace))
                 vibrations_n.append(measure_vibration_n(trace))
-    return _VariationRun(DetectorResult(1.0, tuple(collected)), tuple(onsets_s), tuple(vibrations_n))
+    return _VariationRun(variation, DetectorResult(1.0, tuple(collected)), tuple(onsets_s), tuple(vibrations_n))
 
 
-def _compare(variation: Variation, run: _VariationRun, base: _VariationRun) -> VariationResult:
+def _compare(run: _VariationRun, base: _VariationRun) -> VariationResult:
     median_s, before_s = run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
     is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
     return VariationResult(
-        variation.label,
-        variation.is_realistic,
+        run.variation.label,
+        run.variation.is_realistic,
         run.pooled.slips,
         run.pooled.found_share,
         median_s,

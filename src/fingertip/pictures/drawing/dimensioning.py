@@ -16,13 +16,13 @@ import numpy as np
 from fingertip.design.geometry.sizes import Circle, Length
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.drawing.primitives import (
-    DIMENSION,
     Arc,
     Arrow,
     Hatch,
     Point,
     Polyline,
     Primitive,
+    Styles,
     Text,
     line,
     text_width,
@@ -213,7 +213,7 @@ def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence
             turn = 0.0 if placed.is_level else 90.0
             inwards = (at(low, v), turn + (0.0 if narrow else 180.0)), (at(high, v), turn + (180.0 if narrow else 0.0))
             arrows = tuple(Arrow(tip, direction, _ARROW_MM) for tip, direction in inwards)
-            drawn = (*(line(a, b, DIMENSION) for a, b in (along, *extensions)), *arrows, *text)
+            drawn = (*(line(a, b, Styles.DIMENSION) for a, b in (along, *extensions)), *arrows, *text)
             best = (cost, drawn)
     if best is None:
         raise NoRoomError(placed.size.name)
@@ -259,7 +259,7 @@ def place_circle(
             if best and cost >= best[0]:
                 continue
             arrow = Arrow(tip, angle_deg + 180.0, _ARROW_MM)
-            best = (cost, (line(tip, knee, DIMENSION), line(knee, landing, DIMENSION), arrow, *text))
+            best = (cost, (line(tip, knee, Styles.DIMENSION), line(knee, landing, Styles.DIMENSION), arrow, *text))
     if best is None:
         raise NoRoomError(size.name)
     occupancy.add(best[1])
@@ -286,7 +286,7 @@ def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple
         return (Text(text, to_paper(0.0, above), TEXT_MM, turned=turned),)
     r, middle = _BALLOON_RADIUS_MM, above + TEXT_MM / 2
     return (
-        Arc(to_paper(r, middle), r, 0.0, 360.0, DIMENSION),
+        Arc(to_paper(r, middle), r, 0.0, 360.0, Styles.DIMENSION),
         Text(str(balloon), to_paper(r, above), TEXT_MM, "middle", turned),
         Text(text, to_paper(2 * r + _BALLOON_GAP_MM, above), TEXT_MM, turned=turned),
     )

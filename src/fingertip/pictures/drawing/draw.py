@@ -9,13 +9,17 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing
 from fingertip.foundation import extras
-from fingertip.pictures.drawing.insert_sizes import bone_drawing, core_drawing, lid_drawing
 from fingertip.pictures.drawing.layout import lay_out
-from fingertip.pictures.drawing.mold_sizes import dorsal_drawing, palmar_drawing
-from fingertip.pictures.drawing.pdf import render_pdf
+from fingertip.pictures.drawing.part_sizes import (
+    bone_drawing,
+    core_drawing,
+    dorsal_drawing,
+    lid_drawing,
+    palmar_drawing,
+)
 from fingertip.pictures.drawing.primitives import Sheet
 from fingertip.pictures.drawing.projection import project_parts
-from fingertip.pictures.drawing.svg import render_svg
+from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
 # Sheets of a design: one for each printed part.

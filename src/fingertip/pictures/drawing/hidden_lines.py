@@ -16,7 +16,7 @@ from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
 from OCP.TopAbs import TopAbs_REVERSED
 
 from fingertip.design.geometry.sizes import ViewName
-from fingertip.pictures.drawing.views import PROJECTIONS, Line2, ProjectedView, Projection
+from fingertip.pictures.drawing.primitives import PROJECTIONS, Line2, ProjectedView, Projection
 
 DEFLECTION_MM = 0.002
 """Distance of a polyline from its curve on the part [mm]: at most 0.01 mm on paper at 5:1."""

@@ -23,20 +23,20 @@ from fingertip.pictures.drawing.dimensioning import (
     place_lengths,
 )
 from fingertip.pictures.drawing.primitives import (
-    CENTRE,
-    EDGE,
-    HIDDEN,
+    PROJECTIONS,
     Arrow,
     Hatch,
     Point,
     Polyline,
     Primitive,
+    ProjectedView,
+    Projection,
     Sheet,
+    Styles,
     Text,
     line,
 )
 from fingertip.pictures.drawing.title_block import Heading, Paper, draw_frame
-from fingertip.pictures.drawing.views import PROJECTIONS, ProjectedView, Projection
 
 A4, A3 = Paper("A4", 297.0, 210.0), Paper("A3", 420.0, 297.0)
 A2, A1 = Paper("A2", 594.0, 420.0), Paper("A1", 841.0, 594.0)
@@ -205,7 +205,7 @@ def _view_edges(placed: PlacedView) -> Iterator[Primitive]:
     view = placed.view
     if view.cut:
         yield Hatch(tuple(tuple(placed.on_paper(p) for p in ring) for ring in view.cut), _HATCH_MM)
-    for edges, style in ((view.hidden, HIDDEN), (view.visible, EDGE)):
+    for edges, style in ((view.hidden, Styles.HIDDEN), (view.visible, Styles.EDGE)):
         for edge in edges:
             yield Polyline(tuple(placed.on_paper(p) for p in edge), style)
 
@@ -216,13 +216,13 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
         left, bottom, right, top = views[name].bounds()
         x, y = views[name].origin
         if name == "end":
-            yield line((x, bottom - _PAST_VIEW_MM), (x, top + _PAST_VIEW_MM), CENTRE)
+            yield line((x, bottom - _PAST_VIEW_MM), (x, top + _PAST_VIEW_MM), Styles.CENTRE)
         else:
-            yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), CENTRE)
+            yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), Styles.CENTRE)
     for axis in part.axes:
         view = views[axis.view]
         start, end = (view.on_paper(view.projection.flatten(p)) for p in (axis.start, axis.end))
-        yield line(start, end, CENTRE)
+        yield line(start, end, Styles.CENTRE)
 
 
 def _circle_centres(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
@@ -232,8 +232,8 @@ def _circle_centres(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> 
             view = views[size.view]
             x, y = view.on_paper(view.projection.flatten(size.centre))
             reach = size.radius * view.scale + _PAST_VIEW_MM / 2
-            yield line((x - reach, y), (x + reach, y), CENTRE)
-            yield line((x, y - reach), (x, y + reach), CENTRE)
+            yield line((x - reach, y), (x + reach, y), Styles.CENTRE)
+            yield line((x, y - reach), (x, y + reach), Styles.CENTRE)
 
 
 def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]:
@@ -243,8 +243,8 @@ def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]
     towards = 1.0 if plan.projection.up[0] > 0.0 else -1.0  # the section looks along +x
     for edge, out in ((left, -1.0), (right, 1.0)):
         near, far = (edge + out * distance for distance in _CUT_MM)
-        yield line((near, y), (far, y), EDGE)
-        yield line((far, y), (far, y + towards * 6.0), EDGE)
+        yield line((near, y), (far, y), Styles.EDGE)
+        yield line((far, y), (far, y + towards * 6.0), Styles.EDGE)
         yield Arrow((far, y + towards * 7.5), 90.0 * towards, 3.5)
         below = y - towards * 2.0 - (_LETTER_MM if towards > 0.0 else 0.0)
         yield Text("A", (far, below), _LETTER_MM, "middle")

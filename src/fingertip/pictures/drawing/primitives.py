@@ -1,6 +1,8 @@
-"""Primitives of a sheet, in millimetres on paper from its lower left corner: lines, arcs, text, arrows, hatching.
+"""Views of a part, and the primitives of a sheet, in millimetres on paper from its lower left corner.
 
-A sheet is a list of them. `drawing.svg` and `drawing.pdf` render the list; they decide nothing.
+A sheet is a list of lines, arcs, texts, arrows and hatching; `render.py` writes the list and decides nothing. The views
+are those of first-angle projection (ISO 5456-2). The front view looks at the finger from its side at -x, with distal to
+the right and dorsal up.
 """
 
 from __future__ import annotations
@@ -10,6 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, TypeAlias
+
+from fingertip.design.geometry.sizes import ViewName
+from fingertip.design.geometry.solids import Point3
 
 Point: TypeAlias = tuple[float, float]
 Anchor = Literal["start", "middle", "end"]
@@ -32,14 +37,17 @@ class Style:
     """Lengths of dashes and gaps in turn; empty for a continuous line."""
 
 
-EDGE = Style("edge", WIDE_MM)
-HIDDEN = Style("hidden", NARROW_MM, (2.0, 1.0))
-CENTRE = Style("centre", NARROW_MM, (6.0, 1.0, 0.5, 1.0))
-DIMENSION = Style("dimension", NARROW_MM)
-HATCHING = Style("hatching", 0.18)
-SECTION = Style("section", WIDE_MM, (4.0, 1.0, 0.5, 1.0))
-FRAME = Style("frame", 0.7)
-GRID = Style("grid", NARROW_MM)
+class Styles:
+    """Types of lines."""
+
+    EDGE = Style("edge", WIDE_MM)
+    HIDDEN = Style("hidden", NARROW_MM, (2.0, 1.0))
+    CENTRE = Style("centre", NARROW_MM, (6.0, 1.0, 0.5, 1.0))
+    DIMENSION = Style("dimension", NARROW_MM)
+    HATCHING = Style("hatching", 0.18)
+    SECTION = Style("section", WIDE_MM, (4.0, 1.0, 0.5, 1.0))
+    FRAME = Style("frame", 0.7)
+    GRID = Style("grid", NARROW_MM)
 
 
 @dataclass(frozen=True)
@@ -149,7 +157,7 @@ class Hatch:
                 if (a[1] > v) != (b[1] > v)
             )
             for u0, u1 in zip(crossings[::2], crossings[1::2], strict=False):
-                yield Polyline(((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), HATCHING)
+                yield Polyline(((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), Styles.HATCHING)
 
 
 Primitive: TypeAlias = Polyline | Arc | Arrow | Text | Hatch
@@ -195,3 +203,53 @@ _WIDTHS = {
     for character in characters
 }  # fmt: skip
 """Width of characters in thousandths of the size of the font (Adobe's metrics of Helvetica)."""
+
+
+Line2: TypeAlias = tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Directions of a view in the frame of the part: to the right and up on paper."""
+
+    right: Point3
+    up: Point3
+
+    @property
+    def towards(self) -> Point3:
+        """Direction to the observer."""
+        (a, b, c), (d, e, f) = self.right, self.up
+        return b * f - c * e, c * d - a * f, a * e - b * d
+
+    def flatten(self, point: Point3) -> Point:
+        """Project a point [mm]."""
+        return _dot(point, self.right), _dot(point, self.up)
+
+
+def _dot(a: Point3, b: Point3) -> float:
+    return sum(p * q for p, q in zip(a, b, strict=True))
+
+
+PROJECTIONS: dict[ViewName, Projection] = {
+    "front": Projection((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    "dorsal": Projection((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    "palmar": Projection((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)),
+    "end": Projection((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "section": Projection((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+}
+"""Views by name. `end` looks at the proximal end; `section` is the half at x > 0 behind the middle plane."""
+
+
+@dataclass(frozen=True)
+class ProjectedView:
+    """Edges of a part in a view [mm], without hidden ones in a section, and the outline of what a section cuts."""
+
+    visible: tuple[Line2, ...]
+    hidden: tuple[Line2, ...]
+    cut: tuple[Line2, ...] = ()
+    """Closed outlines of the cut faces."""
+
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Return left, bottom, right and top."""
+        xs, ys = zip(*(point for edge in self.visible for point in edge), strict=True)
+        return min(xs), min(ys), max(xs), max(ys)

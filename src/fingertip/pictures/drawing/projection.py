@@ -14,7 +14,7 @@ from fingertip.foundation import errors
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import end_with_parent
-from fingertip.pictures.drawing.views import PROJECTIONS, ProjectedView
+from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
 # Program that projects parts: `python -m fingertip.pictures.drawing.projection FOLDER`, with a pickled job on stdin.
 

@@ -7,19 +7,7 @@ from dataclasses import dataclass
 from fingertip.design.geometry.sizes import GENERAL, PartDrawing, general
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.dimensioning import TEXT_MM
-from fingertip.pictures.drawing.primitives import (
-    CENTRE,
-    EDGE,
-    FRAME,
-    GRID,
-    Arc,
-    Polyline,
-    Primitive,
-    Text,
-    line,
-    rectangle,
-    text_width,
-)
+from fingertip.pictures.drawing.primitives import Arc, Polyline, Primitive, Styles, Text, line, rectangle, text_width
 
 BORDER_MM, FILING_MM = 10.0, 20.0
 """Width of the border, and on the left, where the sheet is filed."""
@@ -81,7 +69,7 @@ def draw_frame(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[tuple
         Text(note, (notes_left, base + _PAD_MM + 1.0 + i * 4.5), TEXT_MM) for i, note in enumerate(reversed(part.notes))
     ]
     top = max(block_top + (4.5 * len(notes) + 2.0 if beside else 0.0), table_top)
-    return (rectangle(paper.left, paper.bottom, paper.right, paper.top, FRAME), *block, *table, *notes), top
+    return (rectangle(paper.left, paper.bottom, paper.right, paper.top, Styles.FRAME), *block, *table, *notes), top
 
 
 def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[list[Primitive], float]:
@@ -89,10 +77,10 @@ def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[lis
     top = bottom + sum(_BLOCK_ROWS_MM)
     first, second = left + 50.0, left + 102.0
     rows = [bottom + sum(_BLOCK_ROWS_MM[:i]) for i in range(len(_BLOCK_ROWS_MM) + 1)]
-    drawn: list[Primitive] = [rectangle(left, bottom, right, top, EDGE)]
-    drawn += [line((left, y), (right, y), GRID) for y in rows[1:-1]]
-    drawn += [line((x, rows[0]), (x, rows[2]), GRID) for x in (first, second)]
-    drawn += [line((second, rows[2]), (second, top), GRID), line((first, rows[3]), (first, top), GRID)]
+    drawn: list[Primitive] = [rectangle(left, bottom, right, top, Styles.EDGE)]
+    drawn += [line((left, y), (right, y), Styles.GRID) for y in rows[1:-1]]
+    drawn += [line((x, rows[0]), (x, rows[2]), Styles.GRID) for x in (first, second)]
+    drawn += [line((second, rows[2]), (second, top), Styles.GRID), line((first, rows[3]), (first, top), Styles.GRID)]
     cells = (
         (left, rows[3], "part", part.title),
         (first, rows[3], "design", heading.design),
@@ -120,12 +108,12 @@ def _projection_symbol(x: float, y: float) -> list[Primitive]:
     cone_x, circle_x = x - 9.0, x + 6.0
     cone = ((cone_x, y - small), (cone_x + length, y - large), (cone_x + length, y + large), (cone_x, y + small))
     return [
-        Polyline((*cone, cone[0]), EDGE),
-        Arc((circle_x, y), large, 0.0, 360.0, EDGE),
-        Arc((circle_x, y), small, 0.0, 360.0, EDGE),
-        line((cone_x - 1.5, y), (cone_x + length + 1.5, y), CENTRE),
-        line((circle_x - large - 1.5, y), (circle_x + large + 1.5, y), CENTRE),
-        line((circle_x, y - large - 1.5), (circle_x, y + large + 1.5), CENTRE),
+        Polyline((*cone, cone[0]), Styles.EDGE),
+        Arc((circle_x, y), large, 0.0, 360.0, Styles.EDGE),
+        Arc((circle_x, y), small, 0.0, 360.0, Styles.EDGE),
+        line((cone_x - 1.5, y), (cone_x + length + 1.5, y), Styles.CENTRE),
+        line((circle_x - large - 1.5, y), (circle_x + large + 1.5, y), Styles.CENTRE),
+        line((circle_x, y - large - 1.5), (circle_x, y + large + 1.5), Styles.CENTRE),
     ]
 
 
@@ -156,12 +144,12 @@ def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple
             Text(tolerance.text(), (columns[3] + _PAD_MM, first), TEXT_MM),
         ]
         drawn += [Text(text, (columns[4] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(action)]
-        drawn.append(line((left, y), (right, y), GRID))
+        drawn.append(line((left, y), (right, y), Styles.GRID))
     top = y + _ROW_MM
     titles = ("check", "size, measured with calipers", "print reads", "tolerance", "if it is out of tolerance")
     drawn += [Text(title, (x + 0.8, y + 1.4), 2.0) for x, title in zip(columns, titles, strict=True)]
-    drawn += [line((x, bottom), (x, top), GRID) for x in columns[1:]]
-    return [rectangle(left, bottom, right, top, EDGE), *drawn], top
+    drawn += [line((x, bottom), (x, top), Styles.GRID) for x in columns[1:]]
+    return [rectangle(left, bottom, right, top, Styles.EDGE), *drawn], top
 
 
 def _wrap(text: str, width: float) -> list[str]:

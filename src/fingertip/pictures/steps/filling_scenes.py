@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
+from fingertip.catalogues.hardware import LUER_MOUTH_MM, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design.geometry.solids import Box, cylinder, difference
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.bench import GLASS, PRODUCT, STEEL, Bench
-from fingertip.pictures.steps.scene import DORSAL, FUNNEL_UP, Arrow, Label, Scene, Shown
-
-Data = Mapping[str, Any]
+from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given
 
 _LIFT_MM = 12.0
 """Height of a lifted syringe above its cone [mm]."""
@@ -33,7 +29,7 @@ def _closed(bench: Bench) -> list[Shown]:
 
 def _vent_labels(bench: Bench, text: str) -> list[Label]:
     """Label the outer ends of all vents."""
-    m, labels = bench.design.mold_layout, []
+    m, labels = bench.layout, []
     for vent in place_vents(bench.design):
         (x, _, z) = vent.point_mm
         match vent.kind:
@@ -49,11 +45,10 @@ def _vent_labels(bench: Bench, text: str) -> list[Label]:
 
 def try_cone(bench: Bench, data: Data) -> Scene:
     """Show the empty syringe above the cone of the empty mold."""
-    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
-    assert inlet
+    m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.syringe(lift_mm=_LIFT_MM)),
-        DORSAL,
+        View.DORSAL,
         (
             *_vent_labels(bench, "vent: a wire\nmust pass"),
             Label("Luer cone: the nozzle\nmust not rock", (inlet.x, m.dorsal_height, inlet.z)),
@@ -64,11 +59,10 @@ def try_cone(bench: Bench, data: Data) -> Scene:
 
 def try_syringe(bench: Bench, data: Data) -> Scene:
     """Show the empty syringe above its cone, its plunger pulled back."""
-    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
-    assert inlet
+    m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
-        DORSAL,
+        View.DORSAL,
         (*_vent_labels(bench, "vent: air must come"), Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z))),
         (_into_cone(bench),),
     )
@@ -76,27 +70,25 @@ def try_syringe(bench: Bench, data: Data) -> Scene:
 
 def _into_cone(bench: Bench) -> Arrow:
     """Show the way of the nozzle into its cone."""
-    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
-    assert inlet
+    m, inlet = bench.layout, given(bench.layout.inlet)
     x, z = inlet.x, inlet.z + 10.0
     return Arrow((x, m.dorsal_height + _LIFT_MM - 1.0, z), (x, m.dorsal_height + 2.0, z))
 
 
 def measure(bench: Bench, data: Data) -> Scene:
     """Show where to measure the sensor of the closed mold."""
-    low = bench.design.dimensions.base_end_z
+    low = bench.dims.base_end_z
     return Scene(
         tuple(_closed(bench)),
-        DORSAL,
+        View.DORSAL,
         (Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)),),
     )
 
 
 def fill(bench: Bench, data: Data) -> Scene:
     """Show the mold in its pose, cut open, while the silicone rises from the side of the collar to the vent."""
-    m, inlet, filling = bench.design.mold_layout, bench.design.mold_layout.inlet, data["filling"]
-    assert inlet
-    start = (inlet.x, m.dorsal_height + 70.0, inlet.z)
+    m, inlet, filling = bench.layout, given(bench.layout.inlet), data["filling"]
+    x, y, z = inlet.x, m.dorsal_height + 70.0, inlet.z + 12.0
     pressing = f"{filling['syringe']['thumb_n']:g} N, steadily,\nsome {filling['fill_s']:g} s"
     return Scene(
         (
@@ -109,14 +101,13 @@ def fill(bench: Bench, data: Data) -> Scene:
             *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
             Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
         ),
-        (Arrow((start[0], start[1], start[2] + 12.0), (start[0], start[1] - 22.0, start[2] + 12.0)),),
+        (Arrow((x, y, z), (x, y - 22.0, z)),),
     )  # fmt: skip
 
 
 def leave(bench: Bench, data: Data) -> Scene:
     """Show the full mold with the syringe in its cone."""
-    m, inlet = bench.design.mold_layout, bench.design.mold_layout.inlet
-    assert inlet
+    m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (*_closed(bench), *bench.syringe(0.2)),
         _in_pose(data),
@@ -130,13 +121,13 @@ def leave(bench: Bench, data: Data) -> Scene:
 
 def stand(bench: Bench, data: Data) -> Scene:
     """Show the mold that gravity fills, its funnel up."""
-    m = bench.design.mold_layout
+    m = bench.layout
     return Scene(
         tuple(_closed(bench)),
-        FUNNEL_UP,
+        View.FUNNEL_UP,
         (
             Label("funnel", (m.gate_x, 0.0, m.distal_z)),
-            Label(f"{bench.insert}, down", (0.0, 0.0, bench.design.dimensions.base_end_z)),
+            Label(f"{bench.insert}, down", (0.0, 0.0, bench.dims.base_end_z)),
             Label("hold here", (-m.half_width, 0.0, m.pry_z)),
         ),
     )
@@ -144,23 +135,23 @@ def stand(bench: Bench, data: Data) -> Scene:
 
 def pour(bench: Bench, data: Data) -> Scene:
     """Show the stream into the funnel, the mold cut open."""
-    m = bench.design.mold_layout
+    m = bench.layout
     stream = cylinder("z", (m.gate_x, 0.0), m.distal_z - 2.0, m.distal_z + 25.0, 0.6)
     return Scene(
         (
             bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(),
-            bench.solid(stream, PRODUCT),
+            bench.solid(stream, Paint.SILICONE),
         ),
-        FUNNEL_UP,
+        View.FUNNEL_UP,
         (Label("thin stream", (m.gate_x, 0.0, m.distal_z + 20.0)), *_vent_labels(bench, "silicone must rise here")),
     )  # fmt: skip
 
 
 def cure(bench: Bench, data: Data) -> Scene:
     """Show the mold while the silicone cures, with the syringe still in its cone."""
-    hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.design.mold_layout
+    hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.layout
     syringe = bench.syringe(0.2) if m.inlet else []
-    pose = _in_pose(data) if m.inlet else FUNNEL_UP
+    pose = _in_pose(data) if m.inlet else View.FUNNEL_UP
     return Scene((*_closed(bench), *syringe), pose, (Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)),))
 
 
@@ -184,7 +175,7 @@ def weigh(bench: Bench, data: Data) -> Scene:
     share = batch["a_g"] / batch["total_g"]
     scale = Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
     return Scene(
-        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), bench.solid(scale, STEEL)),
+        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), bench.solid(scale, Paint.STEEL)),
         _FRONT,
         (
             Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (_CUP_RADIUS_MM, 0.0, level)),
@@ -202,7 +193,7 @@ def degas(bench: Bench, data: Data) -> Scene:
         Box((-60.0, -60.0, 0.0), (60.0, 0.0, 90.0)),
     )  # fmt: skip
     return Scene(
-        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, 4 * level), bench.solid(bell, GLASS)),
+        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, 4 * level), bench.solid(bell, Paint.GLASS)),
         _FRONT,
         (
             Label("foam rises some\nfour times as high,\nthen falls", (_CUP_RADIUS_MM, 0.0, 4 * level)),
@@ -214,19 +205,20 @@ def degas(bench: Bench, data: Data) -> Scene:
 
 def load_syringe(bench: Bench, data: Data) -> Scene:
     """Show the syringe with its silicone."""
-    filling, inlet = data["filling"], bench.design.mold_layout.inlet
-    assert inlet
-    share = filling["load_cm3"] / filling["syringe"]["volume_ml"]
-    shown = bench.syringe(share)
+    filling, inlet = data["filling"], given(bench.layout.inlet)
+    shown = bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"])
     high = max(float(item.mesh.vertices[:, 1].max()) for item in shown)
     low = min(float(item.mesh.vertices[:, 1].min()) for item in shown)
-    camera = Camera.looking_from((-1.0, -0.2, 0.2), (0.0, 1.0, 0.0))
     level = float(shown[-1].mesh.vertices[:, 1].max())
     radius = inlet.syringe.bore_mm / 2
-    shown += [*bench.plunger_wire(level), *bench.nozzle_cap()]
+    stroke = 1000.0 * inlet.syringe.volume_ml / (math.pi * radius**2)
+    aside = (inlet.z + 0.7 * radius, inlet.x - 0.75 * radius)
+    wire = cylinder("y", aside, level - 0.5, level + 0.5 * stroke, 0.3)
+    tip = bench.layout.dorsal_height - NOZZLE_DEPTH_MM
+    cap = cylinder("y", (inlet.z, inlet.x), tip - 1.5, tip + 0.7 * NOZZLE_LENGTH_MM, LUER_MOUTH_MM / 2 + 1.0)
     return Scene(
-        tuple(shown),
-        camera,
+        (*shown, bench.solid(wire, Paint.SENSOR), bench.solid(cap, Paint.SEAL)),
+        Camera.looking_from((-1.0, -0.2, 0.2), (0.0, 1.0, 0.0)),
         (
             Label("cap: take it off\nbefore you press\nthe air out", (inlet.x, low, inlet.z)),
             Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.bone import tape
 from fingertip.cad.shapes.insert import axis_z
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.uses import uses_adhesive, uses_primer
-from fingertip.design import Design
+from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.bench import GLASS, PAPER, PRODUCT, STEEL, TAPE, Bench
-from fingertip.pictures.steps.scene import CAVITY_UP, DORSAL, LOW, PALMAR, RUNNER_SIDE, SIDE, Arrow, Label, Scene, Shown
-
-Data = Mapping[str, Any]
+from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given
 
 _SPARE_MM, _DROP_MM = 10.0, 2.5
 """Width of a spare piece, and radius of a drop [mm]."""
@@ -32,12 +25,12 @@ def cure_test(bench: Bench, data: Data) -> Scene:
         (f"print\nof the mold{peels}", PARTS["mold_palmar"].colour),
         (f"print\nof the {bench.insert}{peels}", PARTS[bench.insert].colour),
         (f"released\nprint{peels}", PARTS["mold_palmar"].colour),
-        ("tape:\npeels off", TAPE),
+        ("tape:\npeels off", Paint.TAPE),
     ]
     if bonding := [name for name, used in (("adhesive", uses_adhesive), ("primer", uses_primer)) if used(data)]:
-        tested.append((",\n".join(bonding) + ": must stick", GLASS))
+        tested.append((",\n".join(bonding) + ": must stick", Paint.GLASS))
     if data["filling"]["syringe"]:
-        tested.append(("plunger:\npeels off", STEEL))
+        tested.append(("plunger:\npeels off", Paint.STEEL))
     shown, labels = [], []
     for i, (name, colour) in enumerate(tested):
         # In steps, so that no leader crosses another piece.
@@ -45,18 +38,18 @@ def cure_test(bench: Bench, data: Data) -> Scene:
         spare = Box((x, 0.0, z), (x + _SPARE_MM, 2.0, z + _SPARE_MM))
         centre = (z + _SPARE_MM / 2, x + _SPARE_MM / 2)
         drop = Cone("y", centre, 2.0, 2.0 + _DROP_MM / 2, _DROP_MM, _DROP_MM / 3)
-        shown += [bench.solid(spare, colour), bench.solid(drop, PRODUCT)]
+        shown += [bench.solid(spare, colour), bench.solid(drop, Paint.SILICONE)]
         labels.append(Label(f"drop on {name}", (centre[1], 2.0 + _DROP_MM / 2, centre[0])))
     return Scene(tuple(shown), Camera.looking_from((0.15, 0.8, -0.6), (0.0, 0.6, 0.8)), tuple(labels))
 
 
 def close_empty(bench: Bench, data: Data) -> Scene:
     """Show the halves before they close, with keys and sockets."""
-    m, apart = bench.design.mold_layout, bench.apart_mm
-    x, z, _ = max(bench.design.mold_layout.keys, key=lambda key: -key[0])
+    m, apart = bench.layout, bench.apart_mm
+    x, z, _ = max(m.keys, key=lambda key: -key[0])
     return Scene(
         (bench.part("mold_dorsal", (0.0, apart, 0.0)), bench.part("mold_palmar")),
-        LOW,
+        View.LOW,
         (
             Label("dorsal half", (0.0, m.dorsal_height + apart, m.distal_z)),
             Label("palmar half", (-m.half_width, -m.palmar_height / 2, m.proximal_z)),
@@ -69,15 +62,15 @@ def close_empty(bench: Bench, data: Data) -> Scene:
 
 def try_fit(bench: Bench, data: Data) -> Scene:
     """Show bone or core above its recess."""
-    m, apart = bench.design.mold_layout, bench.apart_mm
+    m, apart = bench.layout, bench.apart_mm
     base = -bench.design.mold.recess_length_mm / 2
     return Scene(
         (bench.part(bench.insert, (0.0, apart, 0.0)), bench.part("mold_palmar")),
-        DORSAL,
+        View.DORSAL,
         (
-            Label(bench.insert, (0.0, apart, bench.design.dimensions.base_end_z)),
+            Label(bench.insert, (0.0, apart, bench.dims.base_end_z)),
             Label("recess: scrape it\nwhere it shines", (0.0, -2.0, base)),
-            Label("cavity", (0.0, -m.palmar_height / 3, bench.design.dimensions.sensor_z)),
+            Label("cavity", (0.0, -m.palmar_height / 3, bench.dims.sensor_z)),
         ),
         (Arrow((0.0, 0.9 * apart, base), (0.0, 0.1 * apart, base)),),
     )
@@ -85,18 +78,17 @@ def try_fit(bench: Bench, data: Data) -> Scene:
 
 def drill(bench: Bench, data: Data) -> Scene:
     """Show the drills above the holes of the chaplet's screw, cut open."""
-    m, chaplet, apart = bench.design.mold_layout, data["chaplet"], 2.2 * bench.apart_mm
+    m, chaplet, apart = bench.layout, data["chaplet"], 2.2 * bench.apart_mm
     z, top = axis_z(bench.design), m.dorsal_height
     wide = _drill(z, top + 2.0, top + 16.0, chaplet["hole_mm"] / 2)
-    assert bench.design.dimensions.chaplet
-    facet = bench.design.dimensions.chaplet.facet_y - apart
+    facet = given(bench.dims.chaplet).facet_y - apart
     narrow = _drill(z, facet + 2.0, facet + 16.0, chaplet["pilot_mm"] / 2)
     return Scene(
         (
             bench.part("mold_dorsal", cut=True), bench.part(bench.insert, (0.0, -apart, 0.0), cut=True),
-            bench.solid(wide, STEEL), bench.solid(narrow, STEEL),
+            bench.solid(wide, Paint.STEEL), bench.solid(narrow, Paint.STEEL),
         ),
-        SIDE,
+        View.SIDE,
         (
             Label(f"drill {chaplet['hole_mm']:g} mm", (0.0, top + 12.0, z)),
             Label("boss", (0.0, facet + apart + 0.6, z + chaplet["diameter_mm"] / 2)),
@@ -119,13 +111,13 @@ def _drill(z: float, low: float, high: float, radius: float) -> Solid:
 
 def release(bench: Bench, data: Data) -> Scene:
     """Show both cavities, opened like a book."""
-    m = bench.design.mold_layout
+    m = bench.layout
     dorsal = bench.part("mold_dorsal")
     beside = 2 * m.half_width + 6.0
     flipped = dorsal.mesh.vertices * np.array((-1.0, -1.0, 1.0))
     turned = Mesh(flipped + np.array((beside, 0.0, 0.0)), dorsal.mesh.triangles)
     camera = Camera.looking_from((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
-    z = bench.design.dimensions.sensor_z
+    z = bench.dims.sensor_z
     marks = [
         Label("cavity: release", (0.0, -2.0, z + 4.0)),
         Label("parting plane: release", (m.half_width * 0.8, 0.0, m.distal_z - 3.0)),
@@ -138,40 +130,40 @@ def release(bench: Bench, data: Data) -> Scene:
 
 def seat_tape(bench: Bench, data: Data) -> Scene:
     """Show the tape around the seat."""
-    seat, dims = data["fit"]["seat_tape"], bench.design.dimensions
+    seat, dims = data["fit"]["seat_tape"], bench.dims
     half = dims.bone_outline.section.half_width
     middle, floor = -(seat["from_mm"] + seat["to_mm"]) / 2, -dims.base_flat_depth
     labels = [Label(f"one turn of tape,\n{seat['thickness_mm']:g} mm thick", (0.0, floor, middle))]
     shown = [*bench.in_mold(), *bench.seat_tape()]
     if bench.insert == "bone":
-        shown.append(bench.solid(tape(bench.design), TAPE))
+        shown.append(bench.solid(tape(bench.design), Paint.TAPE))
     if data["filling"]["syringe"]:  # the runner lies on the other side
         labels.append(Label("its ends meet here,\nwithout overlapping", (-half, 0.0, middle)))
     if bench.insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
         low = max(dims.tail_end_z, -seat["to_mm"] - 2.0)
         scrap = Box((-dims.tail_half_width, floor - 0.1, low), (dims.tail_half_width, floor + 0.1, -seat["from_mm"]))
-        shown.append(bench.solid(scrap, PAPER))
+        shown.append(bench.solid(scrap, Paint.PAPER))
         labels.append(Label("baking paper\non the bare film", (0.0, floor, low + 1.0)))
     labels.append(Label("the skin begins here", (0.0, -dims.flat_depth, 0.0)))
-    return Scene(tuple(shown), PALMAR, tuple(labels))
+    return Scene(tuple(shown), View.PALMAR, tuple(labels))
 
 
 def core_only(bench: Bench, data: Data) -> Scene:
     """Show the core in the palmar half."""
     return Scene(
         (bench.part("core"), bench.part("mold_palmar")),
-        DORSAL,
-        (Label("core, without sensor", (0.0, 2.0, bench.design.dimensions.base_end_z + 2.0)),),
+        View.DORSAL,
+        (Label("core, without sensor", (0.0, 2.0, bench.dims.base_end_z + 2.0)),),
     )
 
 
 def prime(bench: Bench, data: Data) -> Scene:
     """Show where the primer goes on the bone."""
-    dims = bench.design.dimensions
-    (_, y, z) = (0.0, -dims.flat_depth, dims.sensor_z)
+    dims = bench.dims
+    _, y, z = bench.head
     return Scene(
-        (*bench.assembled_bone(), bench.solid(tape(bench.design), TAPE), *bench.seat_tape()),
-        PALMAR,
+        (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE), *bench.seat_tape()),
+        View.PALMAR,
         (
             Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
             Label("none on the tape", (0.0, y, z / 2)),
@@ -182,20 +174,23 @@ def prime(bench: Bench, data: Data) -> Scene:
 
 def hold(bench: Bench, data: Data) -> Scene:
     """Show bone or core in the dorsal half, with the screw that holds it."""
-    m, z = bench.design.mold_layout, axis_z(bench.design) if data["chaplet"] else 0.0
+    m, z = bench.layout, axis_z(bench.design) if data["chaplet"] else 0.0
     lift = 10.0
     labels = [
         Label("dorsal half", (0.0, m.dorsal_height * 0.8, m.proximal_z)),
-        Label(bench.insert, (0.0, 0.0, bench.design.dimensions.base_end_z + 2.0)),
+        Label(bench.insert, (0.0, 0.0, bench.dims.base_end_z + 2.0)),
     ]
     if seat := data["fit"]["seat_tape"]:  # whole, or its cut edges alone would show
         middle = -(seat["from_mm"] + seat["to_mm"]) / 2
-        labels.append(Label("tape on the seat", (0.0, -bench.design.dimensions.base_flat_depth, middle)))
+        labels.append(Label("tape on the seat", (0.0, -bench.dims.base_flat_depth, middle)))
     if data["chaplet"]:
-        chaplet = data["chaplet"]
+        chaplet, facet = data["chaplet"], given(bench.dims.chaplet).facet_y
         labels += [
             Label(f"{chaplet['thread']} x {chaplet['length_mm']:g} mm", (0.0, m.dorsal_height + lift, z)),
-            Label("facet on boss, forked\npaper between\nuntil it is held", (0.0, _facet_y(bench.design), z + 2.0)),
+            Label(
+                "facet on boss, forked\npaper between\nuntil it is held",
+                (0.0, facet, z + 2.0),
+            ),
         ]
     return Scene(
         (
@@ -204,7 +199,7 @@ def hold(bench: Bench, data: Data) -> Scene:
             *bench.seat_tape(),
             *bench.chaplet_screw((0.0, lift, 0.0)),
         ),
-        CAVITY_UP if data["chaplet"] else SIDE,
+        View.CAVITY_UP if data["chaplet"] else View.SIDE,
         tuple(labels),
         (Arrow((0.0, m.dorsal_height + lift, z + 6.0), (0.0, m.dorsal_height + 1.0, z + 6.0)),)
         if data["chaplet"]
@@ -212,22 +207,16 @@ def hold(bench: Bench, data: Data) -> Scene:
     )
 
 
-def _facet_y(design: Design) -> float:
-    chaplet = design.dimensions.chaplet
-    assert chaplet
-    return chaplet.facet_y
-
-
 def bolt(bench: Bench, data: Data) -> Scene:
     """Show bolts and nuts on their way into the closed mold."""
-    m, apart = bench.design.mold_layout, bench.apart_mm
+    m, apart = bench.layout, bench.apart_mm
     (x, z), count = m.bolts[0], data["mold"]["bolts"]
     return Scene(
         (
             bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(),
             *bench.bolts((0.0, apart, 0.0), (0.0, -1.3 * apart, 0.0)),
         ),
-        LOW,
+        View.LOW,
         (
             Label(f"{count} bolts, crosswise,\nby hand", (x, m.dorsal_height + apart, z)),
             Label(f"{count} nuts in their traps", (x, -m.palmar_height - 1.2 * apart, z)),
@@ -240,21 +229,20 @@ def bolt(bench: Bench, data: Data) -> Scene:
 # Scenes after the cure: open the mold, trim and patch the skin, and pull a sleeve over its bone.
 
 
-def open_mold(bench: Bench, data: Data) -> Scene:
+def open_(bench: Bench, data: Data) -> Scene:
     """Show the halves apart, and the casting with what is cut off."""
-    m, apart, inlet = bench.design.mold_layout, 1.3 * bench.apart_mm, bench.design.mold_layout.inlet
+    m, apart = bench.layout, 1.3 * bench.apart_mm
     pushed = "core" if bench.insert == "core" else "finger"
-    labels = [Label(f"push the {pushed} out\nhere, on the base", (0.0, 0.0, bench.design.mold_layout.proximal_z - 1.0))]
-    if inlet:
-        labels.append(Label("cut the runner\nflush here", (inlet.gate_x, 0.3, inlet.gate_z)))
-    for vent in place_vents(bench.design):
-        labels.append(Label("cut the vent stub", vent.point_mm))
+    labels = [Label(f"push the {pushed} out\nhere, on the base", (0.0, 0.0, m.proximal_z - 1.0))]
+    if m.inlet:
+        labels.append(Label("cut the runner\nflush here", (m.inlet.gate_x, 0.3, m.inlet.gate_z)))
+    labels += [Label("cut the vent stub", vent.point_mm) for vent in place_vents(bench.design)]
     return Scene(
         (
             bench.part("mold_dorsal", (0.0, apart, 0.0)), bench.part("mold_palmar", (0.0, -apart, 0.0)),
             *bench.in_mold(), bench.casting(),
         ),
-        RUNNER_SIDE,
+        View.RUNNER_SIDE,
         tuple(labels),
         (
             Arrow((0.0, apart * 0.6, m.distal_z + 3.0), (0.0, apart * 1.3, m.distal_z + 3.0)),
@@ -265,23 +253,24 @@ def open_mold(bench: Bench, data: Data) -> Scene:
 
 def patch(bench: Bench, data: Data) -> Scene:
     """Show the finger with the hole of the chaplet, which is filled."""
-    chaplet = bench.design.dimensions.chaplet
-    assert chaplet
-    height = bench.design.dimensions.outer.dorsal_height_at(0.0, chaplet.z)
+    chaplet, outer = given(bench.dims.chaplet), bench.dims.outer
+    z, radius = chaplet.z, chaplet.radius
+    top = outer.dorsal_height_at(0.9 * radius, z + 0.9 * radius)
+    filled = cylinder("y", (z, 0.0), chaplet.facet_y, top, 0.99 * radius)
     return Scene(
-        (*bench.assembled_bone(), bench.part("skin"), *bench.patch()),
-        DORSAL,
-        (Label("fill this hole,\nlevel with the skin", (0.0, height, chaplet.z)),),
+        (*bench.assembled_bone(), bench.part("skin"), bench.solid(filled, Paint.PATCH)),
+        View.DORSAL,
+        (Label("fill this hole,\nlevel with the skin", (0.0, outer.dorsal_height_at(0.0, z), z)),),
     )
 
 
 def roll_off(bench: Bench, data: Data) -> Scene:
     """Show the core on its way out of the skin."""
     out = bench.design.skin.length_mm * 0.7
-    low = bench.design.dimensions.base_end_z
+    low = bench.dims.base_end_z
     return Scene(
         (bench.part("skin"), bench.part("core", (0.0, 0.0, -out))),
-        DORSAL,
+        View.DORSAL,
         (Label("roll the edge back\nand strip the skin off", (0.0, 0.0, 0.0)), Label("core", (0.0, 0.0, low - out))),
         (Arrow((0.0, 12.0, 0.0), (0.0, 12.0, 14.0)),),
     )
@@ -292,15 +281,11 @@ def pull_on(bench: Bench, data: Data) -> Scene:
     out = bench.design.skin.length_mm * 1.05
     return Scene(
         (*bench.assembled_bone(), bench.part("skin", (0.0, 0.0, out))),
-        DORSAL,
+        View.DORSAL,
         (
             Label("wet inside", (0.0, 0.0, out)),
-            Label(
-                "edge of the skin\nends here, on the collar", (0.0, bench.design.dimensions.collar.section.dorsal, 0.0)
-            ),
-            Label(
-                "keep sensor and slot dry", (0.0, -bench.design.dimensions.flat_depth, bench.design.dimensions.sensor_z)
-            ),
+            Label("edge of the skin\nends here, on the collar", (0.0, bench.dims.collar.section.dorsal, 0.0)),
+            Label("keep sensor and slot dry", (0.0, -bench.dims.flat_depth, bench.dims.sensor_z)),
         ),
         (Arrow((0.0, 12.0, out + 6.0), (0.0, 12.0, out - 10.0)),),
     )

@@ -1,27 +1,41 @@
-"""Scene of a step: shaded meshes with arrows and labels, drawn as a PNG.
+"""Scenes of the casting steps, and the bench that shows parts, seals, tools and hardware of a design in them.
 
-Labels stand in the margins, on the side of what they name, one below the other, so that none covers the parts or
-another label.
+A scene is drawn as a PNG: shaded meshes with arrows and labels. Labels stand in the margins, on the side of what they
+name, one below the other, so that none covers the parts or another label.
 """
 
 from __future__ import annotations
 
-import io
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
-from fingertip.cad.kernel.mesh import Mesh
-from fingertip.design.geometry.solids import Point3
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.insert import cavity, filled_bone
+from fingertip.cad.shapes.mold import runners, vents
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
+from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
+from fingertip.design import Design
+from fingertip.design.geometry.conic import ConicBody, offset_section
+from fingertip.design.geometry.seat import tape_span_mm
+from fingertip.design.geometry.solids import (
+    Box,
+    Cone,
+    Point3,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.raster import Camera, Canvas, Colour, bounds
-
-if TYPE_CHECKING:
-    from PIL.ImageDraw import ImageDraw
-
+from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 
 Pixel: TypeAlias = tuple[float, float]
 
@@ -71,8 +85,6 @@ class Scene:
 
 def draw_scene(scene: Scene) -> bytes:
     """Draw a scene as a PNG, as large as its parts allow within the margins."""
-    from PIL import Image, ImageDraw, ImageFont
-
     centre, size = bounds(_everything(scene), scene.camera)
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
@@ -102,9 +114,7 @@ def draw_scene(scene: Scene) -> bytes:
             end = x - side * (max(font.getlength(line) for line in text.split("\n")) + 6)
             pen.line([(end, y), tip], fill=_LEADER, width=1)
             pen.ellipse([tip[0] - 3, tip[1] - 3, tip[0] + 3, tip[1] + 3], fill=_INK)
-    file = io.BytesIO()
-    picture.quantize(128, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
-    return file.getvalue()
+    return to_png(picture.quantize(128, dither=Image.Dither.NONE))
 
 
 def _everything(scene: Scene) -> Iterable[Mesh]:
@@ -139,7 +149,7 @@ def _spread(entries: Sequence[tuple[Pixel, str]], height: int) -> list[float]:
     return heights
 
 
-def _draw_arrow(pen: ImageDraw, start: Pixel, end: Pixel) -> None:
+def _draw_arrow(pen: Pen, start: Pixel, end: Pixel) -> None:
     pen.line([start, end], fill=_ARROW, width=4)
     way = math.atan2(end[1] - start[1], end[0] - start[0])
     head = [
@@ -150,20 +160,179 @@ def _draw_arrow(pen: ImageDraw, start: Pixel, end: Pixel) -> None:
     pen.polygon([ahead, *head], fill=_ARROW)
 
 
-# Cameras that several scenes share, with distal (z) to the right unless stated.
+class View:
+    """Cameras that several scenes share, with distal (z) to the right unless stated."""
+
+    DORSAL = Camera.from_angles(28, 24)
+    PALMAR = Camera.from_angles(28, -38)
+    SIDE = Camera.from_angles(0, 0)
+    CUT_FROM_ABOVE = Camera.from_angles(24, 18)
+    """Camera on the cut face of a section and on the dorsal side."""
+    CUT_FROM_BELOW = Camera.from_angles(24, -24)
+    """Camera on the cut face of a section and on the palmar side, where the sensor lies."""
+    LOW = Camera.from_angles(28, 13)
+    """Camera that sees both halves of a mold, one above the other."""
+    RUNNER_SIDE = Camera.from_angles(152, 14)
+    """Camera on the side on which the runner lies, with distal to the left."""
+    CAVITY_UP = Camera.looking_from((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
+    """Camera on a section of the dorsal half that lies with its cavity up, with distal to the left."""
+    FUNNEL_UP = Camera.looking_from((-1.0, 0.5, 0.3), (0.0, 0.0, 1.0))
 
 
-DORSAL = Camera.from_angles(28, 24)
-PALMAR = Camera.from_angles(28, -38)
-SIDE = Camera.from_angles(0, 0)
-CUT_FROM_ABOVE = Camera.from_angles(24, 18)
-"""Camera on the cut face of a section and on the dorsal side."""
-CUT_FROM_BELOW = Camera.from_angles(24, -24)
-"""Camera on the cut face of a section and on the palmar side, where the sensor lies."""
-LOW = Camera.from_angles(28, 13)
-"""Camera that sees both halves of a mold, one above the other."""
-RUNNER_SIDE = Camera.from_angles(152, 14)
-"""Camera on the side on which the runner lies, with distal to the left."""
-CAVITY_UP = Camera.looking_from((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
-"""Camera on a section of the dorsal half that lies with its cavity up, with distal to the left."""
-FUNNEL_UP = Camera.looking_from((-1.0, 0.5, 0.3), (0.0, 0.0, 1.0))
+class Paint:
+    """Colours of what lies beside the parts."""
+
+    SENSOR, TAPE, SEAL = (0.86, 0.68, 0.24), (0.85, 0.50, 0.15), (0.80, 0.25, 0.20)
+    WIRE, STEEL, GLASS, HAND = (0.72, 0.20, 0.16), (0.62, 0.63, 0.66), (0.80, 0.86, 0.90), (0.80, 0.80, 0.78)
+    SILICONE, PATCH, PAPER = PARTS["skin"].colour, (0.78, 0.48, 0.40), (0.93, 0.91, 0.86)
+
+
+Data = Mapping[str, Any]
+"""Data of the casting sheet."""
+Given = TypeVar("Given")
+
+
+def given(value: Given | None) -> Given:
+    """Return what a design must have if a scene shows it."""
+    assert value is not None
+    return value
+
+
+_TOLERANCE_MM = 0.05
+_TAPE_SHOWN_MM = 0.2
+"""Thickness with which a tape is drawn: its own would not be seen [mm]."""
+_WALL_MM = 0.8
+"""Wall of drawn barrels and cups [mm]."""
+
+
+class Bench:
+    """Parts of one design and what lies with them, as meshes."""
+
+    def __init__(self, design: Design) -> None:
+        self.design, self.dims, self.layout = design, design.dimensions, design.mold_layout
+        self.evaluator = MeshEvaluator(_TOLERANCE_MM)
+        self.insert = "core" if design.mold.method == "sleeve" else "bone"
+        """Name of the part that lies in the mold while the skin is cast."""
+
+    @property
+    def head(self) -> Point3:
+        """Middle of the sensor's head, on the palmar flat."""
+        return 0.0, -self.dims.flat_depth, self.dims.sensor_z
+
+    @property
+    def apart_mm(self) -> float:
+        """Distance by which parts are drawn apart."""
+        return 1.2 * self.layout.palmar_height
+
+    def solid(self, solid: Solid, colour: Colour, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show a solid, shifted, and cut open along x = 0 if asked for."""
+        manifold = self.evaluator.manifold(solid)
+        if cut:
+            manifold = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0)
+        mesh = to_canonical_mesh(manifold)
+        return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
+
+    def part_solid(self, name: str) -> tuple[Solid, Colour]:
+        """Return solid and colour of a part."""
+        return PARTS[name].solid(self.design), PARTS[name].colour
+
+    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show a part."""
+        solid, colour = self.part_solid(name)
+        return self.solid(solid, colour, shift, cut=cut)
+
+    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show the sensor."""
+        return self.solid(sensor_body(self.design), Paint.SENSOR, shift, cut=cut)
+
+    def assembled_bone(self, *, cut: bool = False, lid: bool = True) -> list[Shown]:
+        """Show the bone with sensor and lid."""
+        shown = [self.part("bone", cut=cut), self.sensor(cut=cut)]
+        if lid and "lid" in parts_by_name(self.design):
+            shown.append(self.part("lid", cut=cut))
+        return shown
+
+    def in_mold(self, *, cut: bool = False) -> list[Shown]:
+        """Show bone with its sensor, or core, as it lies in the mold."""
+        return [self.part("core", cut=cut)] if self.insert == "core" else self.assembled_bone(cut=cut)
+
+    def bolts(
+        self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False
+    ) -> list[Shown]:
+        """Show the bolts of the mold and their nuts."""
+        return [
+            self.solid(item.solid, item.colour, nut_shift if "nut" in item.name else bolt_shift, cut=cut)
+            for item in hardware(self.design, ("mold_palmar", "mold_dorsal"))
+            if item.name.startswith("mold_")
+        ]
+
+    def chaplet_screw(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> list[Shown]:
+        """Show the screw of the chaplet; none without one."""
+        return [
+            self.solid(item.solid, item.colour, shift, cut=cut)
+            for item in hardware(self.design, ("mold_dorsal",))
+            if item.name == "chaplet_screw"
+        ]
+
+    def casting(self, *, cut: bool = False) -> Shown:
+        """Show the silicone as it leaves the mold, with runner and vents."""
+        cast = intersection(union(cavity(self.design), *runners(self.design)), self._block())
+        return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), Paint.SILICONE, cut=cut)
+
+    def vents(self) -> list[Shown]:
+        """Show the silicone in the vents, whole where the casting is cut open."""
+        return [self.solid(intersection(vent, self._block()), Paint.SILICONE) for vent in vents(self.design)]
+
+    def _block(self) -> Box:
+        m = self.layout
+        return Box((-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
+
+    def seat_tape(self) -> list[Shown]:
+        """Show the tape around the seat, on the collar or on the base below it; none without one."""
+        dims, span = self.dims, tape_span_mm(self.design)
+        if span is None:
+            return []
+        on_collar = span[1] <= self.design.bone.collar_length_mm
+        section = offset_section((dims.collar if on_collar else dims.bone_outline).section, _TAPE_SHOWN_MM)
+        around: Solid = SuperconicSolid(ConicBody(section, ((-span[1], 1.0), (-span[0], 1.0))))
+        if not on_collar:
+            far, flat = 2 * section.half_width, -dims.base_flat_depth - _TAPE_SHOWN_MM
+            around = difference(around, Box((-far, -2 * section.palmar, -2 * span[1]), (far, flat, 0.0)))
+        return [self.solid(difference(around, filled_bone(self.design)), Paint.TAPE)]
+
+    def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
+        """Show the syringe above its cone, its barrel cut open, with silicone up to a share of its volume.
+
+        `drawn_share` is the share up to which the plunger is pulled back at least.
+        """
+        inlet = given(self.layout.inlet)
+        centre, kind = (inlet.z, inlet.x), inlet.syringe
+        tip = self.layout.dorsal_height - NOZZLE_DEPTH_MM + lift_mm
+        shoulder = tip + NOZZLE_LENGTH_MM
+        bore, outer = kind.bore_mm / 2, kind.barrel_mm / 2
+        stroke = 1000.0 * kind.volume_ml / (math.pi * bore**2)
+        end, level = shoulder + 1.15 * stroke, shoulder + max(fill_share, drawn_share, 0.02) * stroke
+        mouth = (LUER_MOUTH_MM - LUER_TAPER * (LUER_DEPTH_MM - NOZZLE_DEPTH_MM)) / 2
+        nozzle = Cone("y", centre, tip, shoulder, mouth - LUER_TAPER * NOZZLE_DEPTH_MM / 2, mouth)
+        barrel = difference(
+            cylinder("y", centre, shoulder, end, outer), cylinder("y", centre, shoulder + _WALL_MM, end + 1.0, bore)
+        )
+        viewer_side = Box((-4 * outer, shoulder - 1.0, inlet.z - 4 * outer), (inlet.x, end + 1.0, inlet.z + 4 * outer))
+        plunger = union(
+            cylinder("y", centre, level, level + 3.0, 0.98 * bore), cylinder("y", centre, level, end + 6.0, 0.4 * bore),
+            cylinder("y", centre, end + 4.0, end + 6.0, bore),
+        )  # fmt: skip
+        silicone = cylinder("y", centre, shoulder + _WALL_MM, level, 0.99 * bore)
+        shown = [
+            self.solid(union(nozzle, difference(barrel, viewer_side)), Paint.GLASS),
+            self.solid(plunger, Paint.STEEL),
+        ]
+        return [*shown, self.solid(silicone, Paint.SILICONE)] if fill_share else shown
+
+    def cup(self, x: float, radius: float, height: float, level: float) -> list[Shown]:
+        """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
+        outside = cylinder("z", (x, 0.0), 0.0, height, radius + _WALL_MM)
+        inside = cylinder("z", (x, 0.0), _WALL_MM, height + 1.0, radius)
+        front = Box((x - 2 * radius, -2 * radius, _WALL_MM), (x + 2 * radius, 0.0, height + 1.0))
+        content = cylinder("z", (x, 0.0), _WALL_MM, _WALL_MM + level, 0.99 * radius)
+        return [self.solid(difference(outside, inside, front), Paint.GLASS), self.solid(content, Paint.SILICONE)]

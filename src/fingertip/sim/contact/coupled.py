@@ -2,7 +2,7 @@
 
 States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)], compression of the
 contact expressed as its force y [N], and its rate w [N/s]. The normal force is N = max(y, 0). With c = 1 / sqrt(N + N0)
-and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
+and the mean bristle deflection z = c s (`fingertip.sim.contact.surfaces`):
 
     L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha = 1
     ds/dt = N c L - r(N, z) s
@@ -29,13 +29,11 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 from fingertip.sim.contact import coupled_loop
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
 
 MAX_STEPS = 200_000
-"""Maximum number of steps between two samples."""
 STATES = 5
-"""Number of integrated states."""
 _MIN_LOAD_N = 1e-3
 """Smallest load for which errors are weighted [N]."""
 
@@ -47,7 +45,6 @@ class NormalContact:
     resonance_hz: float
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
-    """Damping ratio while touching."""
     hand_ratio: float = 0.02
     """Ratio of the hand's stiffness behind the pad to the contact's: 90 N/m to some 5 kN/m (`sim.contact.pad`)."""
 
@@ -66,17 +63,12 @@ class CoupledMotion:
     """Motion of the pad and normal force, one value per sample, and the number of steps."""
 
     position_m: Array
-    """Position along the surface [m]."""
     velocity_m_s: Array
-    """Velocity along the surface [m/s]."""
     bristle_m: Array
-    """Mean bristle deflection [m]."""
     force_n: Array
     """Normal force [N], exactly 0 in flight."""
     steps: int
-    """Accepted steps."""
     rejected: int
-    """Rejected steps."""
 
     @property
     def evaluations(self) -> int:

@@ -2,7 +2,7 @@
 
 RODAS is a linearly implicit Runge-Kutta (Rosenbrock) method of order 4 with an embedded method of order 3. It is
 L-stable and has six stages (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., 1996, section
-IV.10, and their code RODAS, doi:10.1007/978-3-642-05221-7). One factorised matrix
+IV.10, and their code RODAS, whose coefficients these are, doi:10.1007/978-3-642-05221-7). One factorised matrix
 ``E = 1/(gamma h) - J`` serves all six solves:
 
     E u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j / h + d_i h df/dt
@@ -21,8 +21,27 @@ import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.foundation.jit import CompiledLoop
-from fingertip.sim.contact.rodas_coefficients import ALPHA, A, C, D
 
+GAMMA = 0.25
+ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
+"""Times of the stages, as fractions of the step."""
+D = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
+"""Coefficients of the time derivative."""
+A = (
+    (1.544,),
+    (0.9466785280815826, 0.2557011698983284),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
+)
+"""Coefficients a_ij of stages 2 to 5. Stage 6 has those of stage 5, and 1 for u_5."""
+C = (
+    (-5.6688,),
+    (-2.430093356833875, -0.2063599157091915),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
+)
+"""Coefficients c_ij of stages 2 to 6."""
 _, ALPHA2, ALPHA3, ALPHA4, _, _ = ALPHA
 D1, D2, D3, D4, _, _ = D
 (A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
@@ -44,10 +63,7 @@ def bristle_rate(
     v: float,
     s: float,
 ) -> float:
-    """Return ds/dt: LuGre friction, and relaxation of bristles that hardly touch or are bent beyond breakaway.
-
-    `scale` is c.
-    """
+    """Return ds/dt, with relaxation of bristles that hardly touch or are bent beyond breakaway; `scale` is c."""
     mu_c, mu_s, per_vs, elastic = curve
     s0, _, _, relax_per_s, n0 = sigma
     pull = s0 * scale * s
@@ -179,7 +195,6 @@ def _coupled_loop(
     ys: MutableSequence[float],
     stats: MutableSequence[float],
 ) -> None:
-    """Integrate the contact over a chunk by RODAS with adaptive steps."""
     # Parameters: mu_c, mu_s, inverse of the Stribeck velocity, and elastic fraction; bristle coefficients sigma, their
     # rate of relaxation, and the load N0; stiffness k and damping c_m of the mount per mass, and the inverse mass;
     # omega^2 and 2 zeta omega of the normal resonance, ratio of the hand's stiffness to the contact's, and damping in

@@ -1,4 +1,4 @@
-"""Soft pad between bone and surface: stiffness from the shape of the design, moving mass from its resonance.
+"""Soft pad between bone and surface: stiffness from the shape of the design, resonance, and normal vibration.
 
 The normal stiffness is that of a Hertzian contact between a sphere and a flat, the tangential stiffness is Mindlin's
 (K. L. Johnson, Contact Mechanics, 1985, sections 4.2 and 7.2). The pad is treated as a half-space, although the bone
@@ -8,13 +8,16 @@ lies only the thickness of the skin below. Real pads are stiffer. Assumption.
 from __future__ import annotations
 
 import math
+from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.geometry.conic import weight_of_fullness
+from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, SurfaceProfile
 
 YOUNG_PA = 1.0e6
 """Young's modulus of silicone of Shore hardness 40 A [Pa]. Published values range from 0.7 to 2.0 MPa."""
@@ -110,3 +113,140 @@ def cube_root(values: Array) -> Array:
     for _ in range(9):
         y = (2 * y + x / (y * y)) / 3
     return np.where(values > 1e-12, y, 0.0)
+
+
+# Normal vibration: the surface profile passes under the pad and excites its resonance.
+#
+# A wavelength lambda that passes at speed v excites the frequency v/lambda. Its height times the normal stiffness of
+# the contact is the force that drives the resonance. So vibration grows with the roughness and, through the stiffness,
+# with the load. Unless a scene asks for the average over the contact patch, the pad follows the summits of one line,
+# which gives an upper bound.
+#
+# All inputs are taken as linear between the points of the grid, and both filters are exact for such inputs.
+
+_HAND, _HEIGHT = range(2)
+"""Indices of the state of the hand that follows a surface: its height, and the previous height of the surface [m]."""
+_FORCE, _RATE, _DRIVE = range(3)
+"""Indices of the state of the resonance: force [N], its rate [N/s], and the previous drive [N]."""
+
+
+def transmit(load_n: Array) -> Array:
+    """Fraction of a shaking force that reaches the contact: all of it under load, and none without contact.
+
+    It begins in proportion to the load. A force that began all at once, between two points of the grid, would have no
+    order 2.
+    """
+    return np.asarray(load_n / (load_n + LOAD_SCALE_N))
+
+
+class ProfileForce:
+    """Force with which a surface profile shakes a pad, chunk by chunk.
+
+    Below the resonance of the finger's mass on the hand, the hand moves up and down with the surface. Above it the mass
+    stays where it is and the pad deforms. A first-order high-pass filter models this (assumption: the hand is well
+    damped).
+    """
+
+    def __init__(self, pad: Pad, profile: SurfaceProfile, step_s: float) -> None:
+        self._stiffness_at_1n = pad.normal_stiffness_n_per_m(1.0)
+        self._profile, self._step_s = profile, step_s
+        self._hand_hz = pad.hand_hz
+        self._state: Array | None = None
+
+    def process(self, load_n: Array, path_m: Array) -> Array:
+        """Return the force [N] under a load [N] at positions along the profile [m]."""
+        height = self._profile.height_m(path_m)
+        if self._state is None:
+            self._state = np.array([height[0], height[0]])  # the hand has followed the surface so far
+        deflection = high_pass(height, self._step_s, self._hand_hz, self._state)
+        # The load N presses the pad into the profile: stiffness at the present force, and none without contact. It
+        # grows with N^(1/3), but begins in proportion to N: a force with a vertical slope would cost the order 2.
+        return self._stiffness_at_1n * load_n / cube_root(load_n + LOAD_SCALE_N) ** 2 * deflection
+
+
+class ContactResonance:
+    """Contact force from the force that drives the pad, chunk by chunk: a second-order low-pass with unit gain at 0 Hz.
+
+    Where the finger does not touch, the force is exactly 0 and the resonance restarts from zero. Where the surface
+    would have to pull, the force is 0.
+    """
+
+    def __init__(self, step_s: float, frequency_hz: float, damping_ratio: float) -> None:
+        w, zeta, h = 2 * math.pi * frequency_hz, damping_ratio, step_s
+        wd = w * math.sqrt(1 - zeta * zeta)
+        decay = math.exp(-zeta * w * h)
+        C, S = decay * math.cos(wd * h), decay * math.sin(wd * h) / wd
+        # For a drive that is a ramp, y = particular solution + e, where e decays freely: e'' + 2 zeta w e' + w^2 e = 0.
+        # One step multiplies (e, e') by this matrix.
+        self._free = (C + zeta * w * S, S, -w * w * S, C - zeta * w * S)
+        self._lag, self._step_s, self._state = 2 * zeta / w, h, np.zeros(3)
+
+    def process(self, drive_n: Array, load_n: Array, jump_n: Array | None = None) -> Array:
+        """Return the contact force [N] under a drive [N]; the finger touches where the load is above 0.
+
+        A drive may jump by `jump_n` right after the previous point.
+        """
+        out = np.zeros(len(drive_n))
+        jumps = np.zeros(len(drive_n)) if jump_n is None else jump_n
+        _resonate(self._free, self._lag, self._step_s, drive_n, jumps, load_n, self._state, out)
+        return out
+
+
+def high_pass(height_m: Array, step_s: float, follow_hz: float, state: Array) -> Array:
+    """Deflection of a pad over heights [m] whose part below `follow_hz` the hand follows. Units: `state` [m]."""
+    w = 2 * math.pi * follow_hz
+    deflection = np.zeros(len(height_m))
+    _high_pass(math.exp(-w * step_s), 1 / w, step_s, height_m, state, deflection)
+    return deflection
+
+
+def _high_pass_loop(
+    decay: float,
+    lag: float,
+    h: float,
+    heights: Sequence[float],
+    state: MutableSequence[float],
+    out: MutableSequence[float],
+) -> None:
+    """Subtract the height of the hand, a first-order low-pass of the heights that is exact for straight lines."""
+    hand, before = state[_HAND], state[_HEIGHT]
+    for i in range(len(heights)):
+        now = heights[i]
+        # On a ramp the hand stays `lag` seconds behind; what differs from that decays.
+        behind = lag * ((now - before) / h)
+        hand = (hand - before + behind) * decay + now - behind
+        before = now
+        out[i] = now - hand
+    state[_HAND], state[_HEIGHT] = hand, before
+
+
+def _resonance_loop(
+    free: tuple[float, float, float, float],
+    lag: float,
+    h: float,
+    drive: Sequence[float],
+    jump: Sequence[float],
+    load: Sequence[float],
+    state: MutableSequence[float],
+    out: MutableSequence[float],
+) -> None:
+    a11, a12, a21, a22 = free
+    y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]
+    for i in range(len(drive)):
+        before += jump[i]
+        now = drive[i]
+        if load[i] > 0.0:
+            # Subtract the particular solution (drive - lag * ramp), advance the free part, add the solution again.
+            ramp = (now - before) / h
+            e, de = y - (before - lag * ramp), rate - ramp
+            y = a11 * e + a12 * de + now - lag * ramp
+            rate = a21 * e + a22 * de + ramp
+        else:
+            y = rate = 0.0
+        before = now
+        out[i] = y if y > 0.0 else 0.0
+    state[_FORCE], state[_RATE], state[_DRIVE] = y, rate, before
+
+
+_high_pass = CompiledLoop(_high_pass_loop, outputs=2, samples="heights", plain_us=0.3)
+_resonate = CompiledLoop(_resonance_loop, outputs=2, samples="drive", plain_us=0.35)

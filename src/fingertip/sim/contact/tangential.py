@@ -2,7 +2,7 @@
 
 States: position x [m] and velocity v [m/s] of the pad, and state s of its bristles [m sqrt(N)]. The carriage, the
 moving part of the linear stage that drags the pad, has position X and velocity V. N is the normal force. The equations
-cover stick, incipient slip and gross slip (`fingertip.sim.contact.friction`):
+cover stick, incipient slip and gross slip (`fingertip.sim.contact.surfaces`):
 
     z  = c s,   c = 1 / sqrt(N + N0),   L = v - sigma0 |v| z / g(v)
     ds/dt   = N c L - r(N, z) s
@@ -30,7 +30,7 @@ from fingertip.foundation.validation import (
     raise_issues,
     round_down,
 )
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
 
 MAX_PHASE = 0.5
 """Longest step, as the angle by which the stuck pad oscillates on its bristles in one step [rad].
@@ -44,11 +44,8 @@ class Mount:
     """Spring and damper between the pad and the carriage that drags it. Raises TraceError."""
 
     mass_kg: float
-    """Mass that moves with the pad [kg]."""
     stiffness_n_per_m: float
-    """Tangential stiffness [N/m]."""
     damping_n_s_per_m: float
-    """Tangential damping [N s/m]."""
 
     def __post_init__(self) -> None:
         raise_issues(
@@ -65,11 +62,8 @@ class PadMotion:
     """Motion of the pad at the points of the time grid."""
 
     position_m: Array
-    """Position [m]."""
     velocity_m_s: Array
-    """Velocity [m/s]."""
     bristle_m: Array
-    """Mean bristle deflection [m]."""
 
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:
@@ -113,10 +107,7 @@ class DraggedPad:
         self._last: tuple[Array, ...] = (np.zeros(0),) * 3
 
     def process(self, carriage_m: Array, carriage_m_s: Array, normal_n: Array) -> PadMotion:
-        """Follow the pad over the next points of the grid; the first chunk begins with the initial point.
-
-        Raises TraceError.
-        """
+        """Follow the pad over the next points; the first chunk begins with the initial point. Raises TraceError."""
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
         friction, mount = self._friction, self._mount
         raise_issues(find_step_issues(friction, mount, self._step_s, float(np.max(normal_n, initial=0.0))))
@@ -156,7 +147,6 @@ def _drag_loop(
     vs_out: MutableSequence[float],
     zs: MutableSequence[float],
 ) -> None:
-    """Integrate the pad's motion by ROS2."""
     mu_c, drop, vs = curve  # drop = mu_s - mu_c, vs = Stribeck velocity
     s0, s1, s2, relax_per_s, N0 = sigma
     m, k, d = mount

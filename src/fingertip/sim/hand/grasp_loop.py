@@ -2,7 +2,7 @@
 
 States: position X [m] and velocity V [m/s] of the object; for each pad, position x [m] and velocity v [m/s] relative to
 its finger and bristle state s [m sqrt(N)]. With w = v - V, the velocity of the pad over the object, normal forces N,
-and friction as in `fingertip.sim.contact.friction`:
+and friction as in `fingertip.sim.contact.surfaces`:
 
     z       = c s,   c = 1 / sqrt(N + N0),   L = w - sigma0 |w| z / g(w)
     ds/dt   = N c L - r(N, z) s
@@ -11,7 +11,7 @@ and friction as in `fingertip.sim.contact.friction`:
     M dV/dt = weight + sum N mu + pin,   pin = kp p (1 + lambda dp/dt), p = Xp - X > 0
 
 Xp is the position of the pin. Its contact model is that of Hunt and Crossley (Trans. ASME J. Applied Mechanics 42(2),
-1975, doi:10.1115/1.3423596). Friction is LuGre friction as in `fingertip.sim.contact.friction`. The method is ROS2 with
+1975, doi:10.1115/1.3423596). Friction is LuGre friction as in `fingertip.sim.contact.surfaces`. The method is ROS2 with
 the analytic Jacobian, as in `fingertip.sim.contact.tangential`. The fingers are coupled through the velocity of the
 object only, so each one is eliminated by itself, and one scalar equation for the object remains.
 """
@@ -22,7 +22,7 @@ import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.foundation.jit import CompiledLoop
-from fingertip.sim.contact.friction import ROS2_GAMMA
+from fingertip.sim.contact.surfaces import ROS2_GAMMA
 
 PAD_STATES = 3
 """Number of states of each pad: x, v, s. The pads come first in the state."""
@@ -33,7 +33,6 @@ OBJECT_STATES = 3
 _A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1, _KX1, _KV1, _KS1, _S, _E, _RX, _RS2 = range(17)
 """Indices of the values kept for each finger between the parts of a step, named like the variables of the loop."""
 SCRATCH_SIZE = 17
-"""Number of these values."""
 
 
 def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) -> float:
@@ -46,7 +45,7 @@ def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) ->
 
 
 def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, float]:
-    """Rate r(N, z) at which bristles relax, and the derivative of r by s, times s (`fingertip.sim.contact.friction`).
+    """Rate r(N, z) at which bristles relax, and the derivative of r by s, times s (`fingertip.sim.contact.surfaces`).
 
     The arguments are the rate R, N / N0, and sigma0 z / mu_s.
     """
@@ -79,7 +78,6 @@ def _grasp_loop(
     object_out: MutableSequence[float],
     pin_out: MutableSequence[float],
 ) -> None:
-    """Integrate object and pads by ROS2."""
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
     # relaxation, N0; stiffness and damping of the pin. Arrays hold one finger after the other: mount (mass, stiffness,
     # damping), state (x, v, s), load.

@@ -27,11 +27,9 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.hand.manipulation_file import Hand, ManipulationFile
+from fingertip.sim.files.manipulation import Hand, ManipulationFile
 from fingertip.sim.hand.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
 from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.scene.scene_file import find_filtered_issues
-from fingertip.sim.signal.comparator import describe_missing_comparator
 from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
 from fingertip.slip.traces.intervals import Interval, intervals
 from fingertip.slip.traces.origin import Origin
@@ -52,11 +50,9 @@ class ManipulationResult:
     plan: MotionPlan
     """Moments and forces as drawn."""
     signals: HandSignals
-    """Signals of fingers and object."""
     lost_s: float | None
     """Moment at which the object left the fingers [s]. None: it was held to the end."""
     stages: tuple[StageCost, ...]
-    """Stages that ran, with their cost."""
 
     @property
     def time_s(self) -> Array:
@@ -193,17 +189,16 @@ def run_manipulation(
 
 def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> Observation:
     """Collect what a controller sees: the samples since its last command."""
-    fingers = stepper.chunks[-1].fingers
-    voltages = [finger.voltage_v for finger in fingers if finger.voltage_v is not None]
-    envelopes = [finger.sampled_envelope_v for finger in fingers if finger.sampled_envelope_v is not None]
-    filtered = [finger.sampled_filtered_v for finger in fingers if finger.sampled_filtered_v is not None]
+    chunk = stepper.chunks[-1]
+    voltage_v = chunk.find("voltage_v")
+    assert voltage_v is not None
     return Observation(
         time_s,
-        np.stack(voltages),
+        voltage_v,
         stepper.motors.closing_m.copy(),
         planned_m,
-        np.stack(envelopes) if envelopes else None,
-        np.stack(filtered) if filtered else None,
+        chunk.find("sampled_envelope_v"),
+        chunk.find("sampled_filtered_v"),
     )
 
 
@@ -238,9 +233,7 @@ def _collect_result(stepper: ManipulationStepper) -> ManipulationResult:
 
 
 def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Issue]:
-    issues = []
-    if seed < 0:
-        issues.append(Issue("--seed", f"{seed} is negative; choose a whole number of at least 0."))
+    issues = list(scene.find_design_issues(design, seed))
     needed, available = thumb_force_n(scene, scene.grasp.max_margin), scene.hand.max_force_n
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
     if needed > strongest:
@@ -250,7 +243,4 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     elif needed > available:
         message = f"{available:g} N is less than the thumb needs for {mass_kg:g} kg; at least {round_up(needed):g} N."
         issues.append(Issue("hand.max_force_n", message))
-    if "slip_pin_v" in scene.outputs and design.board.variant != "comparator":
-        issues.append(Issue("outputs", describe_missing_comparator(design)))
-    issues.extend(find_filtered_issues(design, scene.outputs))
     return issues

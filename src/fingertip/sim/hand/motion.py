@@ -1,22 +1,24 @@
-"""Plan of a manipulation: the values that the seed draws, and the moments of all events."""
+"""Motion of a hand: plan of a manipulation with the values that the seed draws, controller, and motors."""
 
 from __future__ import annotations
 
+import math
 import random
-from dataclasses import dataclass
+from collections.abc import MutableSequence, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
+from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import SURFACES
-from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.scene.timeline import ACCELERATION_M_S2, OPEN_S, TrapezoidalMove, smoothstep
+from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
+from fingertip.sim.contact.surfaces import SURFACES, Friction
+from fingertip.sim.files.manipulation import Hand, ManipulationFile
+from fingertip.sim.files.schema import ACCELERATION_M_S2
+from fingertip.sim.scene.timeline import OPEN_S, TrapezoidalMove, smoothstep
 
 GRAVITY_M_S2 = 9.80665
-"""Standard acceleration of gravity [m/s2]."""
 CLEARANCE_M = 2e-3
 """Distance ahead of the object at which the pin has reached its velocity [m]. Assumption."""
 REACH_SPREAD_M = 2e-3
@@ -31,21 +33,17 @@ class MotionPlan:
     friction: Friction
     """Friction as drawn. The hand plans with the nominal friction of the surface."""
     force_n: Array
-    """Planned holding force of each finger [N]."""
     reach_m: Array
     """Closing at which each finger touches [m]."""
     goal_m: Array
     """Closing at which each finger presses with its force [m]."""
     closed_s: float
-    """Moment at which the hand has closed."""
     released_s: float
     """Moment from which only the hand holds the object."""
     knock_s: float
     """Moment at which the pin touches the object. Without a pin, the end of the recording."""
     pin: TrapezoidalMove | None
-    """Motion of the pin, if there is one."""
     duration_s: float
-    """End of the recording."""
 
     def planned_m(self, time_s: Array) -> Array:
         """Closing of each finger without control [m], (fingers, times)."""
@@ -147,3 +145,203 @@ class FixedGrip:
     def step(self, observation: Observation) -> Array:
         """Return the planned closing [m]."""
         return observation.planned_m
+
+
+# Motors of the hand: from commands to the closing of each finger and the force with which it presses.
+#
+# A command is the closing of a finger [m], counted from the open hand. It reaches the motors after a delay. The motors
+# follow with a first-order lag and a maximum velocity. Ring and little finger share one motor (article, III.C): the
+# larger command moves both. A finger that closes beyond the touch deflects its pad and the hand behind it
+# (`fingertip.sim.contact.pad`), and its force F satisfies
+#
+#     closing - reach -+ q = F / k + c F^(2/3)
+#
+# The object moves by q between thumb and fingers until both sides press with the same force. Its mass in that direction
+# is neglected, because tendon drives damp any oscillation there (assumption).
+
+SHARED_MOTOR = ("ring", "little")
+POSITION_TOLERANCE_M = 1e-9
+"""Distance from its command at which a motor stops [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotorMotion:
+    """Motion of the fingers at the next points, (fingers, points)."""
+
+    closing_m: Array
+    force_n: Array
+    """Force with which the finger presses [N]."""
+    vibration_n: Array
+    """Force with which the motor shakes its finger [N]."""
+    jump_n: Array
+    """Jump of this force right after the previous point, where a new command changes the velocity [N]."""
+
+
+@dataclass
+class Motors:
+    """Closing of the fingers and the forces they press with, carried from chunk to chunk."""
+
+    hand: Hand
+    pad: Pad
+    fingers: tuple[str, ...]
+    reach_m: Array
+    """Closing at which each finger touches [m]."""
+    step_s: float
+    closing_m: Array = field(init=False)
+    _phase: Array = field(init=False)  # phase of each motor's vibration [rad]
+    _shaking: Array = field(init=False)  # present force of each motor's vibration [N]
+    _moved: Array = field(init=False)  # 1 if a finger has moved since the forces were balanced
+    _root: Array = field(init=False)  # cube root of each force [N^(1/3)], the start of Newton's method
+
+    def __post_init__(self) -> None:
+        count = len(self.fingers)
+        self._moved = np.ones(1)
+        self.closing_m, self._phase, self._shaking, self._root = (np.zeros(count) for _ in range(4))
+
+    @property
+    def stall_closing_m(self) -> Array:
+        """Closing at which each tendon stalls while the other side stands still [m]."""
+        return self.reach_m + self.pad.depth_m(self.hand.max_force_n)
+
+    def follow(self, command_m: Array) -> MotorMotion:
+        """Advance the motors over a chunk."""
+        goal = np.clip(command_m, 0.0, self.stall_closing_m[:, None])
+        if all(name in self.fingers for name in SHARED_MOTOR):
+            both = [self.fingers.index(name) for name in SHARED_MOTOR]
+            goal[both] = goal[both].max(axis=0)
+        count, length = goal.shape
+        closing, force, vibration, jump = (np.zeros(count * length) for _ in range(4))
+        h, hand = self.step_s, self.hand
+        _follow(
+            (hand.lag_s, hand.rate_m_s, 2 * math.pi * hand.motor_hz, hand.motor_n), h,
+            (HAND_N_PER_M, self.pad.hertz_m_per_n23), count, length, self.reach_m, goal.ravel(),
+            self.closing_m, self._phase, self._shaking, self._moved, self._root, closing, force, vibration, jump,
+        )  # fmt: skip
+        return MotorMotion(*(row.reshape(goal.shape) for row in (closing, force, vibration, jump)))
+
+
+def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
+    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0, the cube root of a force, with Newton's method.
+
+    The function is convex, so from its first step at the latest the iteration approaches the root from above.
+    """
+    if depth <= 0.0:
+        return 0.0
+    n = start if start > 0.0 else math.sqrt(depth / c)
+    for _ in range(60):
+        step = (n * n * (n / k + c) - depth) / (n * (3 * n / k + 2 * c))
+        n -= step
+        if abs(step) <= 1e-14 * n:
+            break
+    return n
+
+
+def approach(distance: float, h: float, lag: float, rate: float) -> float:
+    """Distance to the command after a step, for a first-order lag with limited velocity: exact, also across the limit.
+
+    A motor that is closer than `POSITION_TOLERANCE_M` stands still.
+    """
+    size = distance if distance >= 0.0 else -distance
+    if size <= POSITION_TOLERANCE_M:
+        return distance
+    limited = (size - rate * lag) / rate  # time for which the velocity stays at its limit
+    if limited >= h:
+        size -= rate * h
+    elif limited > 0.0:
+        size = rate * lag * math.exp(-(h - limited) / lag)
+    else:
+        size *= math.exp(-h / lag)
+    return size if distance >= 0.0 else -size
+
+
+def speed_share(distance: float, lag: float, rate: float) -> float:
+    """Velocity at a distance from the command, as a fraction of the maximum."""
+    size = distance if distance >= 0.0 else -distance
+    if size <= POSITION_TOLERANCE_M:
+        return 0.0
+    share = size / (lag * rate)
+    return share if share < 1.0 else 1.0
+
+
+def _motor_loop(
+    motor: tuple[float, float, float, float],
+    h: float,
+    spring: tuple[float, float],
+    count: int,
+    length: int,
+    reach: Sequence[float],
+    goal: Sequence[float],
+    position: MutableSequence[float],
+    phase: MutableSequence[float],
+    shaking: MutableSequence[float],
+    moved: MutableSequence[float],
+    root: MutableSequence[float],
+    closing: MutableSequence[float],
+    force: MutableSequence[float],
+    vibration: MutableSequence[float],
+    jump: MutableSequence[float],
+) -> None:
+    """Advance the motors, and solve the balance of forces between thumb and fingers."""
+    lag, rate, w, amplitude = motor
+    k, c = spring
+    for s in range(length):
+        # Motors: a first-order lag towards the command with limited velocity, solved exactly; vibration in proportion
+        # to the velocity, which jumps with the command.
+        for i in range(count):
+            before = goal[i * length + s] - position[i]
+            after = approach(before, h, lag, rate)
+            if after != before:
+                moved[0] = 1.0
+            position[i] += before - after
+            start = amplitude * speed_share(before, lag, rate) * math.sin(phase[i])
+            jump[i * length + s] = start - shaking[i]
+            phase[i] = (phase[i] + w * (abs(before - after) / rate)) % (2 * math.pi)
+            shaking[i] = amplitude * speed_share(after, lag, rate) * math.sin(phase[i])
+            vibration[i * length + s] = shaking[i]
+            closing[i * length + s] = position[i]
+        if moved[0] > 0.0:
+            # Balance of forces: find the thumb's root n, so that all fingers together press with n^3. The larger n, the
+            # deeper the thumb's pad is compressed and the less the fingers are. So the difference between their force
+            # and n^3 falls with n and has one root. Its upper bound is the force of the fingers on a rigid thumb.
+            thumb_travel = position[0] - reach[0]
+            low = total = 0.0
+            for i in range(1, count):
+                root[i] = solve_force_root(position[i] - reach[i] + thumb_travel, k, c, root[i])
+                total += root[i] * root[i] * root[i]
+            if total <= 0.0:
+                n = 0.0
+            else:
+                high = total ** (1 / 3)
+                n = root[0] if 0.0 < root[0] < high else 0.5 * high
+                # Newton's method within the bracket [low, high], with bisection where a step leaves it. m is the root
+                # of a finger.
+                for _ in range(200):
+                    thumb_depth = n * n * (n / k + c)
+                    total = 0.0
+                    slope = 0.0
+                    for i in range(1, count):
+                        m = solve_force_root(position[i] - reach[i] + thumb_travel - thumb_depth, k, c, root[i])
+                        root[i] = m
+                        total += m * m * m
+                        if m > 0.0:
+                            slope += 3 * m / (3 * m / k + 2 * c)
+                    excess = total - n * n * n
+                    if excess > 0.0:
+                        low = n
+                    else:
+                        high = n
+                    guess = n + excess / (slope * n * (3 * n / k + 2 * c) + 3 * n * n)
+                    if not low < guess < high:
+                        guess = 0.5 * (low + high)
+                    done = abs(guess - n) <= 1e-13 * high
+                    n = guess
+                    if done:
+                        break
+            root[0] = n
+            moved[0] = 0.0
+        for i in range(count):
+            force[i * length + s] = root[i] * root[i] * root[i]
+
+
+_follow = CompiledLoop(_motor_loop, solve_force_root, approach, speed_share, outputs=9, samples="force", plain_us=5.0)
+"""Advances closing, phase, vibration and root of each finger, and fills the fields of `MotorMotion`."""

@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.contact.surface_profile import SURFACES
+from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, SURFACES
 from fingertip.sim.contact.tangential import MAX_PHASE
+from fingertip.sim.files.manipulation import ManipulationFile
 from fingertip.sim.hand import grasp_loop
-from fingertip.sim.hand.manipulation_file import ManipulationFile
-from fingertip.sim.hand.motion import MotionPlan
-from fingertip.sim.hand.motors import Motors
+from fingertip.sim.hand.motion import MotionPlan, Motors
 from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
 
@@ -34,30 +32,20 @@ class HandSignals:
     """Signals of a manipulation at the instants of the ADC: (fingers, samples), those of the object (samples,)."""
 
     time_s: Array
-    """Time [s]."""
     fingers: tuple[FingerSignals, ...]
     """Signals of each finger. Its velocity is that of the object over the pad, the opposite of a scene's."""
     closing_m: Array
-    """Closing of each finger [m]."""
     command_m: Array
-    """Commanded closing of each finger [m]."""
     object_m: Array
-    """Position of the object [m]."""
     pin_n: Array
-    """Force of the pin [N]."""
 
     @classmethod
     def join(cls, chunks: list[HandSignals]) -> HandSignals:
         """Join the signals of consecutive chunks."""
         by_finger = zip(*(chunk.fingers for chunk in chunks), strict=True)
-        return cls(
-            np.concatenate([chunk.time_s for chunk in chunks]),
-            tuple(FingerSignals.join([*parts]) for parts in by_finger),
-            np.concatenate([chunk.closing_m for chunk in chunks], axis=1),
-            np.concatenate([chunk.command_m for chunk in chunks], axis=1),
-            np.concatenate([chunk.object_m for chunk in chunks]),
-            np.concatenate([chunk.pin_n for chunk in chunks]),
-        )
+        names = [field.name for field in fields(cls) if field.name != "fingers"]
+        joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks], axis=-1) for name in names}
+        return cls(fingers=tuple(FingerSignals.join([*parts]) for parts in by_finger), **joined)
 
     def find(self, name: str) -> Array | None:
         """Return a signal by the name of its output, or None if it was not computed."""
@@ -89,11 +77,9 @@ class ManipulationStepper:
     pad: Pad
     seed: int
     outputs: frozenset[str]
-    """Names of the outputs to compute."""
     grid: Grid
     meter: CostMeter = field(default_factory=CostMeter)
     chunks: list[HandSignals] = field(default_factory=list)
-    """Signals of the chunks so far."""
 
     def __post_init__(self) -> None:
         scene, plan, count = self.scene, self.plan, len(self.scene.fingers)
@@ -112,8 +98,7 @@ class ManipulationStepper:
         self._samplers = [Sampler() for _ in range(2 * count + 2)]
         self._fingers = [Finger(self._set_up(i), self.grid, self.outputs, self.meter) for i in range(count)]
         still, none = np.zeros((count, 1)), np.zeros(1)
-        drives = [self._drive(still, still, still, still, still, still, none, i) for i in range(count)]
-        self._record(still, still, drives, none, none)
+        self._record(still, still, _describe_drives(still, still, still, still, still, still, none), none, none)
 
     @property
     def is_lost(self) -> bool:
@@ -138,33 +123,8 @@ class ManipulationStepper:
         pressed_n = self.scene.knock.normal_share * pin_n
         shares = [1.0, *[-1.0 / (count - 1)] * (count - 1)]
         pushes = motors.vibration_n + np.array(shares)[:, None] * pressed_n
-        drives = [
-            self._drive(loads[:, 1:], pushes, motors.jump_n, shear, over_object_m_s, bristle, object_m, i)
-            for i in range(count)
-        ]
+        drives = _describe_drives(loads[:, 1:], pushes, motors.jump_n, shear, over_object_m_s, bristle, object_m)
         self._record(motors.closing_m, command_m, drives, object_m, pin_n)
-
-    @staticmethod
-    def _drive(
-        loads: Array,
-        pushes: Array,
-        jumps: Array,
-        shear: Array,
-        over_object_m_s: Array,
-        bristle: Array,
-        object_m: Array,
-        i: int,
-    ) -> FingerDrive:
-        """Loads and motion of one finger. The object moves under the pad, so the pad moves backwards over it."""
-        return FingerDrive(
-            load_n=loads[i],
-            push_n=pushes[i],
-            push_jump_n=jumps[i],
-            path_m=object_m - shear[i],
-            velocity_m_s=np.where(loads[i] > 0.0, over_object_m_s[i], 0.0),
-            bristle_m=bristle[i],
-            shear_m=shear[i],
-        )
 
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
         """Compute shear, velocity over the object and bristles of each pad, position of the object, and pin force."""
@@ -218,13 +178,19 @@ class ManipulationStepper:
             profile_start_m=-PROFILE_MARGIN_M,
             profile_length_m=PROFILE_MARGIN_M + scene.object.length_m,
             patch_average=scene.object.patch_average,
-            sensing=scene.sensing,
-            converter=scene.converter,
-            drift=scene.drift,
-            cable=scene.cable,
-            noise=scene.noise,
+            path=scene,
             event_origin_s=self.plan.closed_s,
         )
+
+
+def _describe_drives(
+    loads: Array, pushes: Array, jumps: Array, shear: Array, speeds: Array, bristles: Array, object_m: Array
+) -> list[FingerDrive]:
+    """Loads and motion of each finger. The object moves under the pad, so the pad moves backwards over it."""
+    return [
+        FingerDrive(load, push, jump, object_m - bent, np.where(load > 0.0, speed, 0.0), bristle, bent)
+        for load, push, jump, bent, speed, bristle in zip(loads, pushes, jumps, shear, speeds, bristles, strict=True)
+    ]
 
 
 def _turn_velocity(finger: FingerSignals) -> FingerSignals:
@@ -235,7 +201,6 @@ def _turn_velocity(finger: FingerSignals) -> FingerSignals:
 
 
 def _refine(values: Array, parts: int) -> Array:
-    """Insert points on the straight lines between the columns of an array."""
     if parts == 1:
         return values.copy()
     fraction = np.arange(1, parts + 1) / parts

@@ -1,6 +1,6 @@
 """Run a scene: its events drive one finger, chunk by chunk.
 
-A scene without a slide has no friction. A scene without vibration sources has no disturbances. Parts that no recorded
+A scene without a slide has no friction. A scene without vibration sources has no  Parts that no recorded
 output depends on do not run (`fingertip.sim.signal.finger`).
 """
 
@@ -10,7 +10,7 @@ import contextlib
 import functools
 import random
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,21 +22,23 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
-from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surface_profile import SURFACES, SurfaceProfile
+from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.scene import sliding as disturbances
-from fingertip.sim.scene.scene_file import SceneFile, find_scene_issues
-from fingertip.sim.scene.sliding import (
+from fingertip.sim.files.scene import SceneFile
+from fingertip.sim.scene.timeline import (
     CoupledPad,
     ErrorControlledPad,
     SlidingPad,
     SteppedPad,
+    Timeline,
+    build_timeline,
+    draw_motor_phases,
+    knock_force_n,
     make_elasto_plastic,
+    motor_force_n,
     mount_pad,
 )
-from fingertip.sim.scene.timeline import Timeline, build_timeline
 from fingertip.sim.signal.finger import (
     OF_BOARD,
     OF_BRIDGE,
@@ -68,13 +70,10 @@ class SceneRecord:
     scene: SceneFile
     seed: int
     force_n: float
-    """Holding force on this finger [N]."""
     samples: int
-    """Number of samples."""
     slips: tuple[Interval, ...]
     """True slips; empty if the scene does not record them."""
     stages: tuple[StageCost, ...]
-    """Stages that ran, with their cost."""
     sample_rate_hz: float
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
@@ -130,10 +129,7 @@ class SceneResult:
 
     @property
     def trace(self) -> Trace:
-        """Trace for a detector: voltage, and the true force and slip that it is evaluated against.
-
-        Raises TraceError.
-        """
+        """Trace for a detector: voltage, and the force and slip that it is evaluated against. Raises TraceError."""
         found = self.signals
         if found.voltage_v is None:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
@@ -163,7 +159,7 @@ class SceneRun:
         check_type("scene", self.scene, SceneFile, 'SceneFile.load("sliding_finger")')
         if self.grid is not None:
             check_type("grid", self.grid, Grid, "Grid(16)")
-        raise_issues(find_scene_issues(self.design, self.scene, self.seed))
+        raise_issues(self.scene.find_design_issues(self.design, self.seed))
         self.grid = self.grid or self._choose_grid()
 
     @functools.cached_property
@@ -227,7 +223,7 @@ class SceneRun:
         setup, feedback = self._set_up(), slides and self.scene.contact.feedback
         pad = self._build_pad(setup, self.grid) if slides else None
         finger = Finger(setup, self.grid, outputs, self.meter, feedback)
-        phases = disturbances.draw_motor_phases(self._open_random("motor"))
+        phases = draw_motor_phases(self._open_random("motor"))
         for first in range(0, count, size):
             time_s = self.grid.time_s(first, min(size, count - first))
             with self.meter.stage("load"):
@@ -244,7 +240,7 @@ class SceneRun:
     def _choose_grid(self) -> Grid:
         if not self.scene.slide.distance_m:
             return Grid()
-        plain = Friction(**(vars(self.friction) | {"elastic": 0.0}))
+        plain = replace(self.friction, elastic=0.0)
         longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
         return Grid.finer_than(longest)
 
@@ -260,11 +256,7 @@ class SceneRun:
             surface=SURFACES[scene.contact.surface] if slides else None,
             profile_length_m=scene.slide.distance_m,
             patch_average=scene.contact.patch_average,
-            sensing=scene.sensing,
-            converter=scene.converter,
-            drift=scene.drift,
-            cable=scene.cable,
-            noise=scene.noise,
+            path=scene,
             event_origin_s=self.timeline.held_s,
         )
 
@@ -288,9 +280,9 @@ class SceneRun:
         with self.meter.stage("disturbances"):
             push = np.zeros_like(time_s)
             if scene.tap.force_n:
-                push += disturbances.knock_force_n(scene.tap, held, time_s)
+                push += knock_force_n(scene.tap, held, time_s)
             if scene.motor.force_n:
-                push += disturbances.motor_force_n(scene.motor, phases, held, time_s)
+                push += motor_force_n(scene.motor, phases, held, time_s)
             return push
 
     def _open_random(self, purpose: str) -> random.Random:

@@ -1,4 +1,4 @@
-"""Timeline of a scene: the moments of its events, and the motions that follow from them.
+"""Timeline of a scene: the moments of its events, the motions that follow from them, and what shakes the contact.
 
 The motions are the force of the hand and the position of the carriage. Moves have trapezoidal velocity profiles with
 the article's values (section III.C, figures 8 and 9). The formulas use only sums, products, square and cube roots, so
@@ -8,23 +8,26 @@ that every processor gives the same bits.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import random
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.pad import Pad
-from fingertip.sim.scene.scene_file import SceneFile
+from fingertip.sim.contact import coupled
+from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
+from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, Friction, SurfaceProfile
+from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
+from fingertip.sim.files.scene import Motor, SceneFile, Tap
+from fingertip.sim.files.schema import ACCELERATION_M_S2
+from fingertip.sim.signal.finger import FingerDrive
+from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
 
 SLIDE_M = 0.04
-"""Length of the article's slide [m]."""
 LIFT_M = 0.05
 """Height by which the finger lifts at the end [m]."""
 LIFT_S = 2.0
 """Duration of that lift [s]."""
-ACCELERATION_M_S2 = 1.0
-"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
-second. This value gives 1.04 s."""
 APPROACH_M = 0.01
 """Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
 OPEN_S = 0.3
@@ -40,13 +43,9 @@ class TrapezoidalMove:
     """
 
     start_s: float
-    """Start [s]."""
     distance_m: float
-    """Distance [m]."""
     acceleration_m_s2: float
-    """Acceleration and deceleration [m/s2]."""
     peak_m_s: float
-    """Peak velocity [m/s]."""
 
     @classmethod
     def with_speed(
@@ -97,15 +96,11 @@ class Timeline:
 
     scene: SceneFile
     force_n: float
-    """Holding force on this finger [N]."""
     held_s: float
     """Moment at which the holding force is reached."""
     release_s: float
-    """Moment at which the release begins."""
     duration_s: float
-    """End of the recording."""
     slide: TrapezoidalMove | None
-    """Move of the surface under the finger, if it slides."""
     approach: TrapezoidalMove | None
     """Approach of a finger that presses; None for a grasp."""
     lift: TrapezoidalMove | None
@@ -169,3 +164,140 @@ def _events_end_s(scene: SceneFile) -> float:
     if cable.step_v or cable.hum_v:
         ends.append(cable.at_s + cable.duration_s)
     return max(ends)
+
+
+# Motion of a pad that a carriage drags over a surface, by one of three integrators, chunk by chunk.
+
+_FAST_CONTACT = coupled.NormalContact(2000.0, 1.0)
+"""Contact that follows the load, because it is far faster than any change of the load."""
+_TOLERANCE_N = 1e-6
+"""Permitted error of one step of the error-controlled integration [N]."""
+
+
+def mount_pad(pad: Pad, force_n: float) -> Mount:
+    """Tangential mount of a pad at a holding force [N]."""
+    k = pad.tangential_stiffness_n_per_m(force_n)
+    return Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
+
+
+def make_elasto_plastic(friction: Friction) -> Friction:
+    """Return the same friction with bristles that do not creep below breakaway."""
+    return replace(friction, elastic=ELASTO_PLASTIC)
+
+
+class SteppedPad:
+    """Pad with plain bristles, integrated with the steps of the grid. The contact force follows elsewhere."""
+
+    def __init__(self, friction: Friction, mount: Mount, grid: Grid, meter: CostMeter) -> None:
+        self._pad, self._meter = DraggedPad(friction, mount, grid.step_s), meter
+
+    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
+        """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and forces [N]."""
+        with self._meter.stage("friction", 3, 2 * len(load_n)):
+            motion = self._pad.process(carriage_m, carriage_m_s, load_n)
+        return _describe(motion, carriage_m, load_n, push_n)
+
+
+class ErrorControlledPad:
+    """Pad with elasto-plastic bristles, integrated with error control. The contact force follows elsewhere."""
+
+    def __init__(self, friction: Friction, mount: Mount, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
+        self._contact = coupled.CoupledContact(friction, mount, _FAST_CONTACT, grid.step_s, max_load_n, _TOLERANCE_N)
+        self._meter = meter
+
+    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
+        """Follow the pad over the next points."""
+        with self._meter.stage("friction", coupled.STATES):
+            motion = self._contact.process(carriage_m, carriage_m_s, load_n)
+        self._meter.add(StageCost("friction", coupled.STATES, motion.evaluations, 0.0))
+        return _describe(motion, carriage_m, load_n, push_n)
+
+
+class CoupledPad:
+    """Pad whose vibration acts back on friction; the profile is read along the path that results without that."""
+
+    def __init__(
+        self,
+        friction: Friction,
+        mount: Mount,
+        pad: Pad,
+        held_n: float,
+        profile: SurfaceProfile,
+        grid: Grid,
+        max_load_n: float,
+        meter: CostMeter,
+    ) -> None:
+        plain = replace(friction, elastic=0.0)
+        self._first = DraggedPad(plain, mount, grid.step_s)
+        self._profile = ProfileForce(pad, profile, grid.step_s)
+        hand_ratio = HAND_N_PER_M / pad.normal_stiffness_n_per_m(held_n)
+        normal = coupled.NormalContact(pad.resonance_hz(held_n), DAMPING_RATIO, hand_ratio)
+        self._contact = coupled.CoupledContact(friction, mount, normal, grid.step_s, max_load_n, _TOLERANCE_N)
+        self._meter = meter
+
+    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
+        """Follow the pad over the next points. The contact force is part of the result."""
+        with self._meter.stage("coupled contact", coupled.STATES, 2 * len(load_n)):
+            first = self._first.process(carriage_m, carriage_m_s, load_n)
+            pressing = load_n + self._profile.process(load_n, first.position_m)
+            if push_n is not None:
+                pressing = pressing + transmit(load_n) * push_n
+            motion = self._contact.process(carriage_m, carriage_m_s, pressing)
+        self._meter.add(StageCost("coupled contact", coupled.STATES, motion.evaluations, 0.0))
+        contact_n = np.where(load_n > 0.0, motion.force_n, 0.0)
+        return _describe(motion, carriage_m, load_n, push_n, contact_n)
+
+
+SlidingPad = SteppedPad | ErrorControlledPad | CoupledPad
+"""Pad on a carriage."""
+
+
+def _describe(
+    motion: PadMotion | coupled.CoupledMotion,
+    carriage_m: Array,
+    load_n: Array,
+    push_n: Array | None,
+    contact_n: Array | None = None,
+) -> FingerDrive:
+    return FingerDrive(
+        load_n=load_n,
+        push_n=push_n,
+        path_m=motion.position_m,
+        velocity_m_s=motion.velocity_m_s,
+        bristle_m=motion.bristle_m,
+        shear_m=carriage_m - motion.position_m,
+        contact_n=contact_n,
+    )
+
+
+# Disturbances that are not slip: knocks and motors shake the contact.
+
+MOTOR_RAMP_S = 0.02
+"""Time in which the vibration of a motor starts and stops [s]. Assumption."""
+
+
+def knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
+    """Force of the knocks [N]. Each one rises and falls as a smooth step."""
+    total = np.zeros_like(time_s)
+    for i in range(tap.count):
+        t = (time_s - held_s - tap.at_s - i * tap.interval_s) / tap.rise_s
+        total += smoothstep(t) - smoothstep(t - 1)
+    return tap.force_n * total
+
+
+def draw_motor_phases(rng: random.Random) -> tuple[float, float]:
+    """Draw the phases of fundamental and second harmonic [rad]."""
+    return 2 * math.pi * rng.random(), 2 * math.pi * rng.random()
+
+
+def motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array) -> Array:
+    """Force of the motors' vibration [N]. Units: `phases` [rad]."""
+    w = 2 * math.pi * motor.frequency_hz
+    t = time_s - held_s - motor.at_s
+    envelope = smoothstep(t / MOTOR_RAMP_S) - smoothstep((t - motor.duration_s) / MOTOR_RAMP_S + 1)
+    force = np.zeros_like(t)
+    # math.sin point by point: the last bit of a vectorised sine varies between processors.
+    for i in np.flatnonzero(envelope).tolist():
+        x = w * float(t[i])
+        force[i] = math.sin(x + phases[0]) + motor.harmonic * math.sin(2 * x + phases[1])
+    return motor.force_n * envelope * force

@@ -13,10 +13,13 @@ with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test
 from __future__ import annotations
 
 import math
+import random
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import EnvelopeModel, model_envelope
@@ -26,12 +29,11 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, TACTILE, VMID, Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import (
-    find_negative_values,
+    find_negative,
     find_not_positive,
-    find_values_not_positive,
     raise_issues,
 )
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
@@ -42,7 +44,6 @@ from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 # as z = (x, u, slope of u, 1), so one matrix exponential of that larger system holds everything (C. Van Loan, IEEE
 # Trans. Automatic Control 23(3), 1978, doi:10.1109/TAC.1978.1101743). The shortest step's exponential is a Taylor
 # series; each longer one is the square of the one before (scaling and squaring).
-
 
 _TERMS = 10  # of the Taylor series, for a norm of at most 1/16: the next term is below 1e-20
 
@@ -112,15 +113,12 @@ class AnalogBoard:
     """Voltage at which both amplifiers' outputs saturate, of either sign [V]; None: they never do."""
 
     def __post_init__(self) -> None:
-        issues = []
-        for name, value in self.components.items():
-            unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues.extend(find_values_not_positive(f"board.{name}", value, unit, example))
+        issues = _find_component_issues(self.components)
         d = self.diode
-        issues.extend(find_values_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
-        issues.extend(find_values_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
-        issues.extend(find_negative_values("diode.series_ohm", d.series_ohm, "ohm"))
-        issues.extend(find_values_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
+        issues.extend(find_not_positive("diode.saturation_a", d.saturation_a, "A", f"{SATURATION_A:g}"))
+        issues.extend(find_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
+        issues.extend(find_negative("diode.series_ohm", d.series_ohm, "ohm"))
+        issues.extend(find_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
         if self.rail_v is not None:
             issues.extend(find_not_positive("board.rail_v", self.rail_v, "V", "3.5"))
             if any(term.equation == term.net == FILTERED for term in self.network.terms if term.order):
@@ -164,10 +162,7 @@ class AnalogBoard:
             for name in values
             if name not in known
         ]
-        for name, value in values.items():
-            unit, example = ("ohm", "1000") if name.startswith("R") else ("F", "1e-6")
-            issues += find_values_not_positive(f"board.{name}", value, unit, example)
-        raise_issues(issues)
+        raise_issues([*issues, *_find_component_issues(values)])
         quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
         return replace(self, network=self.network.with_values(quantities))
 
@@ -187,6 +182,11 @@ class AnalogBoard:
     def envelope_gain(self) -> Value:
         """Gain from the positive half waves of the filtered voltage to the envelope; 1 for a bare diode."""
         return 1.0 if self.rectifier == "diode" else self.envelope.gain(self.network.values)
+
+
+def _find_component_issues(values: Mapping[str, Value]) -> list[Issue]:
+    examples = {name: ("ohm", "1000") if name.startswith("R") else ("F", "1e-6") for name in values}
+    return [issue for name in values for issue in find_not_positive(f"board.{name}", values[name], *examples[name])]
 
 
 def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
@@ -262,3 +262,27 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
     count = len(amplifier1_row)
     columns, outputs = (np.stack(found, axis=1).reshape(count, -1) for found in (step_columns, output_rows))
     return n, rows, columns, outputs, amplifier1_row
+
+
+# Monte Carlo samples of the board: components within their tolerances, for thousands of boards at once.
+
+RESISTOR_TOLERANCE = 0.01
+CAPACITOR_TOLERANCE = 0.05
+SATURATION_FACTOR = 2.0
+"""Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
+
+
+def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
+    """Draw boards with independent components, uniform within their tolerances. Raises TraceError."""
+    if count < 1:
+        raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
+    rng = random.Random(f"{seed}:boards")
+    nominal = board.components
+    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
+    values: dict[str, NDArray[np.float64]] = {
+        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
+        for i, (name, value) in enumerate(nominal.items())
+    }
+    factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
+    saturation = np.asarray(board.diode.saturation_a) * factors
+    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))

@@ -118,7 +118,6 @@ def _convert_loop(
     forces: Sequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Convert each force to the voltage of `TactileResponse.tactile_v`."""
     turn_on, scale, exponent, width = curve
     open_v, sensor_v, source_ohm, transfer_ohm = response
     # A finger in the air or at rest shows the same force for long.
@@ -135,7 +134,6 @@ _convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces
 
 
 # Force-sensing resistor: from the force on the pad to the force that the sensor shows.
-
 
 LOAD_SHIFT_PER_M = (1 - 0.035 / 0.32) / 6e-3
 """Fraction of the force that the sensor loses per metre by which the pad is sheared towards the base [1/m].
@@ -185,7 +183,6 @@ def _indicate_loop(
     state: MutableSequence[float],
     shown: MutableSequence[float],
 ) -> None:
-    """Apply the play operator, mixed in with its fraction, and creep."""
     p, loaded = state[_PLAY], state[_LOADED]
     for i in range(len(forces)):
         force = forces[i]

@@ -14,18 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
-from fingertip.sim.contact.surface_profile import Surface, SurfaceProfile, generate_profile
-from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
+from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
+from fingertip.sim.contact.surfaces import Friction, Surface, SurfaceProfile, generate_profile
+from fingertip.sim.files.schema import PathTables
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
-from fingertip.sim.signal.board_output import compute_input_noise_v
 from fingertip.sim.signal.bridge import Bridge, ForceSensor
-from fingertip.sim.signal.comparator import SlipPin
-from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter
-from fingertip.sim.signal.filter_board import AnalogStream
+from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
+from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
 from fingertip.sim.signal.grid import (
     CostMeter,
     Grid,
@@ -37,7 +35,6 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
-from fingertip.sim.signal.parameters import Cable, ConverterInput, Drift, Noise, Sensing
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
@@ -69,43 +66,31 @@ class FingerDrive:
     path_m: Array | None = None
     """Position of the pad over the surface [m]."""
     velocity_m_s: Array | None = None
-    """Velocity of the pad over the surface [m/s]."""
     bristle_m: Array | None = None
-    """Mean deflection of the bristles [m]."""
     shear_m: Array | None = None
-    """Shear of the pad [m]."""
     contact_n: Array | None = None
     """Normal force of the contact, if it is known already [N]."""
 
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at the instants of its converter. A signal that no output needs is None."""
+    """Signals of one finger at the instants of its converter, named as the outputs in `sim.files.schema`.
+
+    A signal that no output needs is None.
+    """
 
     time_s: Array
-    """Time [s]."""
     voltage_v: Array | None = None
-    """Tactile voltage as sampled by the ADC [V]."""
     force_n: Array | None = None
-    """True normal force [N]."""
     slip: NDArray[np.bool_] | None = None
-    """True gross slip; bristles that bend while the contact sticks do not count."""
     velocity_m_s: Array | None = None
-    """Velocity of the pad over the surface, including that bending [m/s]."""
     shear_m: Array | None = None
-    """Shear of the pad [m]."""
     tactile_v: Array | None = None
-    """Voltage ahead of the filter board, with the noise of its amplifiers [V]."""
     filtered_v: Array | None = None
-    """Output of the board's filter [V]."""
     envelope_v: Array | None = None
-    """Output of the board's rectifier [V]."""
     sampled_envelope_v: Array | None = None
-    """Output of the board's rectifier as sampled by the ADC [V]."""
     sampled_filtered_v: Array | None = None
-    """Output of the board's filter as sampled by the ADC, above signal ground [V]."""
     slip_pin_v: Array | None = None
-    """Voltage of the comparator's output, low while it reports slip [V]."""
 
     @classmethod
     def join(cls, chunks: list[FingerSignals]) -> FingerSignals:
@@ -119,9 +104,7 @@ class FingerSetup:
     """Everything that one finger is made of, before it moves."""
 
     design: Design
-    """Gives the board, the ADC and its noise."""
     pad: Pad
-    """Pad of the finger."""
     held_n: float
     """Holding force, for which the resonance of the contact is computed [N]."""
     friction: Friction
@@ -133,16 +116,11 @@ class FingerSetup:
     surface: Surface | None = None
     """Surface on which the finger slides. None: it does not slide."""
     profile_start_m: float = 0.0
-    """Position at which the profile of the surface begins [m]."""
     profile_length_m: float = 0.0
-    """Length of the profile [m]."""
     patch_average: bool = False
     """True if the pad averages the profile over its contact patch."""
-    sensing: Sensing = field(default_factory=Sensing)
-    converter: ConverterInput = field(default_factory=ConverterInput)
-    drift: Drift = field(default_factory=Drift)
-    cable: Cable = field(default_factory=Cable)
-    noise: Noise = field(default_factory=Noise)
+    path: PathTables = field(default_factory=PathTables)
+    """What lies between force and samples."""
     event_origin_s: float = 0.0
     """Moment from which a touch of the cable is counted [s]."""
 
@@ -173,7 +151,7 @@ class Finger:
         self._converter: Converter | None = None
         if "voltage_v" in outputs:
             with meter.stage("ADC"):
-                self._converter = _build_converter(setup, grid, "noise", AntiAliasFilter.for_tactile)
+                self._converter = _build_converter(setup, grid, "noise", ADC_TACTILE)
         self._board: _BoardSignals | None = None
         if outputs & (OF_BOARD | {"tactile_v"}):
             self._board = _BoardSignals(setup, grid, outputs, meter)
@@ -260,11 +238,11 @@ class _BridgeVoltage:
 
     def __init__(self, setup: FingerSetup, grid: Grid, meter: CostMeter) -> None:
         self._meter = meter
-        self._sensor = ForceSensor(grid.step_s, setup.drift.share_per_decade)
+        self._sensor = ForceSensor(grid.step_s, setup.path.drift.share_per_decade)
         with meter.stage("bridge"):
-            self._bridge = Bridge.select(setup.design, setup.sensing.bridge)
+            self._bridge = Bridge.select(setup.design, setup.path.sensing.bridge)
         self._interference = InterferenceSource(
-            grid, setup.drift, setup.cable, setup.noise, setup.event_origin_s,
+            grid, setup.path.drift, setup.path.cable, setup.path.noise, setup.event_origin_s,
             lambda purpose: open_stream(setup.seed[0], setup.seed[1], purpose),
         )  # fmt: skip
 
@@ -277,8 +255,15 @@ class _BridgeVoltage:
         if self._interference.is_silent:
             return volts, None
         with self._meter.stage("interference"):
-            added = self._interference.process(contact_n)
-        return volts + added.volts, added.jumps
+            added, jumps = self._interference.process(contact_n)
+        return volts + added, jumps
+
+
+_SAMPLED = {
+    "sampled_envelope_v": ("envelope_v", "envelope noise", ADC_ENVELOPE, "ADC of the envelope"),
+    "sampled_filtered_v": ("filtered_v", "filtered noise", ADC_FILTERED, "ADC of the filtered signal"),
+}
+"""Sampled output -> output of the board, purpose of the noise, pin of the ADC, and stage of the cost."""
 
 
 class _BoardSignals:
@@ -288,33 +273,26 @@ class _BoardSignals:
         self._outputs, self._meter = outputs, meter
         self._samplers = {name: Sampler() for name in ("tactile_v", "filtered_v", "envelope_v", "slip_pin_v")}
         self._noise: RefinedNoise | None = None
-        if setup.sensing.noise:
+        if setup.path.sensing.noise:
             with meter.stage("board noise"):
                 deviation_v, stream = compute_input_noise_v(setup.design), open_stream(*setup.seed, "board noise")
                 self._noise = RefinedNoise(grid, lambda count: draw_noise(stream, deviation_v, count))
         self._board: AnalogStream | None = None
         self._pin: SlipPin | None = None
-        self._converter: Converter | None = None
-        self._filtered_converter: Converter | None = None
+        self._converters: dict[str, Converter] = {}
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
-                board = board_with_amplifiers(setup.design, setup.sensing.amplifiers)
+                board = board_with_amplifiers(setup.design, setup.path.sensing.amplifiers)
                 # The board's own error falls with the step as that of its input does.
                 tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
                 self._board = AnalogStream(board, grid.step_s, tolerance_v=tolerance_v)
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
-        if "sampled_envelope_v" in outputs:
-            with meter.stage("ADC of the envelope"):
-                self._converter = _build_converter(
-                    setup, grid, "envelope noise", AntiAliasFilter.for_envelope, from_signal_ground=True
-                )
-        if "sampled_filtered_v" in outputs:
-            with meter.stage("ADC of the filtered signal"):
-                self._filtered_converter = _build_converter(
-                    setup, grid, "filtered noise", AntiAliasFilter.for_filtered, from_signal_ground=True
-                )
+        for name, (_, purpose, pin, stage) in _SAMPLED.items():
+            if name in outputs:
+                with meter.stage(stage):
+                    self._converters[name] = _build_converter(setup, grid, purpose, pin, from_signal_ground=True)
 
     def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
@@ -338,12 +316,10 @@ class _BoardSignals:
         found |= {
             name: self._samplers[name].process(values, at) for name, values in signals.items() if name in self._outputs
         }
-        if self._converter:
-            with self._meter.stage("ADC of the envelope"):
-                found["sampled_envelope_v"] = self._converter.process(envelope, at)
-        if self._filtered_converter:
-            with self._meter.stage("ADC of the filtered signal"):
-                found["sampled_filtered_v"] = self._filtered_converter.process(filtered, at)
+        for name, converter in self._converters.items():
+            source, _, _, stage = _SAMPLED[name]
+            with self._meter.stage(stage):
+                found[name] = converter.process(signals[source], at)
         return found
 
 
@@ -351,13 +327,13 @@ def _build_converter(
     setup: FingerSetup,
     grid: Grid,
     purpose: str,
-    anti_alias: Callable[[Design, float], AntiAliasFilter],
+    pin: str,
     from_signal_ground: bool = False,
 ) -> Converter:
-    sensing, design = setup.sensing, setup.design
+    sensing, design = setup.path.sensing, setup.design
     noise = open_stream(*setup.seed, purpose) if sensing.noise else None
     jitter = (open_stream(*setup.seed, f"jitter of {purpose}"), sensing.jitter_s) if sensing.jitter_s else None
-    adc = AdcRange.select(design, setup.converter)
+    adc = AdcRange.select(design, setup.path.converter)
     if from_signal_ground:
         adc = adc.above_signal_ground(design)
-    return Converter(design, anti_alias(design, grid.step_s), adc, grid.step_s, noise, jitter)
+    return Converter(design, AntiAliasFilter.ahead_of(pin, design, grid.step_s), adc, grid.step_s, noise, jitter)

@@ -77,7 +77,6 @@ class Instants:
     fraction: Array
     """Fraction of the step from there to the next point."""
     sample_rate_hz: float
-    """Sampling rate [Hz]."""
 
     @property
     def time_s(self) -> Array:
@@ -128,7 +127,6 @@ class Sampler:
 # The generator is numpy's `RandomState`, whose streams are frozen, so that the same seed gives the same numbers with
 # any version (NEP 19).
 
-
 Stream = np.random.RandomState
 OpenStream = Callable[[str], Stream]
 """Function from a purpose to its stream."""
@@ -147,7 +145,6 @@ def draw_noise(stream: Stream, deviation: float, count: int) -> Array:
 
 # Cost of each stage of a simulation: integrated states, evaluations of right-hand sides, CPU time.
 
-
 STAGES = (
     "load", "hand", "object", "disturbances", "carriage", "friction", "coupled contact", "profile", "contact", "force",
     "sensor", "bridge", "interference", "ADC", "board noise", "filter board", "comparator", "ADC of the envelope",
@@ -161,13 +158,9 @@ class StageCost:
     """Cost of one stage in one run."""
 
     name: str
-    """Name of the stage."""
     states: int
-    """Number of integrated states."""
     evaluations: int
-    """Number of evaluations of the right-hand side."""
     cpu_s: float
-    """CPU time [s]."""
 
 
 class CostMeter:
@@ -198,7 +191,6 @@ class CostMeter:
 
 
 # Progress of long simulations.
-
 
 LONG_S = 15.0
 """Duration above which a simulation reports its progress [s]."""

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, MutableSequence, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
+from fingertip.sim.files.schema import Cable, Drift, Noise
 from fingertip.sim.signal.grid import BASE_HZ, Grid, OpenStream, Stream
-from fingertip.sim.signal.parameters import Cable, Drift, Noise
 
 HAND_BAND_HZ = (30.0, 90.0)
 """Band of a hand's vibration [Hz]."""
@@ -23,16 +22,6 @@ _BAND_STATES = 8
 """Number of states of the filters behind a hand's vibration: two sections of order 2 in each of two filters."""
 _GONE = 40.0
 """Number of decay times after which a jump of the cable has decayed to nothing."""
-
-
-@dataclass(frozen=True, eq=False)
-class Interference:
-    """Voltages of one chunk [V], and by how much they jump at each point: a jump happens right after its point."""
-
-    volts: Array
-    """Voltage right after each point [V]."""
-    jumps: Array | None = None
-    """Jump at each point [V]. None: there are none."""
 
 
 class InterferenceSource:
@@ -52,8 +41,8 @@ class InterferenceSource:
         cable, noise = self._cable, self._noise
         return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
 
-    def process(self, contact_n: Array) -> Interference:
-        """Return the interference at the next points, given the force of the contact [N]."""
+    def process(self, contact_n: Array) -> tuple[Array, Array | None]:
+        """Return the voltage right after each of the next points [V] for a contact's force [N], and its jump there."""
         count = len(contact_n)
         time_s = self._grid.time_s(self._points, count)
         self._points += count
@@ -71,7 +60,7 @@ class InterferenceSource:
             # A sensor begins to show force gradually: noise that began all at once would look like a knock.
             load_n = np.maximum(contact_n, 0.0)
             volts += self._hand.process(count) * (load_n / (load_n + HAND_LOAD_N))
-        return Interference(volts, jumps)
+        return volts, jumps
 
 
 def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:
@@ -131,17 +120,7 @@ class PinkNoise:
 
 
 class HandVibration:
-    """Noise in the band of a hand's vibration, chunk by chunk: white noise behind two Butterworth filters of order 4.
-
-    Parameters
-    ----------
-    grid
-        Grid of the points.
-    deviation_v
-        RMS voltage [V].
-    stream
-        Source of random numbers.
-    """
+    """Noise in the band of a hand's vibration, by its RMS [V]: white noise behind Butterworth filters of order 4."""
 
     def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
         low, high = HAND_BAND_HZ
@@ -202,7 +181,6 @@ def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ..
 def _hum_loop(
     w: float, amplitude: float, third: float, fifth: float, time: Sequence[float], out: MutableSequence[float]
 ) -> None:
-    """Add up fundamental, third and fifth harmonic."""
     for i in range(len(time)):
         x = w * time[i]
         out[i] = amplitude * (math.sin(x) + third * math.sin(3 * x) + fifth * math.sin(5 * x))
@@ -215,7 +193,6 @@ def _pink_loop(
     state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Advance each first-order process, and add them up."""
     count = len(decays)
     for i in range(len(out)):
         total = 0.0

@@ -9,16 +9,20 @@ noise, while a precision rectifier passes as much as the detector `digital` sees
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, MutableSequence, Sequence
 
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import CompiledLoop
-from fingertip.slip.detectors.detector import DetectorOutput, as_samples
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.jit import CompiledLoop, as_samples
+from fingertip.foundation.numerics import Array
+from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 
-class AnalogDetector:
+class AnalogDetector(Detector):
     """Moving average of the board's envelope, compared with a threshold.
 
     Before the first sample the board's output is taken as 0 V.
@@ -28,7 +32,7 @@ class AnalogDetector:
 
     def __init__(self, sample_rate_hz: float, window_samples: int, threshold_v: float) -> None:
         self.sample_rate_hz = sample_rate_hz
-        self.threshold_v = threshold_v
+        self._threshold_v = threshold_v
         self._ring_buffer = [0.0] * window_samples
         self._state = [0.0, 0.0]
 
@@ -37,6 +41,22 @@ class AnalogDetector:
         """Create the detector with a design's window and threshold, the threshold times a factor."""
         detector = design.detector
         return cls(detector.sample_rate_hz, detector.window_samples, detector.threshold_v * threshold_scale)
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> AnalogDetector:
+        """Create the detector for a design. Raises TraceError."""
+        if noise_v is not None:
+            message = (
+                f"{noise_v:g} V of input noise does not determine the threshold of the detector analog, which applies "
+                "to the board's output; set detector.threshold_v instead."
+            )
+            raise TraceError(Issue("noise_v", message))
+        return cls.from_design(design, threshold_scale)
+
+    @property
+    def threshold_v(self) -> float:
+        """Window mean above which slip is ON [V]."""
+        return self._threshold_v
 
     @property
     def memory_s(self) -> float:
@@ -85,3 +105,16 @@ def _moving_average_loop(
 
 
 _LOOP = CompiledLoop(_moving_average_loop, outputs=3, samples="samples", plain_us=0.2)
+
+
+def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLevel:
+    """Measure the noise level of a board's quiescent output, after the design's window. Raises TraceError."""
+    d = design.detector
+    minimum = 11 * d.window_samples
+    if len(envelope_v) < minimum:
+        samples = f"{len(envelope_v)} sample{'s' * (len(envelope_v) != 1)}"
+        min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
+        raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {min_s:g} s."))
+    means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
+    step = d.adc_step_v
+    return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))

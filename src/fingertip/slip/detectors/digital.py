@@ -14,16 +14,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, MutableSequence, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import SECTION_QUALITY as Q
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.detector import DetectorOutput, as_samples
+from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class SecondOrder(NamedTuple):
     a2: float
 
 
-class SlipChain:
+class SlipChain(Detector):
     """The article's chain with its state.
 
     It starts in the steady state of the first sample, as if the input had always had that value.
@@ -97,6 +98,20 @@ class SlipChain:
         self._state = [0.0] * STATES
         self._ring_buffer = [0.0] * settings.window_samples
         self._started = False
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> SlipChain:
+        """Create the chain for a design; a noise [V] gives the noise-derived threshold, rounded up as the default."""
+        settings = ChainSettings.from_design(design)
+        threshold_v = settings.threshold_v if noise_v is None else noise_level(design, noise_v).rounded_threshold_v
+        return cls(replace(settings, threshold_v=threshold_v * threshold_scale))
+
+    @classmethod
+    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
+        """Noise from the mean and deviation of the window mean, as in the rule for its threshold."""
+        settling = min(len(quiet_v) // 2, round(0.1 * design.detector.sample_rate_hz) + design.detector.window_samples)
+        means = cls(ChainSettings.from_design(design)).process(quiet_v).statistic_v[settling:]
+        return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
 
     @property
     def threshold_v(self) -> float:
@@ -200,3 +215,26 @@ def high_pass(settings: ChainSettings) -> tuple[FirstOrder, SecondOrder]:
     first = FirstOrder(g, -g, (K - 1) / (K + 1))
     second = SecondOrder(norm, -2 * norm, norm, 2 * (K * K - 1) * norm, (1 - K / Q + K * K) * norm)
     return first, second
+
+
+def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
+    """Compute the level of noise at the window mean of the design's chain.
+
+    White Gaussian noise of deviation sigma leaves the high-pass filter with ``sigma sqrt(sum h^2)``. Its half wave has
+    the mean ``sigma / sqrt(2 pi)``. The half wave is ``x/2 + |x|/2``. The high-pass filter has removed from the first
+    term what is slow enough for the window to pass. The second term has the variance ``sigma^2 (1 - 2/pi) / 4`` and is
+    averaged as if its samples were independent (a test compares the result with noise: within 10 %).
+    """
+    settings = ChainSettings.from_design(design)
+    sigma = input_noise_v(design) if noise_v is None else noise_v
+
+    memory = math.ceil(settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4)
+    impulse = [0.0, 1.0] + [0.0] * memory
+    h = SlipChain(settings).process(impulse).filtered_v
+    sigma *= math.sqrt(float(h @ h))
+
+    smoothing = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
+    envelope = smoothing * (1 - smoothing) ** np.arange(memory)
+    weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
+    deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
+    return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)

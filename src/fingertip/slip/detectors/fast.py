@@ -25,16 +25,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
+from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_loop
-from fingertip.slip.detectors.detector import DetectorOutput, as_samples
 from fingertip.slip.detectors.fast_coefficients import (
     HIGH_HZ,
     LOW_HZ,
@@ -47,6 +47,7 @@ from fingertip.slip.detectors.fast_coefficients import (
 )
 from fingertip.slip.detectors.fast_loop import COUNT, LOOP
 from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 SHORT_S, LONG_S = 0.006, 0.02
 """Time constants of the energies and movements [s]."""
@@ -121,9 +122,10 @@ class FastSettings:
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
         """Take the settings from a design."""
-        noise = max(input_noise_v(design), min_noise_v(design)) if noise_v is None else noise_v
+        rate_hz = design.detector.sample_rate_hz
+        noise = max(input_noise_v(design), _min_noise_v(rate_hz)) if noise_v is None else noise_v
         filtered = FilteredSignal.from_design(design)
-        return cls(design.detector.sample_rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered)
+        return cls(rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +140,7 @@ class FastOutput(DetectorOutput):
     """True if slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms."""
 
 
-class FastDetector:
+class FastDetector(Detector):
     """Fast detector with its state. It starts in the steady state of the first sample."""
 
     def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
@@ -150,6 +152,11 @@ class FastDetector:
         self._state = [0.0] * fast_loop.STATES
         self._state[fast_loop.FLOOR] = self._coefficients.wide_share * settings.noise_v**2
         self._started = False
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FastDetector:
+        """Create the detector for a design and, by default, its noise."""
+        return cls(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
     @property
     def coefficients(self) -> FastCoefficients:
@@ -191,26 +198,30 @@ class FastDetector:
         """Edges of the wide band [Hz]."""
         return LOW_HZ, HIGH_HZ
 
-    def equivalent_noise_v(self, quiet_v: Array) -> float:
+    @classmethod
+    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
         """Compute the white RMS noise that has as much energy in the bands as these samples of a quiet signal [V]."""
-        rate = self.settings.sample_rate_hz
+        rate = design.detector.sample_rate_hz
         responses = design_filters(rate).impulse_responses(round(4 * rate / LOW_HZ))
         return max(
             math.sqrt(float(np.mean(np.convolve(quiet_v - quiet_v[0], h, "valid") ** 2)) / energy)
             for h, energy in zip(responses, noise_energies(rate), strict=True)
         )
 
+    @staticmethod
+    def min_noise_v(design: Design) -> float:
+        """Smallest noise that is taken for stated, where the input is in volts [V]."""
+        return _min_noise_v(design.detector.sample_rate_hz)
+
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
         """Process the next samples, any number of them, and return one output per sample."""
-        filtered, confidence, level, on = self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
-        return FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
+        return self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
 
     def compute_features(self, voltage_v: Array, filtered_v: Array | None = None) -> tuple[FastOutput, Array]:
         """Process samples and return the output and the features of every tick, (ticks, features)."""
         ticks = len(voltage_v) // int(self._coefficients.tick_samples)
         rows = np.zeros((ticks + 1) * COUNT)
-        filtered, confidence, level, on = self._run(voltage_v, filtered_v, rows, COUNT)
-        output = FastOutput(confidence * level, level, on > 0.0, filtered, confidence, confidence > self._incipient)
+        output = self._run(voltage_v, filtered_v, rows, COUNT)
         return output, rows[: ticks * COUNT].reshape(ticks, COUNT)
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
@@ -223,7 +234,9 @@ class FastDetector:
         )  # fmt: skip
         return self._state[fast_loop.ON] > 0.0
 
-    def _run(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None, rows: Array, stride: int) -> Array:
+    def _run(
+        self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None, rows: Array, stride: int
+    ) -> FastOutput:
         samples = as_samples(voltage_v)
         filtered = samples if filtered_v is None else as_samples(filtered_v)
         if len(samples):
@@ -231,7 +244,8 @@ class FastDetector:
         out: Array = np.zeros((4, len(samples)))
         m = self._model
         LOOP(self._coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
-        return out
+        wide, confidence, level, on = out
+        return FastOutput(confidence * level, level, on > 0.0, wide, confidence, confidence > self._incipient)
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
         """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
@@ -257,11 +271,6 @@ class FastDetector:
         ticks_per_s = settings.sample_rate_hz / c.tick_samples
         state[fast_loop.SETTLING] = float(round(SETTLING_S * ticks_per_s))
         state[fast_loop.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
-
-
-def min_noise_v(design: Design) -> float:
-    """Smallest noise that is taken for stated, where the input is in volts [V]."""
-    return _min_noise_v(design.detector.sample_rate_hz)
 
 
 def _min_noise_v(sample_rate_hz: float) -> float:

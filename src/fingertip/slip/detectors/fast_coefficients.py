@@ -114,7 +114,6 @@ class FastCoefficients(NamedTuple):
 
 # Filters of the detector `fast`, and the energy that white noise has behind them.
 
-
 LOW_HZ, UPPER_HZ, HIGH_HZ = 40.0, 90.0, 170.0
 """Lower edges of the wide and of the upper band, and the upper edge of both [Hz].
 
@@ -156,11 +155,6 @@ class FastFilters:
         edge = _filter(self.high_edge, restored)
         return _filter(self.wide, edge), _filter(self.upper, edge)
 
-    def noise_energies(self, sample_rate_hz: float) -> tuple[float, float]:
-        """Mean energies of white noise of unit variance in the wide and in the upper band."""
-        wide, upper = self.impulse_responses(math.ceil(8 * sample_rate_hz / LOW_HZ))
-        return float(wide @ wide), float(upper @ upper)
-
 
 @functools.lru_cache(maxsize=16)
 def design_filters(sample_rate_hz: float) -> FastFilters:
@@ -191,12 +185,12 @@ def design_board_filter(sample_rate_hz: float, cutoff_hz: float) -> tuple[ThirdO
 
 @functools.lru_cache(maxsize=16)
 def noise_energies(sample_rate_hz: float) -> tuple[float, float]:
-    """Energies of `FastFilters.noise_energies` for a sampling rate [Hz]."""
-    return design_filters(sample_rate_hz).noise_energies(sample_rate_hz)
+    """Mean energies of white noise of unit variance in the wide and in the upper band, for a sampling rate [Hz]."""
+    wide, upper = design_filters(sample_rate_hz).impulse_responses(math.ceil(8 * sample_rate_hz / LOW_HZ))
+    return float(wide @ wide), float(upper @ upper)
 
 
 def _third_order(sample_rate_hz: float, cutoff_hz: float) -> ThirdOrder:
-    """Design a Butterworth high-pass filter of third order by the bilinear transform."""
     K = math.tan(math.pi * cutoff_hz / sample_rate_hz)
     b, norm = 1 / (1 + K), 1 / (1 + K + K * K)
     return (
@@ -229,7 +223,6 @@ def _filter(section: SecondOrder, samples: Sequence[float] | Array) -> Array:
 # `tools/detector_training/` fits the trees to simulated slips and to the wider mix of what is not slip, and writes the
 # table. Every tree is complete: it compares one feature with one threshold at each of its `DEPTH` levels. An
 # evaluation therefore takes the same number of comparisons for every input.
-
 
 TABLE = "fast_model.json"
 """Name of the table, beside this module."""

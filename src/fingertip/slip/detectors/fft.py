@@ -11,19 +11,18 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, bisect
-from fingertip.slip.detectors.detector import DetectorOutput
 from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 # Thresholds for an energy detector in Gaussian noise, from a permitted false alarm rate.
 #
 # The energy in noise is a weighted sum of squares of independent Gaussian variables.
-
 
 ALARMS_PER_HOUR = 1.0
 """False alarms from noise alone that the rule for a threshold permits.
@@ -82,11 +81,8 @@ class FftSettings:
     window_samples: int
     hop_samples: int
     low_hz: float
-    """Lower edge of the band [Hz]."""
     high_hz: float
-    """Upper edge of the band [Hz]."""
     noise_v: float
-    """White RMS noise at the input [V]."""
     threshold_scale: float = 1.0
     """Factor of the threshold, to trade delay for false alarms."""
 
@@ -103,7 +99,7 @@ def _unit_noise_threshold(weights: tuple[float, ...]) -> float:
     return math.sqrt(solve_threshold(np.array(weights), _EXCURSION_S))
 
 
-class FftDetector:
+class FftDetector(Detector):
     """FFT detector with its state. It starts as if the input had always had the value of the first sample."""
 
     def __init__(self, settings: FftSettings) -> None:
@@ -123,6 +119,18 @@ class FftDetector:
         self._past = np.zeros(0)
         self._until_next = 0
         self._rms_v = 0.0
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FftDetector:
+        """Create the detector for a design and, by default, its noise."""
+        return cls(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
+
+    @classmethod
+    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
+        """Compute the white noise of the same mean energy in the band [V]."""
+        fft = cls(FftSettings.from_design(design, 1.0))
+        rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
+        return math.sqrt(float(np.mean(rms_v**2))) / fft.unit_noise_rms
 
     @property
     def threshold_v(self) -> float:

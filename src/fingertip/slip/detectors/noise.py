@@ -1,4 +1,4 @@
-"""Noise at the input and at the window mean of the article's chain, and the threshold that follows from it."""
+"""Noise at the input of a detector, the threshold that follows from a level of noise, and warnings of both."""
 
 from __future__ import annotations
 
@@ -7,13 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
-
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.analog import AnalogDetector
-from fingertip.slip.detectors.digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
 
 DEVIATIONS = 6.0
 """Standard deviations between the mean noise level and the noise-derived threshold.
@@ -89,42 +84,6 @@ def mean_quantised_noise_v(noise_v: float, step_v: float) -> float:
     return step_v * math.sqrt(math.fsum(squares) / _OFFSETS)
 
 
-def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
-    """Compute the level of noise at the window mean of the design's chain.
-
-    White Gaussian noise of deviation sigma leaves the high-pass filter with ``sigma sqrt(sum h^2)``. Its half wave has
-    the mean ``sigma / sqrt(2 pi)``. The half wave is ``x/2 + |x|/2``. The high-pass filter has removed from the first
-    term what is slow enough for the window to pass. The second term has the variance ``sigma^2 (1 - 2/pi) / 4`` and is
-    averaged as if its samples were independent (a test compares the result with noise: within 10 %).
-    """
-    settings = ChainSettings.from_design(design)
-    sigma = input_noise_v(design) if noise_v is None else noise_v
-
-    memory = math.ceil(settings.sample_rate_hz / min(settings.cutoff_hz, settings.envelope_cutoff_hz) * 4)
-    impulse = [0.0, 1.0] + [0.0] * memory
-    h = SlipChain(settings).process(impulse).filtered_v
-    sigma *= math.sqrt(float(h @ h))
-
-    smoothing = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
-    envelope = smoothing * (1 - smoothing) ** np.arange(memory)
-    weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
-    deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
-    return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)
-
-
-def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLevel:
-    """Measure the noise level of a board's quiescent output, after the design's window. Raises TraceError."""
-    d = design.detector
-    minimum = 11 * d.window_samples
-    if len(envelope_v) < minimum:
-        samples = f"{len(envelope_v)} sample{'s' * (len(envelope_v) != 1)}"
-        min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
-        raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {min_s:g} s."))
-    means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
-    step = d.adc_step_v
-    return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))
-
-
 HIGH_RATIO = 3.0
 """Ratio of the threshold to the noise-derived threshold above which a warning recommends a lower one."""
 CLEAR_DEVIATIONS = 4.0
@@ -160,11 +119,7 @@ COARSE_RATIO = 2.0
 """Ratio of the ADC's step to the noise above which the step hides the noise."""
 
 
-WINDOWED = ("digital", "analog")
-"""Detectors that use the design's window."""
-
-
-def settings_warnings(design: Design, detector: str = WINDOWED[0]) -> Iterator[str]:
+def settings_warnings(design: Design, detector: str = DEFAULT) -> Iterator[str]:
     """Warn of settings of the filter, the ADC or the window that are permitted but degrade a detector."""
     d, cutoff = design.detector, design.board.cutoff_hz
     if cutoff < MIN_CUTOFF_HZ:
@@ -180,7 +135,7 @@ def settings_warnings(design: Design, detector: str = WINDOWED[0]) -> Iterator[s
             "Choose more bits or a smaller detector.adc_range_v."
         )
     window_s = d.window_samples / d.sample_rate_hz
-    if detector in WINDOWED and window_s < MIN_WINDOW_S:
+    if find_detector_type(detector).has_design_threshold and window_s < MIN_WINDOW_S:
         yield (
             f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz is {1000 * window_s:.3g} ms; "
             f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip. Choose {round(0.03 * d.sample_rate_hz)} "

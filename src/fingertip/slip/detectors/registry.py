@@ -1,21 +1,81 @@
-"""Detectors by name."""
+"""Detectors: the interface that all share, and by name what each one is called, takes and judges.
+
+The code of a detector is loaded when one is made, so that the command line can name the detectors without numpy.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
 
-from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
-from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.analog import AnalogDetector
-from fingertip.slip.detectors.detector import Detector
-from fingertip.slip.detectors.digital import ChainSettings, SlipChain
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fft import FftDetector, FftSettings
-from fingertip.slip.detectors.noise import noise_level
+from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fingertip.design import Design
+    from fingertip.foundation.numerics import Array
+
+
+@dataclass(frozen=True, eq=False)
+class DetectorOutput:
+    """Output of a detector: one value per input sample."""
+
+    statistic_v: Array
+    """Quantity that the detector compares with its threshold, in the input's unit (volts for a voltage)."""
+    threshold_v: Array
+    """Threshold at each sample, in the same unit."""
+    on: NDArray[np.bool_]
+
+
+class Detector(ABC):
+    """Causal detector that keeps its state between chunks of samples.
+
+    The output has the same bits however the input is divided into chunks. The state can be pickled between any two
+    chunks.
+    """
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
+        """Create it for a design, a noise [V] (None: the design's) and a factor of the threshold. Raises TraceError."""
+        raise NotImplementedError
+
+    @classmethod
+    def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
+        """Compute the white noise for which its threshold exceeds a quiet signal as its rule requires [V]."""
+        raise NotImplementedError
+
+    @staticmethod
+    def min_noise_v(design: Design) -> float:
+        """Smallest noise of a voltage that is taken for stated [V]."""
+        return 0.0
+
+    @property
+    @abstractmethod
+    def threshold_v(self) -> float:
+        """Threshold in noise alone, while the force is constant [V]."""
+
+    @property
+    @abstractmethod
+    def memory_s(self) -> float:
+        """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
+
+    @abstractmethod
+    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
+        """Process the next samples, any number of them, and return one output per sample."""
+
+    @abstractmethod
+    def step(self, voltage_v: float) -> bool:
+        """Process one sample and return whether slip is ON; same result as `process`, without its arrays."""
+
+
+ENVELOPE_MEAN = "mean of the envelope"
 
 
 @dataclass(frozen=True)
@@ -23,64 +83,74 @@ class DetectorType:
     """Type of detector."""
 
     label: str
+    words: str
+    """Few words for a list of all detectors."""
     input_column: str
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
     quantity: str
     """Quantity that its threshold applies to. The design's threshold applies to the mean of the envelope."""
-    make: Callable[[Design, float | None, float], Detector]
-    """Factory. It takes a design, the noise of the input [V] (None: the design's), and a factor of the threshold."""
+    code: str
+    """Module of this folder and class in it, a subclass of `Detector`."""
+    colour: str
+    marker: str
     second_column: str | None = None
     """Column that the detector takes beside it, where a recording has it."""
+    is_baseline: bool = False
+    """True if it only serves for comparison, and no hand relies on it."""
+
+    @property
+    def takes_envelope(self) -> bool:
+        """True if it works on the board's output."""
+        return self.input_column == "envelope_v"
+
+    @property
+    def has_design_threshold(self) -> bool:
+        """True if it uses the design's threshold and window."""
+        return self.quantity == ENVELOPE_MEAN
+
+    @property
+    def implementation(self) -> type[Detector]:
+        """Class that computes it."""
+        module, name = self.code.split(":")
+        return cast("type[Detector]", getattr(import_module(f"{__package__}.{module}"), name))
 
 
-def _make_analog(design: Design, noise_v: float | None, threshold_scale: float) -> AnalogDetector:
-    if noise_v is not None:
-        message = (
-            f"{noise_v:g} V of input noise does not determine the threshold of the detector analog, which applies to "
-            "the board's output; set detector.threshold_v instead."
-        )
-        raise TraceError(Issue("noise_v", message))
-    return AnalogDetector.from_design(design, threshold_scale)
-
-
-def _make_digital(design: Design, noise_v: float | None, threshold_scale: float) -> SlipChain:
-    settings = ChainSettings.from_design(design)
-    threshold_v = settings.threshold_v
-    if noise_v is not None:  # the noise-derived threshold, rounded up as the design's default is
-        threshold_v = noise_level(design, noise_v).rounded_threshold_v
-    return SlipChain(replace(settings, threshold_v=threshold_v * threshold_scale))
-
-
-def _make_fft(design: Design, noise_v: float | None, threshold_scale: float) -> FftDetector:
-    return FftDetector(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
-
-
-def _make_fast(design: Design, noise_v: float | None, threshold_scale: float) -> FastDetector:
-    return FastDetector(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
-
-
-ENVELOPE_MEAN = "mean of the envelope"
-"""Quantity that the design's threshold applies to."""
 DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType(
-        "window mean of the analog board's envelope output", "envelope_v", ENVELOPE_MEAN, _make_analog
+        "window mean of the analog board's envelope output", "on the board's output", "envelope_v", ENVELOPE_MEAN,
+        "analog:AnalogDetector", BLUE, "s",
     ),
-    "digital": DetectorType("the article's chain in digital filters", "voltage_v", ENVELOPE_MEAN, _make_digital),
-    "fft": DetectorType("spectrum of 64 ms", "voltage_v", "statistic of fft", _make_fft),
+    "digital": DetectorType(
+        "the article's chain in digital filters", "the article's chain in software", "voltage_v", ENVELOPE_MEAN,
+        "digital:SlipChain", TEAL, "o",
+    ),
+    "fft": DetectorType(
+        "spectrum of 64 ms", "the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^",
+        is_baseline=True,
+    ),
     "fast": DetectorType(
-        "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees",
-        "voltage_v",
-        "statistic of fast",
-        _make_fast,
-        second_column="filtered_v",
+        "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees", "short-time energy",
+        "voltage_v", "statistic of fast", "fast:FastDetector", RED, "D", second_column="filtered_v",
     ),
-}
-"""Types of detector by name."""
+}  # fmt: skip
+DEFAULT = "digital"
+"""Detector of `detect` and of its command, unless another one is named: the article's."""
 
 
 def make_detector(name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
     """Create a detector for a design, ready for its first sample. Raises TraceError."""
-    return find_detector_type(name).make(design, noise_v, threshold_scale)
+    return find_detector_type(name).implementation.for_design(design, noise_v, threshold_scale)
+
+
+def list_names() -> list[str]:
+    """List the names, the default first."""
+    return sorted(DETECTORS, key=lambda name: name != DEFAULT)
+
+
+def describe_detectors() -> str:
+    """List the names with few words on each."""
+    *first, last = (f"{name} ({DETECTORS[name].words})" for name in list_names())
+    return f"{', '.join(first)} or {last}."
 
 
 def select_inputs(source: object, name: str) -> tuple[Array, ...]:
@@ -117,6 +187,7 @@ def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
 
 def find_second_column(design: Design, name: str) -> str | None:
     """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
+
     second = find_detector_type(name).second_column
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
@@ -124,5 +195,7 @@ def find_second_column(design: Design, name: str) -> str | None:
 def find_detector_type(name: str) -> DetectorType:
     """Look up a type of detector by name. Raises TraceError."""
     if name not in DETECTORS:
+        from fingertip.design.parameters.declaration import suggest_name
+
         raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]

@@ -21,13 +21,11 @@ from numpy.typing import NDArray
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
-from fingertip.slip.traces.limits import max_table_bytes, shape_message
-from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap
+from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap, max_table_bytes, shape_message
 
 # Claims of files of arrays: how much a library would unpack or list, found before it does so.
 #
 # References: National Instruments, "TDMS File Format Internal Structure"; MathWorks, "MAT-File Format", Level 5.
-
 
 MAX_SEGMENTS = 100_000
 """Maximum number of segments of a TDMS file. A converter that streams writes some a second."""
@@ -37,7 +35,6 @@ _LEAD_IN = struct.Struct("<4sIIQQ")
 _UNFINISHED = 2**64 - 1
 """Length of the last segment of a recording that was interrupted."""
 _COMPRESSED = 15
-"""Type of a variable of a MATLAB file that is compressed."""
 _PIECE_BYTES = 2**20
 
 
@@ -91,12 +88,7 @@ _WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
 
 
 def load_arrays(path: Path, kind: str, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load the arrays of a file by name.
-
-    Arrays that no column of the trace names are left out, but their names are keys: messages suggest them.
-
-    Raises TraceError or MissingLibraryError or OSError.
-    """
+    """Load arrays by name. Those that no column names are None, so that messages suggest them. Raises TraceError."""
     return _LOADERS[kind](path, columns)
 
 
@@ -114,12 +106,10 @@ def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
 
 
 def _wanted(columns: ColumnMap) -> set[str]:
-    """Return the names in the file of everything that a trace takes."""
     return {*map(columns.name_in_file, COLUMNS), *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
 def _skip_others(names: Collection[str], load: Callable[[str], Any], columns: ColumnMap) -> dict[str, Any]:
-    """Load the arrays that a trace takes; the others are None."""
     wanted = _wanted(columns)
     return {name: load(name) if name in wanted else None for name in names}
 
@@ -180,7 +170,6 @@ def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _read_npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Read shape and type of the array in a file or a member of an archive."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(file)
@@ -190,7 +179,6 @@ def _read_npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
 
 
 def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load variables of a MATLAB file (up to -v7) by scipy."""
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
         with path.open("rb") as file:
@@ -204,7 +192,6 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load columns of a Parquet file, batch by batch so that false counts in its header cannot fill the memory."""
     parquet = extras.load("pyarrow.parquet", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a Parquet file", "save it again, or as CSV"), parquet.ParquetFile(path) as file:
         _check_shape(path, "", (file.metadata.num_rows,))
@@ -224,7 +211,6 @@ def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load the channels of a WAV file by number, full scale as 1; a single one is the voltage."""
     with (
         _damage_reported(path, "a WAV file", "save it as PCM of 16 or 24 bits, or as CSV"),
         path.open("rb") as file,
@@ -243,7 +229,6 @@ def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 
 def _decode_pcm(data: bytes, width: int) -> NDArray[Any]:
-    """Decode samples of 1 (unsigned), 2, 3 or 4 bytes."""
     if width == 1:
         return np.frombuffer(data, np.uint8).astype(np.int16) - 128
     if width == 3:

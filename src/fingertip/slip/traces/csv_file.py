@@ -21,10 +21,21 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces import lvm
-from fingertip.slip.traces.columns import count_decimals, parse_instant, split_cells, unquote
+from fingertip.slip.traces.columns import (
+    LVM_HEADER_LINES,
+    PassedOver,
+    adapt_columns,
+    count_decimals,
+    parse_instant,
+    split_cells,
+    unquote,
+    without_headers,
+)
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
-from fingertip.slip.traces.limits import (
+from fingertip.slip.traces.trace import (
+    COLUMNS,
+    ColumnMap,
+    RawTrace,
     bounded_lines,
     check_trace_file,
     max_lines,
@@ -32,7 +43,6 @@ from fingertip.slip.traces.limits import (
     max_samples,
     shape_message,
 )
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
 
 T = TypeVar("T")
 _TAIL_BYTES = 4096
@@ -41,26 +51,6 @@ _TAIL_LINES = 10
 """Minimum number of lines with equally many decimals before a last number with fewer is taken as cut off."""
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
-
-
-def to_csv(trace: Trace) -> bytes:
-    """Write a trace as CSV with fixed decimals, so that the same numbers give the same bytes.
-
-    Time has a resolution of 0.1 us, voltage of 1 uV (one step of the 16-bit ADC is 305 uV), force of 1 uN.
-    """
-    columns = [
-        [f"{value:.7f}" for value in trace.time_s.tolist()],
-        [f"{value:.6f}" for value in trace.voltage_v.tolist()],
-    ]
-    names = ["time_s", "voltage_v"]
-    if trace.force_n is not None:
-        columns.append([f"{value:.6f}" for value in trace.force_n.tolist()])
-        names.append("force_n")
-    if trace.slip is not None:
-        columns.append(["1" if value else "0" for value in trace.slip.tolist()])
-        names.append("slip")
-    lines = [",".join(names), *map(",".join, zip(*columns, strict=True))]
-    return ("\n".join(lines) + "\n").encode("ascii")
 
 
 def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
@@ -76,7 +66,7 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
         check_trace_file(path)
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
-            adapted = lvm.adapt_columns(name, itertools.islice(bounded_lines(file, name), lvm.MAX_LINES), columns)
+            adapted = adapt_columns(name, itertools.islice(bounded_lines(file, name), LVM_HEADER_LINES), columns)
         with path.open(encoding=encoding) as file:
             lines = bounded_lines(file, name)
             header = find_header(name, lines, adapted)
@@ -175,10 +165,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
 
 @dataclass
 class _Faults(Generic[T]):
-    """Lines that cannot be used: how many, with what is wrong in the first one and in the last one.
-
-    A file may hold millions of them.
-    """
+    """Lines that cannot be used, of which a file may hold millions: their number, the first one and the last one."""
 
     count: int = 0
     first: tuple[int, T] | None = None
@@ -208,7 +195,7 @@ class _Samples:
     """Line number and number of cells of lines with another number of cells than the others."""
     wrong: dict[str, _Faults[str]] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: lvm.PassedOver = field(default_factory=lvm.PassedOver)
+    passed_over: PassedOver = field(default_factory=PassedOver)
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
@@ -237,7 +224,6 @@ class _Samples:
 
 
 def _read_by_line(source: _Source) -> RawTrace:
-    """Read a file line by line and collect all issues."""
     name, columns = str(source.path), source.columns
     try:
         with source.path.open(encoding=source.encoding, errors="replace") as file:
@@ -268,7 +254,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     )
     after_header, most = False, max_samples()
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
-    for number, line in lvm.without_headers(below, samples.passed_over) if header.is_loose else below:
+    for number, line in without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
             samples.passed_over.append(number)
             after_header = True
@@ -317,7 +303,6 @@ def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float |
 
 
 def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issue]:
-    """Find lines and cells that cannot be read."""
     if samples.uneven.first:
         number, count = samples.uneven.first
         others = f" (and {samples.uneven.count - 1} more such lines)" if samples.uneven.count > 1 else ""

@@ -162,7 +162,6 @@ def _split_at_each(line: str) -> list[list[str]]:
 
 
 def _split_most(line: str) -> list[str]:
-    """Split a line at the delimiter that gives the most cells."""
     return max(_split_at_each(line), key=lambda cells: len(cells))
 
 
@@ -196,7 +195,6 @@ def _find_likely_header(skipped: Sequence[tuple[int, str]]) -> tuple[int, str]:
 
 
 def _header_issues(name: str, number: int, line: str, columns: ColumnMap) -> list[Issue]:
-    """Say why a line is not a header, with the remedy."""
     cells, _ = _split(line, columns)
     field = f"{name}, line {number}"
     if not set(cells) & set(map(columns.name_in_file, COLUMNS)):

@@ -60,12 +60,9 @@ class Score:
 
 def intervals(time_s: Array, flags: NDArray[np.bool_]) -> tuple[Interval, ...]:
     """Find the intervals in which `flags` is true."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    last = len(time_s) - 1
-    return tuple(
-        Interval(float(time_s[start]), float(time_s[min(stop, last)]))
-        for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    )
+    found = SlipCollector()
+    found.add(time_s, flags)
+    return found.close()
 
 
 class SlipCollector:
@@ -121,9 +118,6 @@ def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: flo
 
 
 def measure_false_on_s(detected: Sequence[Interval], slips: Sequence[Interval]) -> float:
-    """Measure the time that a detector is ON outside all slips [s].
-
-    An interval that began long before a slip overlaps it, and so is no false interval.
-    """
+    """Measure the time of ON outside all slips [s]; an interval that began long before a slip is not false."""
     on_s = sum(i.end_s - i.onset_s for i in detected)
     return on_s - sum(max(0.0, min(i.end_s, s.end_s) - max(i.onset_s, s.onset_s)) for i in detected for s in slips)

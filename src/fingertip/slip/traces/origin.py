@@ -7,14 +7,10 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from fingertip.catalogues.output_files import DETECTION, SIGNAL, TRACE
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import read_manifest
-from fingertip.foundation.output_set.manifest import has_hash
-
-TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
-"""Names of the files of a simulated trial."""
-SIGNAL_FOLDER = "signal"
-"""Folder of simulated traces within the output folder of a design, and kind of their set."""
+from fingertip.foundation.output_set.writer import has_hash
 
 
 @dataclass(frozen=True)
@@ -41,7 +37,7 @@ def read_origin(path: Path) -> Origin:
     Where the set holds the detection of this trace too, that says when the robot moved.
     """
     manifest = read_manifest(path.parent)
-    if manifest is None or manifest.kind != SIGNAL_FOLDER or not has_hash(path, manifest.files.get(path.name)):
+    if manifest is None or manifest.kind != SIGNAL.kind or not has_hash(path, manifest.files.get(path.name)):
         return UNKNOWN
     detection = path.parent / DETECTION
     if path.name != TRACE or not has_hash(detection, manifest.files.get(DETECTION)):
@@ -59,7 +55,6 @@ def parse_origin(detection: bytes | None) -> Origin:
 
 
 # Start of a robot's motion, and how well encoders know it: the article reads its robot's at 100 Hz (section III.C).
-
 
 ENCODER_HZ = 100.0
 """Rate at which the encoders are read [Hz] (article, section III.C)."""

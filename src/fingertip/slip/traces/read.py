@@ -12,20 +12,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError
 from fingertip.foundation.input_files import check_archive
-from fingertip.foundation.toml_files import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.slip.traces.array_files import RATE, load_arrays
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
-from fingertip.slip.traces.limits import check_trace_file
 from fingertip.slip.traces.sampling import restore_even_times
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace
+from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to convert it.
-
 
 _HDF5 = (
     "is an HDF5 file, as MATLAB saves with -v7.3; in MATLAB save it with -v7, or in Python with numpy.savez(file, "
@@ -148,10 +146,7 @@ def read_trace(
 
 
 def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
-    """Read a trace without validation: text as CSV, and NumPy, MATLAB, Parquet, WAV and TDMS files.
-
-    Raises TraceError or MissingLibraryError.
-    """
+    """Read a trace of any kind of file without validation. Raises TraceError or MissingLibraryError."""
     check_trace_file(path)
     if path.suffix.lower() == ".toml":
         _refuse_known_toml(path)
@@ -196,7 +191,6 @@ def _refuse_known_toml(path: Path) -> None:
 
 
 def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> RawTrace:
-    """Make a trace of named arrays."""
     issues, values, notes = list[Issue](), dict[str, Any](), list[str]()
     if not arrays:
         raise TraceError(Issue(name, f"contains no arrays; save {' and '.join(columns.required)}."))
@@ -263,7 +257,6 @@ def _parse_rate(stated: NDArray[Any]) -> float | None:
 
 
 def _describe(stated: NDArray[Any]) -> str:
-    """Describe an array that is not one number."""
     if stated.size != 1:
         return f"{stated.size} values" if stated.size else "no value"
     return repr(stated.ravel()[0].item())

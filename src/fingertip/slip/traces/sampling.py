@@ -20,7 +20,6 @@ STEP_TOLERANCE = 0.5
 MIN_RATE_HZ, MAX_RATE_HZ = 1000.0, 20000.0
 """Bounds of ``detector.sample_rate_hz`` [Hz]."""
 TIME_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-"""Units of times, and their length [s]."""
 _UNIT_NAMES = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 _MIN_REPEATS = 0.05
 """Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""
@@ -170,7 +169,6 @@ def sample_location(sample: int, lines: Sequence[int] | None) -> str:
 #
 # A float32 has 24 bits. After an hour its steps are 0.24 ms wide, half of a sample at 2 kHz, and the times look as if
 # they jumped. Where all of them lie as near to evenly spaced times as a float32 can, the even ones are taken instead.
-
 
 _MAX_SHARE = 4.0
 """Largest spacing of the float32 numbers at the last time, over the step between samples; beyond, times say little."""

@@ -1,30 +1,29 @@
-"""Traces and their validation: sampled tactile voltage, with the true force and slip where they are known."""
+"""Traces, their validation and their size: sampled tactile voltage, and the true force and slip where known."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.parameters import Detector as DetectorParameters
-from fingertip.foundation.display import Picture, html_table, to_dataframe
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
+from fingertip.foundation.errors import InputFileError, Issue, TraceError
+from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL, new_figure, style_axes, to_png
-from fingertip.slip.traces.intervals import intervals
 from fingertip.slip.traces.origin import UNKNOWN, Origin
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
 
 if TYPE_CHECKING:
     import pandas
 
-
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
-"""Names of a trace's columns."""
 BOARD_COLUMNS = ("envelope_v", "filtered_v")
 """Columns that come from the board. A simulation calls them sampled_envelope_v and sampled_filtered_v."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
@@ -38,15 +37,12 @@ class Trace:
     voltage_v: Array
     """Raw tactile voltage [V]: bridge and instrumentation amplifier, before the filter board."""
     force_n: Array | None = None
-    """True normal force [N]."""
     slip: NDArray[np.bool_] | None = None
-    """True gross slip."""
     envelope_v: Array | None = None
     """Output of the filter board [V], which the detector `analog` takes."""
     filtered_v: Array | None = None
     """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
     origin: Origin = UNKNOWN
-    """Origin: simulated or recorded, and the start of the robot's motion."""
 
     def __repr__(self) -> str:
         count = len(self.time_s)
@@ -72,8 +68,7 @@ class Trace:
         MissingLibraryError
             If matplotlib is not installed.
         """
-
-        return Picture(draw_trace(self))
+        return plot("fingertip.slip.report:draw_trace", self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the columns as a data frame.
@@ -86,7 +81,6 @@ class Trace:
         return to_dataframe(dict(self._columns()), "Trace.to_dataframe")
 
     def _columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
-        """Name and values of each column that the trace has."""
         for name in COLUMNS:
             if (values := getattr(self, name)) is not None:
                 yield name, values
@@ -183,7 +177,6 @@ class RawTrace:
     has_all_times: bool = True
     """True if every sample's time was read, so that the times can be validated."""
     in_volts: bool = True
-    """True if the signal is a voltage."""
     notes: tuple[str, ...] = ()
     """Sentences on what was passed over, or read in another way than it stands in the file."""
 
@@ -256,7 +249,6 @@ def length_message(count: int, minimum: int) -> str:
 def _range_issues(
     volts: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None
 ) -> Iterator[Issue]:
-    """Find voltages outside the ADC range."""
     outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
     if outside.size:
         first = int(outside[0])
@@ -292,29 +284,71 @@ def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]
         )
 
 
-# Plot of a trace without a detection.
+# Limits on the size of a recording.
+
+MAX_LINE = 2**20
+"""Maximum length of a line of text [characters]. Ten thousand columns need a third of it."""
+_CELLS_PER_SAMPLE = 4
+"""Ratio of the numbers in a table, columns that no trace takes included, to the largest number of samples."""
+_REMEDY = "cut the recording into parts"
 
 
-def draw_trace(trace: Trace) -> bytes:
-    """Draw the columns of a trace below each other, with the true slips shaded, as PNG. Raises MissingLibraryError."""
-    columns = [
-        (label, values, colour)
-        for label, values, colour in (
-            ("tactile voltage [V]", trace.voltage_v, BLUE),
-            ("normal force [N]", trace.force_n, TEAL),
-            ("envelope [V]", trace.envelope_v, ORANGE),
-            ("filtered signal [V]", trace.filtered_v, RED),
-        )
-        if values is not None
-    ]
-    figure = new_figure(10, 1.0 + 2.2 * len(columns))
-    panels = figure.subplots(len(columns), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (label, values, colour) in zip(panels, columns, strict=True):
-        style_axes(axes, "both")
-        for slip in () if trace.slip is None else intervals(trace.time_s, trace.slip):
-            axes.axvspan(slip.onset_s, slip.end_s, color="0.8", linewidth=0)
-        axes.plot(trace.time_s, values, color=colour, linewidth=0.8)
-        axes.set_ylabel(label)
-    panels[-1].set_xlabel("time [s]; shaded: true slip" if trace.slip is not None else "time [s]")
-    figure.align_ylabels()
-    return to_png(figure)
+def max_samples() -> int:
+    """Return the maximum number of samples: by default 70 minutes at 2 kHz, 7 minutes at 20 kHz."""
+    return SAMPLES_LIMIT.value
+
+
+def max_rows(columns: int) -> int:
+    """Return the maximum number of lines of a table with this number of columns."""
+    return max(1, min(max_samples(), _CELLS_PER_SAMPLE * max_samples() // max(1, columns)))
+
+
+def max_table_bytes() -> int:
+    """Return the maximum size of all numbers of a table [bytes]."""
+    return 8 * _CELLS_PER_SAMPLE * max_samples()
+
+
+def check_trace_file(path: Path) -> None:
+    """Check that a trace is a regular file of at most the largest size. Raises TraceError."""
+    try:
+        check_regular(path, RECORDING_LIMIT, "a trace")
+    except InputFileError as error:
+        issues = [Issue(issue.field, _with_stream(issue.message)) for issue in error.issues]
+        raise TraceError(issues) from None
+
+
+def _with_stream(message: str) -> str:
+    """Add to the refusal of a pipe how lines are read from one."""
+    if message.startswith("is a pipe"):
+        return message.removesuffix(".") + ", or - for lines from standard input."
+    return message.replace("make it smaller", _REMEDY)
+
+
+def max_lines() -> int:
+    """Return the maximum number of lines of a file, those without a sample included."""
+    return 2 * max_samples() + 10_000
+
+
+def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> Iterator[str]:
+    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`. Raises TraceError."""
+    readline = getattr(lines, "readline", None)
+    pieces = iter(lambda: readline(MAX_LINE + 1), "") if readline else iter(lines)
+    for number, line in enumerate(pieces, 1):
+        if len(line) > MAX_LINE:
+            message = f"is longer than {MAX_LINE} characters; a trace has one sample per line, so break the lines."
+            raise TraceError(Issue(f"{name}, line {number}", message))
+        if most is not None and number > most:
+            message = f"has more than {most} lines; {_REMEDY}, or raise {SAMPLES_LIMIT.variable}."
+            raise TraceError(Issue(name, message))
+        yield line
+
+
+def shape_message(shape: Sequence[int], item_bytes: int = 8) -> str | None:
+    """Describe an array that is too large, by the shape that its file states; None for any other."""
+    count, maximum = math.prod(shape), max_samples()
+    fits = all(0 <= length <= maximum for length in shape) and 0 <= count <= _CELLS_PER_SAMPLE * maximum
+    if fits and count * item_bytes <= RECORDING_LIMIT.value:
+        return None
+    held = f"{count:.3g}" if abs(count) < 10**300 else "too many"
+    remedy = f"{_REMEDY}, record again, or raise {SAMPLES_LIMIT.variable}"
+    return f"claims to hold {held} values; at most {maximum} samples are read; {remedy}."

@@ -1,0 +1,166 @@
+"""CPU time of the article's 120 trials and 12 manipulations, of thousands of boards, of the first compilation, and of
+each solver's start-up, which is part of no point of the diagrams."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.peers import spice
+from benchmarks.peers.board import STEP_S, BoardProblem
+from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.spice import Spice
+from fingertip.design import Design
+from fingertip.foundation.files import TemporaryFolder
+from fingertip.sim.article import article_manipulations, article_trials
+from fingertip.sim.files.scene import SceneFile
+from fingertip.sim.hand.manipulation import run_manipulation
+from fingertip.sim.hand.motion import FixedGrip
+from fingertip.sim.scene.run import run_scene
+from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
+from fingertip.sim.signal.filter_board import simulate_boards
+
+CAMPAIGN_TARGET_S = 3.0
+MANIPULATION_TARGET_S = 1.0
+BOARDS_TARGET_S = 10.0
+BOARDS_TOLERANCE_V = 1e-3
+RESISTOR_TOLERANCE = 0.01
+"""Relative tolerance of the resistors."""
+CAPACITOR_TOLERANCE = 0.05
+"""Relative tolerance of the capacitors."""
+SATURATION_FACTOR = 2.0
+"""Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
+_COLD = """
+import time
+start = time.process_time()
+from fingertip.design import Design
+from fingertip.sim import SceneFile, run_scene
+from fingertip.foundation.jit import compiled
+scene = SceneFile(slide={"distance_m": 0.01}, outputs=["voltage_v", "envelope_v"])
+with compiled():
+    run_scene(Design(), scene)
+    run_scene(Design(), scene.model_copy(update={"contact": scene.contact.model_copy(update={"feedback": True})}))
+print(time.process_time() - start)
+"""
+_PROCESS = """
+import time
+{imports}
+print(time.process_time())
+"""
+_LOAD_LOOPS = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parents[2])!r})
+from fingertip.foundation.jit import compiled
+from benchmarks.peers.board import BoardProblem
+from benchmarks.peers.contact import ContactProblem
+from fingertip.design import Design
+from fingertip.sim.signal.analog_circuit import AnalogBoard
+with compiled():
+    ContactProblem.over(1.0).run_fingertip(1e-3)
+    BoardProblem(AnalogBoard.from_design(Design()), 0.5).run_fingertip(1e-3)
+"""
+
+
+def measure_trials() -> dict[str, Any]:
+    """Measure the CPU time of the 120 trials [s], with compiled loops."""
+    design = Design()
+    planned = list(article_trials())
+    run_scene(design, *planned[0])
+    start = time.process_time()
+    slipping = sum(bool(run_scene(design, scene, seed).columns["slip"].any()) for scene, seed in planned)
+    cpu = time.process_time() - start
+    return {"trials": len(planned), "slipping": slipping, "cpu_s": cpu, "target_s": CAMPAIGN_TARGET_S}
+
+
+def measure_manipulations() -> dict[str, Any]:
+    """Measure the CPU time of the 12 manipulations [s] under a controller without feedback, with compiled loops."""
+    design = Design()
+    planned = list(article_manipulations())
+    run_manipulation(design, planned[0][0], FixedGrip(), 0)
+    start = time.process_time()
+    results = [run_manipulation(design, scene, FixedGrip(), seed) for scene, seed in planned]
+    cpu = time.process_time() - start
+    return {
+        "manipulations": len(results),
+        "simulated_s": round(sum(float(result.time_s[-1]) for result in results), 3),
+        "lost": sum(result.lost_s is not None for result in results),
+        "cpu_s": cpu,
+        "target_s": MANIPULATION_TARGET_S * len(results),
+    }
+
+
+def measure_boards(count: int) -> dict[str, Any]:
+    """Measure the CPU time of many boards on 5 s of one strong trial [s], and the spread of the envelope's peak."""
+    design = Design()
+    scene = SceneFile(
+        contact={"surface": "wood"},
+        hold={"min_force_n": 2.0, "max_force_n": 2.0},
+        slide={"distance_m": 0.04},
+        outputs=["tactile_v"],
+    )
+    voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz) + 1]
+    step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design)
+    list(simulate_boards(nominal, step, voltage[:10]))
+    start = time.process_time()
+    peaks, implicit, steps = [], 0, 0
+    for chunk in simulate_boards(draw_boards(nominal, count), step, voltage, BOARDS_TOLERANCE_V):
+        peaks.append(chunk.envelope_v.max(axis=1))
+        implicit, steps = implicit + chunk.implicit, steps + chunk.steps
+    cpu = time.process_time() - start
+    low, middle, high = np.quantile(np.concatenate(peaks), [0.05, 0.5, 0.95]).tolist()
+    return {
+        "boards": count,
+        "samples": len(voltage),
+        "cpu_s": cpu,
+        "target_s": BOARDS_TARGET_S * count / 10_000,
+        "tolerance_v": BOARDS_TOLERANCE_V,
+        "conducting_ratio": implicit / steps,
+        "peak_v": {"5 %": low, "50 %": middle, "95 %": high},
+    }
+
+
+def measure_first_run() -> dict[str, Any]:
+    """Measure the CPU time of a fresh process that uses the loops [s], with an empty and with a full compiler cache."""
+    with TemporaryFolder() as folder:
+        times = []
+        for _ in range(2):
+            done = subprocess.run(
+                [sys.executable, "-c", _COLD], env=os.environ | {"NUMBA_CACHE_DIR": str(folder)}, capture_output=True,
+                text=True, check=True,
+            )  # fmt: skip
+            times.append(float(done.stdout))
+    return {"empty_cache_cpu_s": times[0], "full_cache_cpu_s": times[1]}
+
+
+def measure_start_up(peers: tuple[str, ...], cvode: CvodeLibrary | str) -> dict[str, float]:
+    """Measure the CPU time of each solver's start-up [s], with filled caches.
+
+    fingertip and scipy start in a fresh process of Python. CVODE's programs are compiled, and ngspice reads a deck.
+    """
+    found = {"fingertip: process, imports, and loading both compiled loops": _time_process(_LOAD_LOOPS)}
+    if set(peers) - {"CVODE", "ngspice"}:
+        found["scipy: process and import, without the compilation of the equations"] = _time_process(
+            "import scipy.integrate"
+        )
+    if isinstance(cvode, CvodeLibrary):
+        found["CVODE: compilation of both problems"] = cvode.compilation_s
+    if "ngspice" in peers and (program := spice.find_program()):
+        board = AnalogBoard.from_design(Design())
+        problem = BoardProblem(board, 1.0)
+        source = spice.sampled_source(STEP_S, problem.voltage_v)
+        simulator = Spice(program, board, source, STEP_S, problem.seconds)
+        found["ngspice: process and reading a deck of 2001 samples"] = simulator.measure_start_up_s()
+    return found
+
+
+def _time_process(imports: str) -> float:
+    """CPU time of a fresh process [s]; the second of two, so that caches are filled."""
+    code = _PROCESS.format(imports=imports)
+    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(2)]
+    return float(runs[-1].stdout)

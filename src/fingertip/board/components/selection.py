@@ -1,0 +1,347 @@
+"""Selection of preferred values (IEC 60063): next to a computed one, in a range, and for the filter.
+
+Nearest means nearest by ratio. Capacitors come from a series, or are only values that are sold.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from bisect import bisect_left
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from fingertip.board.parts.select_part import list_capacitances
+from fingertip.design.formulas.amplifiers import choose_amplifier, select_rectifier_ohm
+from fingertip.design.formulas.filter import (
+    MANTISSAS,
+    MAX_OHM,
+    MIN_CUTOFF_RATIO,
+    MIN_OHM,
+    SELECTABLE_R1_OHM,
+    SELECTABLE_R_LP_OHM,
+    SERIES_CAPACITORS_UF,
+    FilterComponents,
+    ideal_components,
+    r_lp_ohm,
+    selectable_range_f,
+    to_farads,
+)
+from fingertip.design.parameters import Board
+from fingertip.foundation.errors import BoardError, Issue
+from fingertip.foundation.numerics import Array
+
+SOLD = "preferred"
+"""Name of the series of values that are sold."""
+USUAL_SERIES = "E6"
+"""Series of capacitors that every board selects itself."""
+FILTER_PACKAGE, SMALL_PACKAGE = "1206", "0603"
+"""Sizes of the filter's capacitors and of all others of the signal path."""
+
+
+def mantissas(series: str) -> tuple[int, ...]:
+    """Integer mantissas of one decade: 10 to 68 (E6), 10 to 82 (E12), 10 to 91 (E24), 100 to 976 (E96).
+
+    Raises BoardError.
+    """
+    if series not in MANTISSAS:
+        raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(MANTISSAS)}."))
+    return MANTISSAS[series]
+
+
+def neighbouring_values(
+    value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM
+) -> tuple[float, ...]:
+    """Find the preferred values next below and next above `value`.
+
+    Only one is returned if `value` is itself preferred or lies beyond the range.
+
+    Raises BoardError.
+    """
+    decade = mantissas(series)
+    if not (value > 0 and math.isfinite(value)):
+        raise BoardError(f"{value!r} has no preferred value; give a positive finite number.")
+    value = min(max(value, minimum), maximum)
+    exponent = math.floor(math.log10(value)) - (len(str(decade[0])) - 1)
+    values = _values_of_decade(series, exponent)
+    above = bisect_left(values, value)
+    return (values[above],) if values[above] == value else (values[above - 1], values[above])
+
+
+def nearest_value(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> float:
+    """Find the preferred value nearest to `value` by ratio; of two, the lower. Raises as `neighbouring_values` does."""
+    return min(neighbouring_values(value, series, minimum, maximum), key=lambda v: abs(math.log(v / value)))
+
+
+def values_around(value: float, series: str) -> tuple[float, ...]:
+    """List the preferred resistances from half of `value` to twice `value`. Raises as `neighbouring_values` does."""
+    return _list_values(max(value / 2, MIN_OHM), min(2 * value, MAX_OHM), series)
+
+
+def values_in_range(low: float, high: float, series: str) -> tuple[float, ...]:
+    """List the preferred values from `low` to `high`, or the one nearest to `low` where there is none between."""
+    return _list_values(low, high, series) or (nearest_value(low, series, 1e-12, 1e-3),)
+
+
+def _list_values(low: float, high: float, series: str) -> tuple[float, ...]:
+    decade = mantissas(series)
+    digits = len(str(decade[0])) - 1
+    exponents = range(math.floor(math.log10(low)) - digits, math.floor(math.log10(high)) - digits + 1)
+    return _within(low, high, (_scaled(mantissa, exponent) for exponent in exponents for mantissa in decade))
+
+
+def _within(low: float, high: float, values: Iterable[float]) -> tuple[float, ...]:
+    # The ends are computed, so rounding must not exclude a value that lies exactly on one of them.
+    return tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
+
+
+@lru_cache(maxsize=256)
+def _values_of_decade(series: str, exponent: int) -> tuple[float, ...]:
+    """List the preferred values of a decade in ascending order, with one more below it and two above.
+
+    With these, rounding of the logarithm that selects the decade does not matter. The values are cached, because a
+    sweep computes thousands of boards.
+    """
+    decade = mantissas(series)
+    above = (_scaled(mantissa, exponent + 1) for mantissa in decade[:2])
+    return (_scaled(decade[-1], exponent - 1), *(_scaled(mantissa, exponent) for mantissa in decade), *above)
+
+
+def _scaled(mantissa: int, exponent: int) -> float:
+    """mantissa * 10^exponent, correctly rounded."""
+    return float(mantissa * 10**exponent) if exponent >= 0 else mantissa / 10**-exponent
+
+
+def nearest_capacitance(farad: float, series: str, package: str = SMALL_PACKAGE) -> float:
+    """Find the capacitance [F] nearest by ratio: of those that are sold, or else of the usual series."""
+    if series == SOLD:
+        return min(list_capacitances(package), key=lambda f: abs(math.log(f / farad)))
+    return nearest_value(farad, USUAL_SERIES, 1e-12, 1e-3)
+
+
+def capacitances_in_range(low_f: float, high_f: float, series: str, package: str) -> tuple[float, ...]:
+    """List the capacitances [F] of a series from `low_f` to `high_f`, or the one nearest to the range if none is."""
+    if series != SOLD:
+        return values_in_range(low_f, high_f, series)
+    found = _within(low_f, high_f, list_capacitances(package))
+    return found or (nearest_capacitance(math.sqrt(low_f * high_f), series, package),)
+
+
+# Components of filter and envelope (article, eqs. 2, 8, 10; it writes omega where j omega is meant in eqs. 1, 3, 4, 9
+# and 11). With `board.resistor_choice` "joint", R1, R2 and R3 are chosen together, with "apart" each for itself.
+
+
+@dataclass(frozen=True)
+class FirstStageCapacitors:
+    """Capacitors that variants other than `article` add to the first stage [F]."""
+
+    series_capacitor_f: float
+    """C14 in series with R4: the stage does not amplify the amplifier's offset."""
+    limiting_capacitor_f: float
+    """C20 across R5: the stage does not amplify frequencies above the vibrations."""
+    limit_hz: float
+    """Frequency at which C20 has reduced the gain by 3 dB: 1 / (2 pi R5 C20)."""
+
+
+@dataclass(frozen=True)
+class FilterSelection:
+    """Components of filter and envelope: by the formulas, and as fitted."""
+
+    ideal: FilterComponents
+    preferred: FilterComponents
+    capacitors: FirstStageCapacitors | None
+    """None in variant article."""
+    rectifier_ohm: float | None
+    """Both resistors of the precision rectifier, gain -1; None in variant article."""
+
+    def by_reference(self) -> dict[str, float]:
+        """Value of each fitted component [ohm, F] by its reference designator."""
+        c = self.preferred
+        values = {
+            "R1": c.r1_ohm, "R2": c.r2_ohm, "R3": c.r3_ohm, "R4": c.r4_ohm, "R5": c.r5_ohm, "R6": c.r_lp_ohm,
+            "C1": c.c_f, "C2": c.c_f, "C3": c.c_f, "C4": c.c_lp_f,
+        }  # fmt: skip
+        if self.capacitors is not None and self.rectifier_ohm is not None:
+            values |= {"C14": self.capacitors.series_capacitor_f, "C20": self.capacitors.limiting_capacitor_f}
+            values |= {"R15": self.rectifier_ohm, "R16": self.rectifier_ohm, "R17": c.r_lp_ohm}
+        return values
+
+
+def select_filter(board: Board) -> FilterSelection:
+    """Select the components of filter and envelope. Raises as `neighbouring_values` does."""
+    ideal = ideal_components(select_capacitors(board))
+    preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
+    if board.variant == "article":
+        return FilterSelection(ideal, preferred, None, None)
+    c20_f = nearest_capacitance(pole_hz(preferred.r5_ohm, board.band_limit_hz), board.capacitor_series)
+    c14_f = _select_series_capacitor_f(preferred.r4_ohm, pole_hz(preferred.r1_ohm, preferred.c_f))
+    capacitors = FirstStageCapacitors(c14_f, c20_f, pole_hz(preferred.r5_ohm, c20_f))
+    return FilterSelection(ideal, preferred, capacitors, select_rectifier_ohm(choose_amplifier(board)))
+
+
+def pole_hz(r_ohm: float, c_f: float) -> float:
+    """1 / (2 pi R C) [Hz] for R [ohm] and C [F]: a pole; for R and a frequency [Hz] it is C."""
+    return 1.0 / (math.tau * r_ohm * c_f)
+
+
+def select_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> FilterComponents:
+    """Select preferred resistors for ideal ones; the capacitors keep the values that they have."""
+    ohm = ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm
+    r1_ohm, r2_ohm, r3_ohm = choose_jointly(ohm, series)[0] if jointly else (nearest_value(r, series) for r in ohm)
+    r5_ohm = nearest_value(ideal.r5_ohm, series)
+    return replace(
+        ideal,
+        r1_ohm=r1_ohm,
+        r2_ohm=r2_ohm,
+        r3_ohm=r3_ohm,
+        # R5 comes first, then R4 by the ratio R5 / R4 that the gain requires.
+        r4_ohm=nearest_value(ideal.r4_ohm * r5_ohm / ideal.r5_ohm, series),
+        r5_ohm=r5_ohm,
+        r_lp_ohm=nearest_value(ideal.r_lp_ohm, series),
+    )
+
+
+def _select_series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
+    """Select C14 in series with R4 [F]: the smallest whose corner frequency is at least a decade below the cutoff [Hz].
+
+    For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, the
+    largest is selected.
+    """
+    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * r4_ohm * cutoff_hz)
+    return to_farads(next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1]))
+
+
+def select_capacitors(board: Board) -> Board:
+    """Return the parameters with the fitted capacitors: as given, or selected from `board.capacitor_series`."""
+    if board.capacitor_series == "given":
+        return board
+    c_f, c_lp_f = select_filter_capacitor(board), _select_envelope_capacitor(board)
+    return board.model_copy(update={"capacitor_uf": _microfarads(c_f), "envelope_capacitor_uf": _microfarads(c_lp_f)})
+
+
+def select_filter_capacitor(board: Board) -> float:
+    """Select C1 = C2 = C3 [F] with the smallest error among those that give R1 within `SELECTABLE_R1_OHM`.
+
+    For each C the resistors are the best that exist. No combination of the two series within that range is therefore
+    better. Of equal errors the smaller capacitor is selected.
+    """
+    range_f = selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM)
+    capacitors = capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE)
+    return min(capacitors, key=lambda c_f: (round(filter_error(c_f, board), 9), c_f))
+
+
+def filter_error(c_f: float, board: Board) -> float:
+    """Error of the filter with this C [F] and the best preferred resistors.
+
+    It is the deviation from a Butterworth response where the resistors are chosen together, else the hypot of the
+    logarithms of f0, Q and the first pole over their ideal values. With x and y the logarithms of R2 and R3 over their
+    ideal values, ln(f0' / f0) = -(x + y) / 2 and ln(Q' / Q) = (y - x) / 2. The sum of their squares is (x^2 + y^2) / 2,
+    so each resistor can be selected alone.
+    """
+    ideal = ideal_components(board.model_copy(update={"capacitor_uf": 1e6 * c_f}))
+    ohm = ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm
+    if board.resistor_choice == "joint":
+        return choose_jointly(ohm, board.series)[1]
+    first, x, y = (math.log(nearest_value(r, board.series) / r) for r in ohm)
+    return math.hypot(first, math.hypot(x, y) / math.sqrt(2.0))
+
+
+def _select_envelope_capacitor(board: Board) -> float:
+    """Select C_LP [F] whose preferred R_LP gives the pole nearest to the envelope's, R_LP in `SELECTABLE_R_LP_OHM`."""
+    target_hz = board.envelope_cutoff_hz
+
+    def error(c_f: float) -> float:
+        return abs(math.log(pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz))
+
+    range_f = selectable_range_f(target_hz, SELECTABLE_R_LP_OHM)
+    return min(
+        capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE),
+        key=lambda c_f: (round(error(c_f), 12), c_f),
+    )
+
+
+def _microfarads(farads: float) -> float:
+    """Preferred capacitance [uF], without the rounding error of the multiplication."""
+    return float(f"{farads * 1e6:.6g}")
+
+
+# Joint choice of R1, R2 and R3: the preferred values whose response together deviates least from a Butterworth one.
+#
+# With w = f / f_c and x = w^2 the ideal magnitude is x^3 / (1 + x^3), squared. The first stage with p = R1 C omega_c
+# has p^2 x / (1 + p^2 x), and the Sallen-Key section with q = 2 R2 C omega_c and r = R2 R3 (C omega_c)^2 has r^2 x^2 /
+# ((1 - r x)^2 + q^2 x). The deviation is the largest difference of the magnitudes [dB] at any frequency of
+# `DEVIATION_BAND`. Errors of the three values that cancel in the product count little, which a choice of each value
+# alone does not see.
+
+
+DEVIATION_BAND = 0.5, 4.0
+"""Band in which the deviation counts [cutoffs]: from 18 dB below the passband to beyond the vibrations."""
+SEARCH_RATIOS = {"E12": 1.8, "E24": 1.5, "E96": 1.15}
+"""Largest ratio of a candidate to its ideal value by series. A wider search finds nothing better; a test shows it."""
+_DIGITS, _ROUNDING_DB = 9, 1e-8
+"""Decimals of a deviation [dB]; differences below them are rounding."""
+_COARSE, _FINE = 7, 6
+"""Number of frequencies at which every combination is compared, and of intervals between two of them for those left."""
+
+
+@functools.lru_cache(maxsize=256)
+def choose_jointly(ideal_ohm: tuple[float, float, float], series: str) -> tuple[tuple[float, float, float], float]:
+    """Choose R1, R2 and R3 [ohm] from a series, and return them with their deviation [dB].
+
+    Of equal deviations the smaller resistors are chosen. Every combination is compared at a few frequencies of the
+    band. What is worse there than a known combination is in the whole band cannot be the best, and is left out.
+    """
+    candidates = [_list_candidates(ohm, series) for ohm in ideal_ohm]
+    first, second, third = (np.array(values) / ohm for values, ohm in zip(candidates, ideal_ohm, strict=True))
+    x = _squared_frequencies()
+    coarse = x[::_FINE]
+    stage, section = _stage_db(first, coarse), _section_db(second[:, None], third[None, :], coarse)
+    lower_bound = np.abs(stage[:, None, None, :] + section).max(axis=-1)
+
+    likely = np.unravel_index(lower_bound.argmin(), lower_bound.shape)
+    known_db = _deviations_db(*(values[[i]] for values, i in zip((first, second, third), likely, strict=True)))
+    i, j, k = np.nonzero(lower_bound <= known_db + _ROUNDING_DB)
+    deviations = np.round(_deviations_db(first[i], second[j], third[k]), _DIGITS)
+    best = int(deviations.argmin())  # the first of equal ones has the smallest resistors
+    return (candidates[0][i[best]], candidates[1][j[best]], candidates[2][k[best]]), float(deviations[best])
+
+
+def compute_deviation_db(ohm: tuple[float, float, float], ideal_ohm: tuple[float, float, float]) -> float:
+    """Compute the largest deviation of R1, R2 and R3 [ohm] from the Butterworth response of the ideal ones [dB]."""
+    ratios = (np.array([value / ideal]) for value, ideal in zip(ohm, ideal_ohm, strict=True))
+    return float(_deviations_db(*ratios)[0])
+
+
+def _deviations_db(first: Array, second: Array, third: Array) -> Array:
+    """Deviations [dB] of combinations of R1, R2 and R3 over their ideal values."""
+    x = _squared_frequencies()
+    return np.asarray(np.abs(_stage_db(first, x) + _section_db(second, third, x)).max(axis=-1))
+
+
+def _list_candidates(ideal_ohm: float, series: str) -> tuple[float, ...]:
+    """List the preferred values around an ideal one within the search ratio, or the nearest if there is none."""
+    ratio = SEARCH_RATIOS[series]
+    low, high = max(ideal_ohm / ratio, MIN_OHM), min(ideal_ohm * ratio, MAX_OHM)
+    return _list_values(low, high, series) or (nearest_value(ideal_ohm, series),)
+
+
+@functools.cache
+def _squared_frequencies() -> Array:
+    """Frequencies of the band over the cutoff, squared, evenly spaced by ratio."""
+    low, high = DEVIATION_BAND
+    return np.asarray(np.geomspace(low * low, high * high, (_COARSE - 1) * _FINE + 1))
+
+
+def _stage_db(first: Array, x: Array) -> Array:
+    """Magnitude of the first stage over that of the ideal filter [dB], for R1 over its ideal value."""
+    p2x = first[..., None] ** 2 * x
+    return np.asarray(10.0 * np.log10(p2x / (1.0 + p2x) * (1.0 + x**3) / x**3))
+
+
+def _section_db(second: Array, third: Array, x: Array) -> Array:
+    """Magnitude of the Sallen-Key section [dB], for R2 and R3 over their ideal values."""
+    q2x, rx = second[..., None] ** 2 * x, (second * third)[..., None] * x
+    return np.asarray(10.0 * np.log10(rx**2 / ((1.0 - rx) ** 2 + q2x)))

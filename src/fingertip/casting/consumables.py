@@ -1,0 +1,103 @@
+"""Consumables of a casting: what a design needs primer and adhesive for, and the tapes to buy and cut.
+
+One tape lies over the sensor, the other one around the seat of bone or core.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from fingertip.cad.shapes.bone import TAPE_RIM_MM, tape_outline_mm
+from fingertip.design import Design
+from fingertip.design.geometry.conic import add_groove
+from fingertip.design.geometry.seat import tape_span_mm
+from fingertip.foundation.numerics import bisect
+
+_STOCK_WIDTHS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0)
+"""Widths in which polyimide tape is sold. An assumption: makers' lists differ."""
+_STATIONS = 100
+"""Places along the flat at which its width is computed."""
+_LAID_OFF_MM = 0.3
+"""Distance from the collar at which a hand may lay the end of the tape [mm]. An assumption."""
+_RANGE_MM = 0.5
+"""Range within which a knife cuts the tape [mm]. An assumption."""
+_EDGE_MM = 0.1
+"""Least distance of the tape from the edge of the flat [mm]."""
+
+
+def cover_tape_data(design: Design) -> dict[str, Any]:
+    """Size the tape under the skin: past the pocket on each side, from the collar past the head, on the flat."""
+    half, end = tape_outline_mm(design)
+    wanted, flat = 2.0 * half, flat_width_mm(design, design.dimensions.sensor_z)
+    narrowest = min(flat_width_mm(design, design.dimensions.sensor_z * i / _STATIONS) for i in range(1, _STATIONS + 1))
+    width = _round_up(wanted)
+    trim = narrowest < width
+    flat_end = _flat_end_mm(design)
+    width_mm = [width, max(width, min(width + _RANGE_MM, _round_down((flat if trim else narrowest) - _EDGE_MM)))]
+    return {
+        "width_mm": [round(limit, 1) for limit in width_mm],
+        "stock_mm": next((stock for stock in _STOCK_WIDTHS_MM if stock >= width - 1e-6), None),
+        "length_mm": _tape_length_mm(end, flat_end),
+        "overlap_mm": TAPE_RIM_MM,
+        "pocket_mm": round(2.0 * (half - TAPE_RIM_MM), 2),
+        "flat_mm": round(narrowest, 1),
+        "flat_end_mm": flat_end,
+        "trim": trim,
+    }
+
+
+def _tape_length_mm(end: float, flat_end: float) -> list[float]:
+    """Find the lengths to cut [mm]: none opens the slot if it is laid a little off the collar, none leaves the flat."""
+    longest = _round_down(flat_end - _EDGE_MM)
+    least = math.ceil(2.0 * (end + _LAID_OFF_MM) - 1e-6) / 2.0  # to half a millimetre, where the flat has room
+    if least + _RANGE_MM > longest:
+        least = min(_round_up(end + _LAID_OFF_MM), max(_round_up(end), longest))
+    return [round(limit, 1) for limit in (least, max(least, min(least + _RANGE_MM, longest)))]
+
+
+def _flat_end_mm(design: Design) -> float:
+    """Height at which the flat of the bone ends at the tip [mm]."""
+    low, high = design.dimensions.sensor_z, design.skin.length_mm
+    return _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
+
+
+def _round_up(size_mm: float) -> float:
+    return math.ceil(10.0 * size_mm - 1e-6) / 10.0
+
+
+def _round_down(size_mm: float) -> float:
+    return math.floor(10.0 * size_mm + 1e-6) / 10.0
+
+
+def seat_tape_data(design: Design) -> dict[str, Any] | None:
+    """Size the tape around bone or core in the recess; None without one."""
+    span = tape_span_mm(design)
+    if span is None:
+        return None
+    room = span[1] - span[0]
+    return {
+        "thickness_mm": design.mold.seat_tape_mm,
+        "from_mm": round(span[0], 1),
+        "to_mm": round(span[1], 1),
+        "width_mm": round(room, 1),
+        "stock_mm": max((stock for stock in _STOCK_WIDTHS_MM if stock <= room + 1e-6), default=None),
+    }
+
+
+def flat_width_mm(design: Design, z: float) -> float:
+    """Width of the bone's palmar flat at a height z [mm], where a retention groove narrows it too."""
+    dims = design.dimensions
+    return 2.0 * add_groove(design.bone, dims.bone_outline).half_width_at(-dims.flat_depth, z)
+
+
+def uses_primer(data: Mapping[str, Any]) -> bool:
+    """Tell from the data of a sheet whether a step primes the bone: for the skin cast around it, or for the patch."""
+    return data["insert"] == "bone" or data["chaplet"] is not None
+
+
+def uses_adhesive(data: Mapping[str, Any]) -> bool:
+    """Tell from the data of a sheet whether silicone adhesive seals a passage or a lid."""
+    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
+    return bool(passes or data["sensor_tail"] == "folded")

@@ -1,0 +1,77 @@
+"""Sets of files that are made of a design: their kinds, their folders, and the names of their files.
+
+A new file has its name here; the task that writes it adds its content. Names that follow from parts, formats or plates
+stand with these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+    def model_dump(self, *, mode: str) -> dict[str, Any]: ...
+
+
+@dataclass(frozen=True)
+class OutputSet:
+    """Files that are written together, or removed together where they are of another design."""
+
+    kind: str
+    """Kind in the manifest of the set."""
+    place: str = ""
+    """Folder below that of the design."""
+
+    def folder(self, design: _Named) -> Path:
+        """Folder that the set of a design is written to unless another is named."""
+        return Path("out", design.name, self.place)
+
+    def writer(
+        self,
+        design: _Named,
+        folder: Path,
+        force: bool = False,
+        top: Path | None = None,
+        adopted: Collection[str] = (),
+    ) -> SetWriter:
+        """Writer of the set of a design in a folder; the others as for `SetWriter`."""
+        parameters = hash_parameters(design.model_dump(mode="json"))
+        return SetWriter(folder, self.kind, design.name, parameters, adopted, force, top=top)
+
+
+PART_FILES = OutputSet("parts")
+DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
+ACCEPTANCE, EXPLODED_VIEW, FILLING_VIEW, PAGE = "acceptance.md", "exploded.png", "filling.png", "index.html"
+
+PRINT_FOLDER, STEPS_FOLDER = "print", "steps"
+PRINTS = OutputSet("print", PRINT_FOLDER)
+STEPS = OutputSet("steps", STEPS_FOLDER)
+"""Pictures of the casting steps, beside the casting sheet."""
+
+COUPON = OutputSet("coupon", "coupon")
+COUPON_READINGS, COUPON_SHEET, PLAN = "coupon_readings.toml", "coupon.md", "coupon.png"
+
+BOARD_FOLDER, FAB_FOLDER = "board", "fab"
+BOARD = OutputSet("board", BOARD_FOLDER)
+NETLIST, VALUES, DECK, BOM = "slip_filter.net", "values.json", "slip_filter.cir", "bom.csv"
+SCHEMATIC, LAYOUT, PROJECT = "slip_filter.kicad_sch", "slip_filter.kicad_pcb", "slip_filter.kicad_pro"
+README = "README.md"
+BRING_UP, BRING_UP_READINGS, WIRING = "bringup.md", "bringup_readings.toml", "wiring.svg"
+FABRICATION = OutputSet("fabrication", f"{BOARD_FOLDER}/{FAB_FOLDER}")
+PROVENANCE = "made_from.sha256"
+
+SIGNAL_FOLDER = "signal"
+SIGNAL = OutputSet("signal", SIGNAL_FOLDER)
+TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
+
+FIRMWARE = OutputSet("firmware", "firmware")
+PROPERTIES, MANIFEST = "library.properties", "library.json"
+TIMER, BUFFER = "slip_timer.h", "slip_buffer.h"

@@ -1,0 +1,127 @@
+"""Documents as Markdown templates (Jinja2): the text stands in a template, and a function beside it collects the data.
+
+A name without a value is an error, and a float is written without the zeros at its end. The lines of a template may
+break anywhere within a sentence: `lay_out_page` makes the lines of the page.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fingertip.foundation.errors import join_words
+from fingertip.foundation.files import format_figure
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+WIDTH = 120
+"""Longest line of a document whose text is wrapped [characters]."""
+_FENCE = "```"
+_ITEM = re.compile(r"- |\d+\. ")
+_BEGINS_BLOCK = re.compile(rf"#+ |\||{_ITEM.pattern}|\s*!\[")
+
+
+def render(name: str, /, **data: Any) -> str:
+    """Render a template of this package's folder, such as "board/readme.md"."""
+    return _environment().get_template(name).render(data)
+
+
+def render_rows(name: str, data: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Render a template that is a table, as its rows: column -> cell."""
+    rows = (line for line in lay_out_page(render(name, **data)).splitlines() if line.startswith("|"))
+    head, _, *cells = ([cell.strip() for cell in row[1:-1].split("|")] for row in rows)
+    return [dict(zip(head, row, strict=True)) for row in cells]
+
+
+@functools.cache
+def _environment() -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("fingertip", "documents"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        finalize=lambda value: f"{value:g}" if isinstance(value, float) else value,
+    )
+    environment.filters |= {
+        "wrap": lambda text: lay_out_page(text, WIDTH),
+        "paragraphs": lay_out_page,
+        "listed": join_words,
+        "span": _span,
+        "figure": format_figure,
+        "fixed": _fixed,
+        "digits": _digits,
+        "milli": _milli,
+        "ohm": format_ohm,
+    }
+    return environment
+
+
+def _span(limits: Sequence[float]) -> str:
+    """Write the lower and the upper limit of a size; one figure if they agree."""
+    low, high = limits
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _fixed(value: float, decimals: int) -> str:
+    # 0 has no sign.
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def _digits(value: float, digits: int) -> str:
+    return f"{value:.{digits}g}"
+
+
+def _milli(value: float, decimals: int | None = None) -> str:
+    """Write a value in thousandths of its unit."""
+    return f"{1e3 * value:g}" if decimals is None else _fixed(1e3 * value, decimals)
+
+
+def format_ohm(value: float) -> str:
+    """Format a resistance with three digits: 6800 -> "6.8 kohm"."""
+    size, prefix = next(unit for unit in ((1e6, "M"), (1e3, "k"), (1.0, "")) if value >= unit[0] or not unit[1])
+    return f"{value / size:.3g} {prefix}ohm"
+
+
+def lay_out_page(text: str, width: int | None = None) -> str:
+    """Make one line of each paragraph, item of a list and row of a table, and one empty line between blocks.
+
+    With a width, paragraphs and items are wrapped. The further lines of a row are indented in the template.
+    """
+    lines, is_fenced, is_open = [""], False, False
+    for line in text.splitlines():
+        is_fence = line.startswith(_FENCE)
+        continues_row = lines[-1].startswith("|") and line.startswith("  ")
+        if is_fenced or is_fence:
+            lines.append(line)
+            is_fenced ^= is_fence
+            is_open = False
+        elif not line.strip():
+            lines += [""] if lines[-1] else []
+            is_open = False
+        elif continues_row or (is_open and not _BEGINS_BLOCK.match(line)):
+            lines[-1] += f" {line.strip()}"
+        else:
+            lines.append(line.rstrip())
+            is_open = not line.startswith(("#", "|"))
+    return "\n".join(_wrap(lines, width) if width else lines).strip("\n") + "\n"
+
+
+def _wrap(lines: Sequence[str], width: int) -> list[str]:
+    """Wrap paragraphs and items of lists; tables, headings and code stay as they are."""
+    wrapped, is_fenced = list[str](), False
+    for line in lines:
+        is_fenced ^= line.startswith(_FENCE)
+        if is_fenced or not line or line.startswith(("|", "#", _FENCE)):
+            wrapped.append(line)
+        else:
+            mark = _ITEM.match(line)
+            indent = " " * mark.end() if mark else ""
+            wrapped += textwrap.wrap(line, width, subsequent_indent=indent, break_on_hyphens=False)
+    return wrapped

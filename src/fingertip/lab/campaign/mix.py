@@ -1,0 +1,248 @@
+"""The wider mix beside a campaign: every kind of signal, with seeds of its own, and what a detector makes of it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES
+from fingertip.lab.campaign.run import needs_board, quantile_s, separate_events
+from fingertip.sim import SceneFile
+from fingertip.sim.article import article_trials
+from fingertip.sim.signal.converter import SimulatedBoardDetector
+from fingertip.slip import make_detector
+from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.traces.intervals import intervals
+
+EARLY_S = 0.005
+"""Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""
+SLIDE_STRENGTHS_V = (0.002, 0.004, 0.008, 0.016)
+"""RMS values of the long slides [V]."""
+BURSTS_V = (0.006, 0.025)
+"""Range of the bursts' RMS values [V]."""
+_CONTACT_S = 1.7
+"""Time after which a grasp of the scene "drift" has been held for 1 s [s]."""
+
+
+@dataclass(frozen=True)
+class MixSize:
+    """Numbers of signals."""
+
+    events: int = 100
+    """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
+    noisy: int = 48
+    """Trials in each condition of `fingertip.lab.campaign.mix_signals.NOISES`."""
+
+    @classmethod
+    def for_trials(cls, trials: int) -> MixSize:
+        """Size beside a campaign of so many trials."""
+        return cls(max(4, trials), max(4, 2 * trials // 5))
+
+
+def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
+    """Generate the signals one after the other."""
+    seeds = itertools.count(first_seed)
+    trials = [scene for scene, _ in article_trials()]
+    with compiled():
+        for _ in range(size.events):
+            yield mix_signals.grip_change(design, next(seeds))
+        for _ in range(size.events):
+            yield mix_signals.fast_closing(design, next(seeds))
+        for _ in range(math.ceil(size.events / 3)):
+            yield mix_signals.taps(design, next(seeds))
+        for _ in range(math.ceil(size.events / 7)):
+            yield from mix_signals.grip_steps(design, next(seeds))
+        for _ in range(math.ceil(size.events / 7)):
+            yield from mix_signals.manipulation(design, next(seeds))
+        for _ in range(size.events):
+            yield mix_signals.abrupt_burst(design, next(seeds), *BURSTS_V)
+        for _ in range(math.ceil(size.events / 2)):
+            yield mix_signals.low_burst(design, next(seeds), *BURSTS_V)
+        for i in range(math.ceil(size.events / 2)):
+            yield mix_signals.long_slide(design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
+        for _ in range(math.ceil(size.events / 3)):
+            yield mix_signals.ringing_knock(design, next(seeds))
+        yield from _noisy(design, size, trials, seeds)
+
+
+def _noisy(
+    design: Design, size: MixSize, trials: Sequence[SceneFile], seeds: Iterator[int]
+) -> Iterator[LabelledSignal]:
+    held = NEGATIVE_SCENES["drift"][0]
+    for name in mix_signals.NOISES:
+        for i in range(size.noisy):
+            yield mix_signals.in_noise(design, trials[i * len(trials) // size.noisy], next(seeds), name)
+        for _ in range(math.ceil(size.noisy / 6)):
+            yield mix_signals.in_noise(design, held, next(seeds), name)
+    hand = SceneFile(**(held.model_dump() | {"noise": {"hand_v": 5e-4}}))
+    for _ in range(math.ceil(size.noisy / 3)):
+        yield mix_signals.simulate_scene(design, hand, next(seeds), "vibration with the grasp", _CONTACT_S)
+    coarse = {"converter": {"bits": 10, "high_v": 5.0}}
+    for i in range(math.ceil(size.noisy / 4)):
+        for scene in (trials[(8 * i) % len(trials)], held):
+            yield mix_signals.in_condition(design, scene, next(seeds), "10 bits", coarse)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a detector on one signal."""
+
+    kind: str
+    strength_v: float
+    minutes: float
+    slides: int
+    delays_s: tuple[float, ...]
+    """Delays of the slips that were found, from gross slip [s]."""
+    motion_delays_s: tuple[float, ...]
+    """The same delays from the start of the motion [s]."""
+    on_shares: tuple[float, ...]
+    """Share of each slip, from its onset to its end, that is ON."""
+    alarms: int
+    """Number of alarms without slip."""
+    alarms_s: tuple[float, ...]
+    """Moments of these alarms [s]."""
+    events: int
+    disturbed: int
+    """Number of events that caused an alarm."""
+    false_on_share: float
+    """Share of the time without slip that is ON, where alarms count."""
+
+
+def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Outcome:
+    """Compare the flags of a detector with what is known about a signal.
+
+    A slip is found if the detector turns ON between its onset, less `EARLY_S`, and its end. An alarm is a transition to
+    ON outside the slips, their creep, and the detector's memory after them. Alarms closer together than
+    `fingertip.lab.campaign.run.SAME_EVENT_S` count once.
+    """
+    time_s = np.arange(len(on)) / signal.rate_hz
+    found = intervals(time_s, on)
+    delays, motion_delays, shares = [], [], []
+    is_slip = np.zeros(len(on), dtype=bool)
+    for slide in signal.slides:
+        inside = [i for i in found if slide.onset_s - EARLY_S <= i.onset_s < slide.end_s]
+        if inside:
+            delays.append(max(0.0, inside[0].onset_s - slide.onset_s))
+            motion_delays.append(max(0.0, inside[0].onset_s - slide.motion_s))
+        during = (time_s >= slide.onset_s) & (time_s < slide.end_s)
+        shares.append(float(np.mean(on[during])) if during.any() else 0.0)
+        is_slip |= (time_s >= slide.motion_s) & (time_s < slide.end_s + memory_s)
+    alarms = separate_events(
+        i
+        for i in found
+        if i.onset_s >= signal.alarms_from_s
+        and not any(s.onset_s - EARLY_S <= i.onset_s < s.end_s + memory_s for s in signal.slides)
+    )
+    disturbed = sum(
+        any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in signal.events
+    )
+    counted = ~is_slip & (time_s >= signal.alarms_from_s)
+    return Outcome(
+        signal.kind,
+        signal.strength_v,
+        signal.duration_s / 60,
+        len(signal.slides),
+        tuple(delays),
+        tuple(motion_delays),
+        tuple(shares),
+        len(alarms),
+        tuple(alarm.onset_s for alarm in alarms),
+        len(signal.events),
+        disturbed,
+        float(np.mean(on[counted])) if counted.any() else 0.0,
+    )
+
+
+def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
+    """Run a detector over signals; it assumes the design's noise, whatever they have.
+
+    A detector of the board's envelope reads the design's board, simulated on the sampled voltage.
+    """
+    outcomes = []
+    with compiled():
+        for signal in signals:
+            if needs_board(name):
+                board = SimulatedBoardDetector(design)
+                outcomes.append(assess(signal, board.process(signal.voltage_v).on, board.memory_s))
+            else:
+                detector = make_detector(name, design)
+                outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
+    return outcomes
+
+
+@dataclass(frozen=True)
+class MixSummary:
+    """Pooled outcomes of one kind of signal."""
+
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def slides(self) -> int:
+        """Number of slips."""
+        return sum(outcome.slides for outcome in self.outcomes)
+
+    @property
+    def found_share(self) -> float:
+        """Share of the slips that were found."""
+        return sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides if self.slides else math.nan
+
+    def delay_s(self, fraction: float) -> float:
+        """Delay from gross slip by which a fraction of all slips was found [s]; infinite if fewer were."""
+        return quantile_s([d for outcome in self.outcomes for d in outcome.delays_s], self.slides, fraction)
+
+    def motion_delay_s(self, fraction: float) -> float:
+        """Delay from the start of the motion by which a fraction of all slips was found [s]."""
+        return quantile_s([d for outcome in self.outcomes for d in outcome.motion_delays_s], self.slides, fraction)
+
+    @property
+    def worst_s(self) -> float:
+        """Longest delay from gross slip of a slip that was found [s]."""
+        return max((d for outcome in self.outcomes for d in outcome.delays_s), default=math.nan)
+
+    @property
+    def on_share(self) -> float:
+        """Smallest share of any slip that is ON."""
+        return min((share for outcome in self.outcomes for share in outcome.on_shares), default=math.nan)
+
+    @property
+    def minutes(self) -> float:
+        """Duration in which alarms count [min]."""
+        return sum(outcome.minutes for outcome in self.outcomes)
+
+    @property
+    def alarms(self) -> int:
+        """Number of alarms."""
+        return sum(outcome.alarms for outcome in self.outcomes)
+
+    @property
+    def alarms_per_minute(self) -> float:
+        """Rate of alarms [1/min]."""
+        return self.alarms / self.minutes if self.minutes else 0.0
+
+    @property
+    def events(self) -> int:
+        """Number of events that are not slip."""
+        return sum(outcome.events for outcome in self.outcomes)
+
+    @property
+    def disturbed_share(self) -> float:
+        """Share of these events that caused an alarm."""
+        return sum(outcome.disturbed for outcome in self.outcomes) / self.events if self.events else math.nan
+
+
+def summarise(outcomes: Iterable[Outcome]) -> dict[str, MixSummary]:
+    """Pool outcomes by kind, and those in all conditions of `fingertip.lab.campaign.mix_signals.NOISES` together."""
+    groups: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        groups.setdefault(outcome.kind, []).append(outcome)
+    groups["unstated noise"] = [outcome for kind in mix_signals.NOISES for outcome in groups.get(kind, [])]
+    return {kind: MixSummary(tuple(group)) for kind, group in groups.items() if group}

@@ -1,0 +1,127 @@
+"""Detector `analog` by board variant, and every detector on the article's board and converter.
+
+A silicon diode conducts from some 0.45 V, which is 6.7 mV of vibration ahead of the gain. The article does not name its
+diode, and does not say how strong its vibrations were. On the simulated ones a bare 1N4148 does not conduct on smooth
+surfaces, whatever the threshold; the article's results follow on the board without that dead zone. There the noise
+allows a much lower threshold than on the sampled voltage, because the ADC's noise dominates and the board's gain comes
+before it. A lower threshold finds slip sooner, and reports more load changes as slip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
+from fingertip.foundation.errors import DesignError
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
+from fingertip.lab.campaign.run import run_campaign, run_cases, surface
+from fingertip.sim.signal.converter import simulate_quiescent_level
+
+VARIANTS = ("article", "precision")
+ARTICLE = "article"
+"""Name of the bundled design with the article's board and converter."""
+
+
+@dataclass(frozen=True)
+class BoardResult:
+    """Result of the detector `analog` on one board at one threshold; delays are infinite if too few slips are found."""
+
+    variant: str
+    threshold_v: float
+    by_rule: bool
+    """True if the threshold follows from the noise of this board's output; otherwise it is the design's."""
+    found_share: float
+    median_s: float
+    p90_s: float
+    below_30_ms: float
+    """Fraction of the slips that were found within 30 ms."""
+    worst_mean_s: float
+    """Mean delay of the slips found on the worst surface [s]."""
+    alarms_per_minute: float
+
+
+def _valid_variants(design: Design) -> Iterator[Design]:
+    """Designs with each variant, where its rules allow it: another variant may need other values."""
+    for variant in VARIANTS:
+        try:
+            yield with_variant(design, variant)
+        except DesignError:
+            continue
+
+
+def with_variant(design: Design, variant: str) -> Design:
+    """Copy of the design with another board variant; its band limit is moved above the vibrations if necessary."""
+    tables = design.model_dump()
+    if design.board.variant != variant:
+        minimum = BAND_CUTOFFS * design.board.cutoff_hz
+        tables["board"] |= {"variant": variant, "band_limit_hz": max(design.board.band_limit_hz, minimum)}
+    return Design(**tables)
+
+
+def study_board_variants(
+    design: Design, trials: int = 24, negative_minutes: float = 2.0, first_seed: int = HELD_OUT_FROM
+) -> list[BoardResult]:
+    """Run the same cases on each board, at the design's threshold and at the one that its noise allows."""
+    cases = list(generate_cases(CampaignPlan(trials, negative_minutes), first_seed))
+    results = []
+    for changed in _valid_variants(design):
+        rule_v = simulate_quiescent_level(changed).rounded_threshold_v
+        design_v = changed.detector.threshold_v
+        pair = run_cases(changed, cases, {"analog": (1.0, rule_v / design_v)})["analog"]
+        for by_rule, threshold_v, pooled in zip((False, True), (design_v, rule_v), pair, strict=True):
+            results.append(
+                BoardResult(
+                    changed.board.variant,
+                    threshold_v,
+                    by_rule,
+                    pooled.found_share,
+                    pooled.delay_s(0.5),
+                    pooled.delay_s(0.9),
+                    pooled.share_within_30_ms,
+                    max(mean for mean, _, _ in pooled.group_delays(surface).values()),
+                    pooled.alarms_per_minute,
+                )
+            )
+    return results
+
+
+@dataclass(frozen=True)
+class ArticleBoardResult:
+    """Result of one detector on the article's board; delays are infinite if too few slips are found."""
+
+    detector: str
+    found_share: float
+    median_s: float
+    """Median delay from gross slip [s]."""
+    p90_s: float
+    """90th percentile from gross slip [s]."""
+    motion_p90_s: float
+    """90th percentile from the start of the robot's motion [s]."""
+    alarms_per_minute: float
+
+
+def with_article_board(design: Design) -> Design:
+    """Copy of a design with the board and the converter of the bundled design `article`."""
+    article = Design.load(ARTICLE)
+    return Design(
+        **(design.model_dump() | {"board": article.board.model_dump(), "detector": article.detector.model_dump()})
+    )
+
+
+def study_article_board(
+    design: Design, plan: CampaignPlan, first_seed: int = HELD_OUT_FROM
+) -> list[ArticleBoardResult]:
+    """Run the cases of a plan on the article's board with every detector; none if the design has that board."""
+    changed = with_article_board(design)
+    if changed == design:
+        return []
+    result = run_campaign(changed, plan, scales=(1.0,), first_seed=first_seed)
+    return [
+        ArticleBoardResult(
+            name, one.found_share, one.delay_s(0.5), one.delay_s(0.9), one.motion_delay_s(0.9), one.alarms_per_minute
+        )
+        for name in result.detectors
+        for one in [result.at_nominal_threshold(name)]
+    ]

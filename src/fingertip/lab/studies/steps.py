@@ -1,0 +1,205 @@
+"""Sensitivity of signals and delays to the time step, and of the delay to the sampling rate.
+
+The same trials run on the shipped grid and on a much finer one, which stands for the limit of vanishing steps. Noise is
+drawn on the base grid and stays the same, so every difference is an error of the step.
+
+The ADC's noise is the same at every conversion (`detector.noise_v`), so ten times the sampling rate leaves a tenth of
+its power in the band of slip. The article's ADC (NI 6002) makes 50 000 conversions a second in total; the article used
+2 000. `fast` derives its thresholds from the noise, so it needs no other threshold.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.detection.adaptation import adapt_rate
+from fingertip.foundation.errors import DesignError
+from fingertip.foundation.jit import compiled
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    Case,
+    generate_cases,
+    generate_trials,
+)
+from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
+from fingertip.lab.studies.bounds import compute_bounds_s
+from fingertip.sim import SceneResult, run_scene
+from fingertip.sim.scene.run import SceneRun
+from fingertip.sim.signal.grid import Grid
+from fingertip.slip import DETECTORS
+
+REFINEMENT = 16
+"""Number of steps of the finer grid per step of the shipped one."""
+MAX_SHIFT_SAMPLES = 1.0
+"""Shift of a delay that the goal permits [samples]: a sample is the resolution of every detector."""
+GOAL_SHARE = 0.95
+"""Fraction of the trials whose delay must not shift by more than that. Goal of this project."""
+SIGNALS = ("force_n", "voltage_v", "envelope_v")
+"""Signals whose largest error is measured."""
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class GridDifference:
+    """Difference of one trial between the shipped grid and a finer one."""
+
+    errors: Mapping[str, float]
+    """Signal -> largest difference in the trial, in the signal's unit."""
+    shifts_samples: Mapping[str, float]
+    """Detector -> shift of the delay [samples]; infinite if slips are found on one grid only, NaN if on neither."""
+
+
+def compare_grids(
+    design: Design, case: Case, detectors: Sequence[str] = tuple(DETECTORS), refinement: int = REFINEMENT
+) -> GridDifference:
+    """Run one trial on the shipped grid and on a finer one, with the same noise."""
+    sampled = select_board_outputs(design, detectors)
+    scene = case.scene.model_copy(update={"outputs": ["slip", *SIGNALS, *sampled]})
+    shipped = SceneRun(design, scene, case.seed).grid
+    assert shipped
+    pair = [run_scene(design, scene, case.seed, grid=Grid(parts * shipped.refinement)) for parts in (1, refinement)]
+    errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in SIGNALS}
+    rate = design.detector.sample_rate_hz
+    shifts = {
+        name: rate * _find_shift_s(*(_find_delays_s(design, case, one, name) for one in pair)) for name in detectors
+    }
+    return GridDifference(errors, shifts)
+
+
+def _find_delays_s(design: Design, case: Case, result: SceneResult, detector: str) -> tuple[float, ...]:
+    (found,) = evaluate(case, result.trace, result.force_n, detector, design, [1.0])
+    return found.delays_s
+
+
+def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
+    """Largest shift of a delay [s]; infinite if the numbers of slips found differ, NaN if there are none."""
+    if len(coarse_s) != len(fine_s):
+        return math.inf
+    return max((abs(a - b) for a, b in zip(coarse_s, fine_s, strict=True)), default=math.nan)
+
+
+@dataclass(frozen=True)
+class DelayShift:
+    """Shift of one detector's delay over all trials."""
+
+    detector: str
+    trials: int
+    """Number of trials in which slip was found on either grid."""
+    beyond_sample: int
+    """Number of them with a shift beyond one sample."""
+    one_grid_only: int
+    """Number of them in which slip was found on one grid only; they count as beyond one sample."""
+    median_s: float
+    p90_s: float
+    worst_s: float
+
+    @property
+    def meets_goal(self) -> bool:
+        """True if few enough trials shift by more than one sample."""
+        return self.beyond_sample <= (1 - GOAL_SHARE) * self.trials + _ROUNDING
+
+
+@dataclass(frozen=True)
+class SignalError:
+    """Largest error of a signal in a trial, over all trials, in the signal's unit."""
+
+    signal: str
+    median: float
+    p90: float
+    worst: float
+
+
+@dataclass(frozen=True)
+class StepSensitivity:
+    """Effect of the time step on trials with slip."""
+
+    trials: int
+    refinement: int
+    shifts: tuple[DelayShift, ...]
+    errors: tuple[SignalError, ...]
+
+
+def study_steps(
+    design: Design,
+    trials: int = 60,
+    first_seed: int = HELD_OUT_FROM,
+    detectors: Sequence[str] = tuple(DETECTORS),
+    refinement: int = REFINEMENT,
+) -> StepSensitivity:
+    """Compare both grids on the article's trials."""
+    cases = list(generate_trials(trials, first_seed))
+    with compiled():
+        differences = [compare_grids(design, case, detectors, refinement) for case in cases]
+    rate = design.detector.sample_rate_hz
+    shifts = tuple(
+        _pool_shifts(name, [difference.shifts_samples[name] for difference in differences], rate) for name in detectors
+    )
+    errors = []
+    for name in SIGNALS:
+        values = [difference.errors[name] for difference in differences]
+        median, p90 = (float(np.quantile(values, q, method="higher")) for q in (0.5, 0.9))
+        errors.append(SignalError(name, median, p90, max(values)))
+    return StepSensitivity(len(cases), refinement, shifts, tuple(errors))
+
+
+def _pool_shifts(detector: str, shifts_samples: Sequence[float], rate_hz: float) -> DelayShift:
+    found = [shift for shift in shifts_samples if not math.isnan(shift)]
+    beyond = sum(shift > MAX_SHIFT_SAMPLES + _ROUNDING for shift in found)
+    median_s, p90_s = (quantile_s(found, len(found), q) / rate_hz if found else 0.0 for q in (0.5, 0.9))
+    worst_s = max(found, default=0.0) / rate_hz
+    return DelayShift(detector, len(found), beyond, sum(map(math.isinf, found)), median_s, p90_s, worst_s)
+
+
+RATES_HZ = (2000.0, 5000.0, 10_000.0, 20_000.0)
+DETECTOR = "fast"
+
+
+@dataclass(frozen=True)
+class SamplingRateResult:
+    """Result at one sampling rate."""
+
+    sample_rate_hz: float
+    bound_median_s: float
+    """Median of Lorden's bound (`fingertip.lab.studies.bounds`) [s]."""
+    bound_p90_s: float
+    """90th percentile of Lorden's bound [s]."""
+    found_share: float
+    median_s: float
+    """Median delay [s]; infinite if fewer than half of the slips were found."""
+    p90_s: float
+    alarms_per_minute: float
+
+
+def study_sampling_rates(
+    design: Design,
+    trials: int = 24,
+    negative_minutes: float = 4.0,
+    first_seed: int = HELD_OUT_FROM,
+    rates_hz: Sequence[float] = RATES_HZ,
+) -> list[SamplingRateResult]:
+    """Run the same cases at each rate, and at the design's own rate if it is another.
+
+    Rates that the design cannot have are omitted.
+    """
+    plan, results = CampaignPlan(trials, negative_minutes), []
+    for rate in sorted({*rates_hz, design.detector.sample_rate_hz}):
+        try:
+            adapted = adapt_rate(design, rate)
+        except DesignError:
+            continue
+        cases = (case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY)
+        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials, first_seed)
+        results.append(
+            SamplingRateResult(
+                rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),
+                pooled.found_share, pooled.delay_s(0.5), pooled.delay_s(0.9), pooled.alarms_per_minute,
+            )
+        )  # fmt: skip
+    return results

@@ -1,0 +1,223 @@
+"""Parameters and checks of a design: what each parameter shapes, and what was measured on the parts.
+
+Each check links to the parameters that set it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, cast
+
+from fingertip.cad.shapes.parts import hardware, parts_by_name
+from fingertip.cad.verification.check import list_causes
+from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
+from fingertip.design import Design
+from fingertip.design.files import Parameter, format_value, list_parameters
+from fingertip.design.rules.ruleset import RecordingTables
+from fingertip.page.html import Markup, code, element, join, note, quantity, table
+from fingertip.page.model_section import label_item
+
+_HARDWARE_OF = (("bone",), ("mold_dorsal",), ("mold_palmar", "mold_dorsal"))
+"""Parts whose hardware is made apart, so that each item is blamed for little more than it reads itself."""
+
+
+def parameters_of_shapes(design: Design) -> dict[str, frozenset[str]]:
+    """Find the parameters that the shape of each part and bought item reads, by the item's name.
+
+    They are recorded while the shape is made, so a parameter that this design does not use is in none of the sets.
+    """
+    found: dict[str, frozenset[str]] = {}
+    for name, part in parts_by_name(design).items():
+        recorder = RecordingTables(design)
+        part.solid(cast(Design, recorder))
+        found[name] = frozenset(recorder.reads)
+    for parts in _HARDWARE_OF:
+        recorder = RecordingTables(design)
+        for item in hardware(cast(Design, recorder), parts):
+            found.setdefault(item.name, frozenset(recorder.reads))
+    return found
+
+
+def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
+    """Find the items whose shape reads each parameter, by its name; parameters that move nothing are left out."""
+    moved: dict[str, list[str]] = {}
+    for item, parameters in parameters_of_shapes(design).items():
+        for parameter in sorted(parameters):
+            moved.setdefault(parameter, []).append(item)
+    return {parameter: tuple(items) for parameter, items in moved.items()}
+
+
+_EFFECTS = {
+    "silicone": ("quantities and times of casting", "casting"),
+    "printer": ("compensation and checks of the printed parts", "checks"),
+    "strength": ("safety factors of the bone", "checks"),
+    "force_curve": ("forces and voltages", "trial"),
+    "board": ("component values of the board", "board"),
+    "detector": ("detection of slip", "trial"),
+}
+"""Table of parameters -> what it decides beside shapes, and the section that shows it."""
+
+
+def render_parameters(design: Design) -> Markup:
+    """Render all parameters by their tables. The name of one that shapes parts is a button that highlights them."""
+    moved, tables = shapes_of_parameters(design), group_parameters()
+    parts = [
+        element(
+            "p",
+            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it. "
+            "Change one in the design file, or with ", element("code", "--set TABLE.KEY=VALUE"), ".",
+        )
+    ]  # fmt: skip
+    for name, parameters in tables.items():
+        changed = sum(design.value(p.path) != p.default for p in parameters)
+        note = f", {changed} changed" if changed else ""
+        title = f"{name or 'design'}: {len(parameters)} parameter{'s' if len(parameters) > 1 else ''}{note}"
+        rows = [_render_row(design, parameter, moved) for parameter in parameters]
+        body = table(("parameter", "value", "bounds"), rows, f"parameters of [{name}]" if name else "name")
+        parts.append(element("details", element("summary", title), body, open=name == "skin"))
+    return join(parts)
+
+
+def group_parameters() -> dict[str, list[Parameter]]:
+    """Group the parameters by their tables; the table "" holds those that stand in none."""
+    tables: dict[str, list[Parameter]] = {}
+    for parameter in list_parameters():
+        tables.setdefault(parameter.path.rpartition(".")[0], []).append(parameter)
+    return tables
+
+
+def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[str, ...]]) -> tuple[str, str, str]:
+    path, value = parameter.path, design.value(parameter.path)
+    items = moved.get(path, ())
+    if items:
+        name = element(
+            "button", code(path), type="button", class_="code", data_moves=" ".join(items), aria_pressed="false",
+            id=f"p-{path}",
+        )  # fmt: skip
+    else:
+        name = element("span", code(path), class_="code", id=f"p-{path}", tabindex="-1")
+    shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
+    if value != parameter.default:
+        shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
+    description = element("div", parameter.description)
+    return join((name, description, describe_effect(path, items))), shown, parameter.bounds
+
+
+def describe_effect(path: str, items: tuple[str, ...], *, linked: bool = True) -> Markup:
+    """Say what a parameter decides, with a link to the section of the page that shows it."""
+    effect = _EFFECTS.get(path.partition(".")[0])
+    if items:
+        said: tuple[str, ...] = ("Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
+    elif effect:
+        said = ("Decides ", element("a", effect[0], href=f"#{effect[1]}") if linked else effect[0], ".")
+    else:
+        said = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
+    return element("small", *said)
+
+
+Check = Mapping[str, Any]
+
+_CLOSEST = 8
+"""Number of checks that are listed as the closest to their limits."""
+EVERY_FILE = "Every file was read back and measured. A check that fails names the parameters to change."
+"""Sentences on the checks of a build."""
+
+
+def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
+    """Render in one line whether the parts passed their checks; `passed` ends the sentence if they did."""
+    checks = report["checks"]
+    failed = [check for check in checks if not check["passed"]]
+    warned = _find_warnings(checks)
+    if failed:
+        text, kind = f"✗ {len(failed)} of {len(checks)} checks failed: do not print these parts", "failed"
+    elif warned:
+        text, kind = f"⚠ {len(checks) - len(warned)} of {len(checks)} checks {passed}, {len(warned)} warn", "warned"
+    else:
+        text, kind = f"✓ All {len(checks)} checks {passed}", "passed"
+    return element("p", text, class_=f"verdict {kind}")
+
+
+def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
+    """Render all checks: failed ones first, then the closest to their limits, then all by their subject."""
+    checks: Sequence[Check] = report["checks"]
+    failed = [check for check in checks if not check["passed"]]
+    parts = [
+        element("p", basis),
+        *([element("h3", "Failed"), _tabulate(failed, "failed checks")] if failed else []),
+    ]
+    warned = _find_warnings(checks)
+    if warned:
+        parts += [element("h3", "Warnings"), _tabulate(warned, "checks that warn")]
+        parts += [note(code(check["name"]), f": {check['warning']}") for check in warned]
+    elif "strength" in report:
+        parts.append(_warn_of_strength(report["strength"]))
+    if closest := _find_closest(checks):
+        parts += [element("h3", "Closest to their limits"), _tabulate(closest, "checks closest to their limits")]
+    groups: dict[str, list[Check]] = {}
+    for check in checks:
+        groups.setdefault(check["name"].split(".")[0], []).append(check)
+    parts.append(element("h3", "All checks"))
+    for subject, group in groups.items():
+        passed = sum(check["passed"] for check in group)
+        warnings = len(_find_warnings(group))
+        summary = f"{subject.replace('_', ' ')}: {passed - warnings} of {len(group)} passed"
+        summary += f", {warnings} warn" if warnings else ""
+        parts.append(element("details", element("summary", summary), _tabulate(group, f"checks of {subject}")))
+    return join(parts)
+
+
+def _warn_of_strength(strength: Mapping[str, Any]) -> Markup:
+    """Warn of a bone that passes the limits but is weaker than wanted."""
+    grip, shock = strength["grip_safety_factor"], strength["shock_safety_factor"]
+    if grip >= WANTED_AT_GRIP and shock >= WANTED_AT_SHOCK:
+        return Markup("")
+    text = (
+        f"The bone is weaker than wanted: its safety factor is {grip:.2f} at the grip force and {shock:.2f} at the "
+        f"shock, where {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted. It breaks first at the "
+        f"{strength['weakest']['place']} at z = {strength['weakest']['z_mm']:.1f} mm."
+    )
+    return note(text)
+
+
+def _find_closest(checks: Sequence[Check]) -> list[Check]:
+    """Find the passed checks with the least margin, relative to their limits. Counts and exact values have none."""
+    margins = [
+        (abs(check["value"] - check["limit"]) / abs(check["limit"]), check)
+        for check in checks
+        if check["passed"] and check["relation"] != "exactly" and check["limit"] and check["value"] != check["limit"]
+        and list_causes(check["name"])
+    ]  # fmt: skip
+    return [check for _, check in sorted(margins, key=lambda pair: pair[0])[:_CLOSEST]]
+
+
+def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
+    rows = [
+        (
+            element("span", code(check["name"]), class_="code"),
+            quantity(check["value"], check["unit"]),
+            quantity(check["limit"], check["unit"], check["relation"]),
+            _say(check),
+            link_parameters(list_causes(check["name"])),
+        )
+        for check in checks
+    ]
+    return table(("check", "value", "must be", "passed", "set by"), rows, caption, "broad")
+
+
+def _find_warnings(checks: Sequence[Check]) -> list[Check]:
+    """Find the checks that passed but warn."""
+    return [check for check in checks if check["passed"] and check.get("warning")]
+
+
+def _say(check: Check) -> Markup:
+    if not check["passed"]:
+        return element("span", "✗ FAILED", class_="failed")
+    if check.get("warning"):
+        return element("span", "⚠ warns", class_="warned")
+    return element("span", "✓", class_="passed", title="passed")
+
+
+def link_parameters(paths: Iterable[str]) -> Markup:
+    """Link to parameters in the table of all."""
+    links = [element("a", code(path), href=f"#p-{path}", class_="code") for path in paths]
+    return join([piece for link in links for piece in (", ", link)][1:])

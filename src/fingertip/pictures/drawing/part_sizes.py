@@ -1,0 +1,341 @@
+"""Sizes of the printed parts on their sheets: bone, core, lid and the halves of the mold."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fingertip.cad.shapes.bone import FOOT_GAP_MM
+from fingertip.cad.shapes.insert import axis_z, contact_y, head_y
+from fingertip.cad.shapes.mold import recess_half_width
+from fingertip.catalogues.hardware import LUER_MOUTH_MM, select_thread
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
+from fingertip.design import Design
+from fingertip.design.geometry.features import Chaplet
+from fingertip.design.geometry.sizes import (
+    ARROW_DEG,
+    BEFORE_FACE,
+    BEHIND_FACE,
+    FINISHED,
+    INNER,
+    OUTER,
+    SCALE_REMEDY,
+    STEP,
+    AxisLine,
+    Circle,
+    Length,
+    PartDrawing,
+    Size,
+    ViewName,
+    clearance,
+    located,
+    nut_trap,
+    shared_clearance,
+    symmetric,
+)
+from fingertip.design.geometry.solids import Point3
+from fingertip.design.interfaces import interface_of
+
+_MATERIAL = "any print material that the silicone tolerates"
+_PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or print again"
+
+
+def bone_drawing(design: Design) -> PartDrawing:
+    """List what the sheet of the bone shows."""
+    dims, section, pilot = design.dimensions, design.dimensions.bone_outline.section, _find_pilot(design, "bone")
+    tip, interface = dims.bone_outline.tip, interface_of(design)
+    assert tip
+    pocket_end = dims.sensor_z + dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
+    low = (0.0, 0.0, interface.low_z(design))
+    sizes = [
+        Length("overall length", OUTER, "front", "below", "z", low, (0.0, 0.0, tip.z)),
+        *_base_sizes(design),
+        *_pocket_sizes(design),
+        *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.flat_depth, pocket_end)),
+        *interface.sizes(design),
+    ]
+    if not dims.window_opens_into_gap:
+        tie = (section.half_width, dims.tie_hole_y, dims.tie_hole_z)
+        sizes.append(Circle("hole of the tie", INNER, "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
+    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _pilot_axis(pilot))
+
+
+def core_drawing(design: Design) -> PartDrawing:
+    """List what the sheet of a sleeve's core shows."""
+    dims, inset, scale = design.dimensions, design.mold.sleeve_interference_mm, design.dimensions.shrinkage
+    pilot, tip = _find_pilot(design, "core"), dims.bone_outline.tip
+    assert tip
+    apex, flat = (tip.z - inset) * scale, -(dims.flat_depth - inset) * scale
+    low = dims.base_end_z
+    sizes = [
+        Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, apex), symmetric(0.2),
+               f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
+        *_base_sizes(design),
+        Length("length of the base", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
+        Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, apex), (0.0, flat, dims.sensor_z),
+               is_reference=True),
+        *_chaplet_sizes(design, pilot, "core", (0.0, flat, dims.sensor_z)),
+    ]  # fmt: skip
+    return PartDrawing("core", "Core", "palmar", _material(design), tuple(sizes), _pilot_axis(pilot))
+
+
+def lid_drawing(design: Design) -> PartDrawing:
+    """List what the sheet of the lid shows."""
+    dims, fold, gap = design.dimensions, design.dimensions.fold, design.sensor.clearance_mm
+    closing = 2 * design.printer.offset_mm  # lid and trough both grow
+    assert fold
+    half = dims.sensor.tail_width_mm / 2
+    foot, end, top = fold.floor_y + FOOT_GAP_MM, fold.trough_end_z - gap, dims.collar.section.dorsal
+    tabs, film = fold.floor_y + fold.tabs_space_mm, fold.floor_y + fold.film_space_mm
+    low = fold.nose_z
+    sizes = (
+        Length("length", OUTER, "front", "below", "z", (0.0, foot, low), (0.0, foot, end), clearance(gap - closing),
+               "sand the distal end until the lid drops into the trough"),
+        Length("width", OUTER, "palmar", "left", "x", (half, foot, low), (-half, foot, low),
+               clearance(2 * gap - closing),
+               "sand the sides until the lid drops into the trough"),
+        Length("height", OUTER, "front", "right", "y", (half, foot, end), (half, top, low), located(design, top - foot),
+               "sand the feet: a high lid presses the skin thin, a low one leaves a step"),
+        Length("width of the space for the tabs", INNER, "end", "above", "x", (fold.tabs_half_width, tabs, low),
+               (-fold.tabs_half_width, tabs, low), None, "file it until the crimps pass"),
+        Length("height of the space for the tabs", STEP, "section", "left", "y", (half, foot, end), (0.0, tabs, low),
+               None, "file it until crimps and wires pass: the lid must not press on them"),
+        Length("height of the space for the film", STEP, "end", "right", "y", (half, foot, end), (half, film, low)),
+    )  # fmt: skip
+    return PartDrawing("lid", "Lid", "palmar", _material(design), sizes)
+
+
+def _material(design: Design) -> str:
+    return PRINT_MATERIALS[design.strength.print_material].label
+
+
+def _base_sizes(design: Design) -> list[Size]:
+    """List the sizes that locate bone and core in the recess of the mold."""
+    dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
+    base, foot = -design.mold.recess_length_mm, -design.bone.collar_length_mm
+    sizes: list[Size] = [
+        Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
+               (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
+               f"wide: scrape the recess until the base drops in; narrow: {SCALE_REMEDY}"),
+        Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
+               (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
+               f"wide: scrape the recess of the collar until the mold closes; narrow: {SCALE_REMEDY}"),
+        Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
+               (0.0, 0.0, 0.0),
+               located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
+    ]  # fmt: skip
+    if dims.fold is None:
+        sizes.append(
+            Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
+                   (0.0, section.dorsal, base), located(design, dims.base_flat_depth + section.dorsal),
+                   f"high: scrape the floor of the recess until the mold closes; low: {SCALE_REMEDY}")
+        )  # fmt: skip
+    return sizes
+
+
+def _pocket_sizes(design: Design) -> list[Size]:
+    """List the sizes of the sensor's pocket and slot."""
+    dims, gap = design.dimensions, design.sensor.clearance_mm
+    flat, half = -dims.flat_depth, dims.tail_half_width
+    floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
+    begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
+    opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
+    return [
+        Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
+               (-dims.collar.section.half_width, 0.0, 0.0), (0.0, flat, z)),
+        Circle("pocket of the sensor", INNER, "palmar", "y", (0.0, floor, z), head,
+               clearance(2 * gap - design.printer.offset_mm),
+               "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
+               hidden_deg=((180.0 - opening, 180.0 + opening),)),
+        Length("width of the slot", INNER, "palmar", "left", "x", (half, flat, begin), (-half, flat, begin),
+               clearance(2 * gap - design.printer.offset_mm)),
+        Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
+               is_reference=True),
+        Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
+               located(design, dims.pocket_depth),
+               "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it"),
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Pilot:
+    """Pilot hole of the chaplet's screw in bone or core [mm]."""
+
+    z: float
+    facet_y: float
+    radius: float
+    depth: float
+
+
+def _find_pilot(design: Design, insert: str) -> _Pilot | None:
+    """Find the pilot hole; that of the core is that of the bone, enlarged, below a facet that is inset."""
+    chaplet, scale = design.dimensions.chaplet, design.dimensions.shrinkage
+    if chaplet is None:
+        return None
+    if insert == "bone":
+        return _Pilot(chaplet.z, chaplet.facet_y, chaplet.pilot_radius, chaplet.pilot_depth)
+    facet, low = contact_y(design), (chaplet.facet_y - chaplet.pilot_depth) * scale
+    return _Pilot(axis_z(design), facet, chaplet.pilot_radius * scale, facet - low)
+
+
+def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: Point3) -> list[Size]:
+    """List the sizes of facet and pilot hole; `on_flat` is a point of the palmar flat."""
+    chaplet = design.dimensions.chaplet
+    if pilot is None or chaplet is None:
+        return []
+    facet, z, low, radius = pilot.facet_y, pilot.z, pilot.facet_y - pilot.depth, pilot.radius
+    bite = (chaplet.thread.diameter_mm - 2 * chaplet.pilot_radius) / 4.0
+    return [
+        Length("axis of the screw", BEFORE_FACE, "section", "above", "z",
+               (0.0, design.dimensions.collar.section.dorsal, 0.0), (0.0, facet, z)),
+        Length("height of the facet", STEP, "section", "left", "y", (0.0, 0.0, z), (0.0, facet, z), is_reference=True),
+        Length("palmar flat to facet", OUTER, "section", "right", "y", on_flat, (0.0, facet, z),
+               located(design, facet - on_flat[1]), f"thick: sand the facet; thin: lay film between {insert} and boss"),
+        Length("pilot hole of the screw", FINISHED, "section", "above", "z", (0.0, facet, z - radius),
+               (0.0, facet, z + radius),
+               symmetric(bite), _PILOT, is_diameter=True),
+        Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
+    ]  # fmt: skip
+
+
+def _pilot_axis(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
+    if pilot is None:
+        return ()
+    z, top = pilot.z, pilot.facet_y
+    return (AxisLine("section", (0.0, top + 1.0, z), (0.0, top - pilot.depth - 1.0, z)),)
+
+
+def palmar_drawing(design: Design) -> PartDrawing:
+    """List what the sheet of the palmar half shows."""
+    m, mold = design.mold_layout, design.mold
+    low, thread = -m.palmar_height, select_thread(mold.bolt_diameter_mm)
+    x, z = max(m.bolts)
+    half, top = mold.nut_width_mm / 2, low + mold.nut_depth_mm
+    dims, recess = design.dimensions, recess_half_width(design)
+    floor, deep = -dims.base_flat_depth - mold.fit_clearance_mm, dims.outer.section.palmar * dims.shrinkage
+    sizes = [
+        *_common_sizes(design, "dorsal", low),
+        *_key_sizes(design, "dorsal", mold.key_clearance_mm, "socket"),
+        Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z),
+               (recess, floor, m.proximal_z),
+               located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
+        Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
+        Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
+               (x, low, z + half),
+               nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
+               "narrow: file it until the nut drops in; wide: glue the nut in"),
+        Length("depth of the nut traps", STEP, "front", "right", "y", (x, low, z), (x, top, z)),
+    ]  # fmt: skip
+    return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", _MATERIAL, tuple(sizes), _mold_axes(design, low))
+
+
+def dorsal_drawing(design: Design) -> PartDrawing:
+    """List what the sheet of the dorsal half shows."""
+    m, mold, chaplet = design.mold_layout, design.mold, design.dimensions.chaplet
+    high = m.dorsal_height
+    sizes = [*_common_sizes(design, "palmar", high), *_key_sizes(design, "palmar", 0.0, "key")]
+    dims, recess = design.dimensions, recess_half_width(design)
+    top, deep = dims.bone_outline.section.dorsal + mold.fit_clearance_mm, dims.outer.section.dorsal * dims.shrinkage
+    sizes += [
+        Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z), (0.0, top, m.proximal_z),
+               located(design, top)),
+        Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, deep, 0.0)),
+    ]  # fmt: skip
+    key_x, key_z, root = m.keys[0]
+    tip = key_z + root / 2 - design.dimensions.draft_slope * mold.key_height_mm
+    sizes.append(
+        Length("height of the keys", STEP, "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip))
+    )
+    if inlet := m.inlet:
+        mouth = LUER_MOUTH_MM / 2
+        sizes.append(
+            Length("mouth of the Luer cone", INNER, "front", "above", "z", (inlet.x, high, inlet.z - mouth),
+                   (inlet.x, high, inlet.z + mouth), is_diameter=True)
+        )  # fmt: skip
+    if chaplet:
+        sizes += _screw_sizes(design, chaplet, high)
+    return PartDrawing("mold_dorsal", "Mold, dorsal half", "palmar", _MATERIAL, tuple(sizes), _mold_axes(design, high))
+
+
+def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
+    """List the sizes of block, recess, cavity and bolt holes."""
+    m, mold, dims = design.mold_layout, design.mold, design.dimensions
+    x, (low, high) = max(m.bolts)[0], sorted({z for _, z in m.bolts})
+    recess, skin = recess_half_width(design), dims.outer.section.half_width * dims.shrinkage
+    bolt = mold.bolt_diameter_mm
+    bolt_tolerance = clearance(bolt - design.printer.offset_mm - select_thread(bolt).diameter_mm)
+    return [
+        Length("length of the block", OUTER, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, m.distal_z)),
+        Length("width of the block", OUTER, plan, "right", "x", (m.half_width, 0.0, m.distal_z),
+               (-m.half_width, 0.0, m.distal_z)),
+        Length("height of the block", OUTER, "end", "right", "y", (m.half_width, 0.0, m.proximal_z),
+               (m.half_width, outer, m.proximal_z)),
+        Length("width of the recess", INNER, plan, "left", "x", (recess, 0.0, m.proximal_z),
+               (-recess, 0.0, m.proximal_z),
+               located(design, 2 * recess), f"narrow: sand until the bone's base drops in; wide: {SCALE_REMEDY}"),
+        Length("proximal face to the skin's end", OUTER, plan, "above", "z", (skin, 0.0, m.proximal_z),
+               (skin, 0.0, 0.0)),
+        Length("width of the cavity", INNER, plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,
+               f"{SCALE_REMEDY}: skin and play in the mold follow from it"),
+        Length("spacing of the bolts, across", STEP, plan, "right", "x", (x, 0.0, high), (-x, 0.0, high),
+               bolt_tolerance, f"{SCALE_REMEDY}, until the bolts pass both halves"),
+        Length("spacing of the bolts, along", STEP, plan, "below", "z", (x, 0.0, low), (x, 0.0, high),
+               bolt_tolerance, f"{SCALE_REMEDY}, until the bolts pass both halves"),
+        Length("first bolt", BEHIND_FACE, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, low)),
+        Circle("bolt holes", INNER, plan, "y", (x, 0.0, low), bolt / 2,
+               bolt_tolerance, "narrow: drill them to size", count=len(m.bolts)),
+    ]  # fmt: skip
+
+
+def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Size]:
+    """List the sizes of the keys, or of their sockets, at the parting plane."""
+    m, mold = design.mold_layout, design.mold
+    offset = gap * math.hypot(1.0, design.dimensions.draft_slope)
+    tolerance = shared_clearance(2 * (mold.key_clearance_mm - design.printer.offset_mm))
+    remedy = "wide: sand it until the halves close" if kind == "key" else "narrow: scrape it until the halves close"
+    sizes: list[Size] = []
+    for (x, z, root), label in zip(m.keys, ("larger", "smaller"), strict=True):
+        action = f"{remedy}; loose: {SCALE_REMEDY}" if label == "larger" else ""
+        sizes += [
+            Circle(f"{label} {kind}, at the parting plane", OUTER if kind == "key" else INNER, plan, "y", (x, 0.0, z),
+                   root / 2 + offset, tolerance, action),
+            Length(f"axis of the {label} {kind}", BEHIND_FACE, plan, "above", "z", (x, 0.0, m.proximal_z), (x, 0.0, z)),
+        ]  # fmt: skip
+    return sizes
+
+
+def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
+    """List the sizes of boss, hole and counterbore of the chaplet's screw."""
+    z, contact, floor = axis_z(design), contact_y(design), head_y(design)
+    hole, head = chaplet.hole_radius, chaplet.head_radius
+    sizes: list[Size] = [
+        Length("parting plane to the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
+               located(design, contact), "less: sand the boss; more: lay film between bone and boss"),
+        Length("hole of the screw", FINISHED, "section", "below", "z", (0.0, contact, z - hole),
+               (0.0, contact, z + hole),
+               symmetric(chaplet.play), f"drill it to {2 * hole:g} mm: a print closes it", is_diameter=True),
+        Length("axis of the screw", BEHIND_FACE, "section", "below", "z", (0.0, contact, design.mold_layout.proximal_z),
+               (0.0, contact, z)),
+    ]  # fmt: skip
+    if floor < high:
+        sizes += [
+            Length("counterbore of the screw", INNER, "section", "above", "z", (0.0, high, z - head),
+                   (0.0, high, z + head),
+                   is_diameter=True),
+            Length("depth of the counterbore", STEP, "section", "left", "y", (0.0, high, z), (0.0, floor, z)),
+        ]  # fmt: skip
+    return sizes
+
+
+def _mold_axes(design: Design, outer: float) -> tuple[AxisLine, ...]:
+    m = design.mold_layout
+    past = math.copysign(1.0, outer)
+    lines = [AxisLine("front", (0.0, -past, z), (0.0, outer + past, z)) for z in sorted({z for _, z in m.bolts})]
+    if outer > 0.0:
+        if m.inlet:
+            lines.append(AxisLine("front", (0.0, -past, m.inlet.z), (0.0, outer + past, m.inlet.z)))
+        if design.dimensions.chaplet:
+            lines.append(
+                AxisLine("section", (0.0, contact_y(design) - 1.0, axis_z(design)), (0.0, outer + 1.0, axis_z(design)))
+            )
+    return tuple(lines)

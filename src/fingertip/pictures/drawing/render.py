@@ -1,0 +1,137 @@
+"""Renderers of sheets, in millimetres: to SVG, and to one PDF with a page for each, by reportlab."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any
+
+from fingertip.foundation import extras
+from fingertip.foundation.version import __version__
+from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Primitive, Sheet, Style, Text
+
+_POINTS_PER_MM = 72.0 / 25.4
+_FONT = "Helvetica"
+"""One of the fonts that every viewer has, so that none is embedded."""
+
+
+def render_svg(sheet: Sheet) -> bytes:
+    """Render a sheet. Every line of text is as wide as the layout assumes, whatever font the viewer has."""
+    width, height = _number(sheet.width), _number(sheet.height)
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
+        f'viewBox="0 0 {width} {height}">',
+        f"<title>{escape(sheet.name, quote=False)}</title>",
+        f'<rect width="{width}" height="{height}" fill="white"/>',
+        '<g fill="none" stroke="black" stroke-linecap="round" stroke-linejoin="round" '
+        'font-family="Helvetica, Arial, sans-serif">',
+    ]
+    for primitive in sheet.primitives:
+        lines += _svg_lines(primitive, sheet.height)
+    return ("\n".join([*lines, "</g>", "</svg>"]) + "\n").encode()
+
+
+def _svg_lines(primitive: Primitive, height: float) -> Iterable[str]:
+    match primitive:
+        case Polyline(points, style):
+            yield f'<path d="{_svg_path(points, height)}"{_svg_stroke(style)}/>'
+        case Arc(_, _, _, _, style):
+            yield _svg_arc(primitive, height, style)
+        case Arrow():
+            yield f'<path d="{_svg_path(primitive.corners(), height)}Z" fill="black" stroke="none"/>'
+        case Text(text, _, _, _, turned):
+            x, y = primitive.start
+            place = f"{_number(x)} {_number(height - y)}"
+            turn = f' transform="rotate(-90 {place})"' if turned else ""
+            yield (
+                f'<text x="{_number(x)}" y="{_number(height - y)}" font-size="{_number(primitive.size)}" '
+                f'textLength="{_number(primitive.width)}" lengthAdjust="spacingAndGlyphs" fill="black" stroke="none"'
+                f"{turn}>{escape(text, quote=False)}</text>"
+            )
+        case Hatch():
+            for hatched in primitive.lines():
+                yield from _svg_lines(hatched, height)
+
+
+def _svg_arc(arc: Arc, height: float, style: Style) -> str:
+    (x, y), r = arc.centre, _number(arc.radius)
+    if arc.end_deg - arc.start_deg >= 360.0:
+        return f'<circle cx="{_number(x)}" cy="{_number(height - y)}" r="{r}"{_svg_stroke(style)}/>'
+    (x0, y0), (x1, y1) = arc.points(1)
+    large = int(arc.end_deg - arc.start_deg > 180.0)
+    start, end = f"{_number(x0)} {_number(height - y0)}", f"{_number(x1)} {_number(height - y1)}"
+    return f'<path d="M{start}A{r} {r} 0 {large} 0 {end}"{_svg_stroke(style)}/>'
+
+
+def _svg_path(points: Iterable[Point], height: float) -> str:
+    return "M" + "L".join(f"{_number(x)} {_number(height - y)}" for x, y in points)
+
+
+def _svg_stroke(style: Style) -> str:
+    dashes = " ".join(_number(length) for length in style.dashes_mm)
+    cap = ' stroke-linecap="butt"' if dashes else ""
+    return f' stroke-width="{style.width_mm:g}"' + (f' stroke-dasharray="{dashes}"{cap}' if dashes else "")
+
+
+def _number(value: float) -> str:
+    """Format a length to a thousandth of a millimetre."""
+    return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
+
+
+def render_pdf(sheets: Sequence[Sheet], title: str) -> bytes:
+    """Render sheets. The file holds no date and no random identifier. Raises MissingLibraryError."""
+    module = extras.load("reportlab.pdfgen.canvas", "drawing.pdf")
+    buffer = io.BytesIO()
+    page = module.Canvas(buffer, invariant=1, pageCompression=1)
+    page.setTitle(title)
+    page.setAuthor("")
+    page.setCreator(f"fingertip {__version__}")
+    for sheet in sheets:
+        page.setPageSize((sheet.width * _POINTS_PER_MM, sheet.height * _POINTS_PER_MM))
+        page.scale(_POINTS_PER_MM, _POINTS_PER_MM)
+        page.setLineCap(1)
+        page.setLineJoin(1)
+        for primitive in sheet.primitives:
+            _draw(page, primitive)
+        page.showPage()
+    page.save()
+    return buffer.getvalue()
+
+
+def _draw(page: Any, primitive: Primitive) -> None:
+    match primitive:
+        case Polyline(points, style):
+            _stroke(page, points, style)
+        case Arc(_, _, _, _, style):
+            _stroke(page, primitive.points(), style)
+        case Arrow():
+            path = _path(page, primitive.corners())
+            path.close()
+            page.drawPath(path, stroke=0, fill=1)
+        case Text(text, _, _, _, turned):
+            page.saveState()
+            page.translate(*(round(v, 3) for v in primitive.start))
+            if turned:
+                page.rotate(90)
+            page.setFont(_FONT, primitive.size)
+            page.drawString(0, 0, text)
+            page.restoreState()
+        case Hatch():
+            for hatched in primitive.lines():
+                _draw(page, hatched)
+
+
+def _stroke(page: Any, points: Sequence[Point], style: Style) -> None:
+    page.setLineWidth(style.width_mm)
+    page.setDash(list(style.dashes_mm))
+    page.setLineCap(0 if style.dashes_mm else 1)
+    page.drawPath(_path(page, points), stroke=1, fill=0)
+
+
+def _path(page: Any, points: Sequence[Point]) -> Any:
+    path = page.beginPath()
+    path.moveTo(*(round(v, 3) for v in points[0]))
+    for point in points[1:]:
+        path.lineTo(*(round(v, 3) for v in point))
+    return path

@@ -1,0 +1,197 @@
+"""Scene file: what happens to one fingertip, and which signals to record. As strict as a design file.
+
+Every parameter stands here once, with default, unit, bounds and meaning. All defaults are neutral, so a file names only
+what happens: no distance means no slide, no force means no knock. Values from a source name it; the others are marked
+as assumptions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
+
+from fingertip.catalogues.file_kinds import SCENE, FileKind
+from fingertip.design import Design
+from fingertip.design.parameters import ParameterTable, choice, quantity
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.validation import round_down
+from fingertip.sim.files.schema import (
+    PathTables,
+    SimulationFile,
+    assumption,
+    find_converter_issues,
+)
+
+MAX_TAPS_S = 3600.0
+"""Longest time from the first knock to the last one [s]. A trace of it has 250 MB at 2 kHz."""
+
+
+class Contact(ParameterTable):
+    """Surface, and response of the pad to it."""
+
+    surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
+        "medium", "One of the article's six surfaces (III.C)."
+    )
+    length_m: float = assumption(0.1, "m", "Length of the surface.", above=0, maximum=1)
+    resonance_hz: float = quantity(
+        90.0,
+        "Hz",
+        "Normal resonance at 1 N: 90 embedded, 230 for the bare sensor (article, fig. 2).",
+        minimum=20,
+        maximum=500,
+    )
+    bristles: Literal["plain", "elasto_plastic"] = choice(
+        "plain", "LuGre friction as published, or without its creep below breakaway."
+    )
+    feedback: bool = Field(False, description="Whether vibration of the load acts back on friction.")
+    patch_average: bool = Field(
+        False, description="Whether the pad averages the surface profile over its contact patch, as a real one does."
+    )
+    stick_slip: bool = Field(
+        False,
+        description="Whether friction falls with speed so much that the pad swings on its mount, and sticks at moments "
+        "under a firm grip. It does so near 0.04 m/s; slower and faster slides stay smooth. Assumption.",
+    )
+
+
+class Hold(ParameterTable):
+    """Grip of the hand: its mode and its force."""
+
+    mode: Literal["press", "grasp"] = choice("press", "Press to a depth (sliding finger), or grasp with a force.")
+    min_force_n: float = quantity(
+        0.2, "N", "Lower limit of the force that the seed draws (article, III.C).", above=0, maximum=4
+    )
+    max_force_n: float = quantity(
+        2.0, "N", "Upper limit; the lift of 5 cm ends contacts of up to 4 N.", above=0, maximum=4
+    )
+    share: float = quantity(
+        1.0,
+        "",
+        "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5.",
+        above=0,
+        maximum=1,
+    )
+    close_s: float = assumption(0.4, "s", "Time in which the force of a grasp rises.", minimum=0.02, maximum=10)
+    wait_s: float = quantity(1.0, "s", "Wait between the phases (article, III.C).", minimum=0, maximum=60)
+    min_s: float = quantity(0.0, "s", "Minimum holding time.", minimum=0, maximum=600)
+    release: bool = Field(True, description="Whether the finger lifts (press) or the grasp opens at the end.")
+    after_s: float = assumption(0.2, "s", "Recording time after the end.", minimum=0, maximum=60)
+
+
+class Slide(ParameterTable):
+    """Slide of the surface under the finger; 0 m means none."""
+
+    distance_m: float = quantity(0.0, "m", "Distance (article: 0.04).", minimum=0, maximum=1)
+    speed_m_s: float = quantity(0.04, "m/s", "Peak velocity (article: 0.04, 0.06, 0.08).", minimum=0.005, maximum=0.2)
+    acceleration_m_s2: float = assumption(
+        1.0, "m/s2", "Acceleration of the trapezoidal velocity profile.", minimum=0.05, maximum=20
+    )
+
+
+class LoadChange(ParameterTable):
+    """One change of the holding force; 0 N means none."""
+
+    by_n: float = quantity(0.0, "N", "Force added on this finger.", minimum=-4, maximum=4)
+    rise_s: float = assumption(0.1, "s", "Duration of the change.", minimum=0.001, maximum=10)
+    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
+
+
+class Tap(ParameterTable):
+    """Knocks on the held object, called taps in scene files; 0 N means none."""
+
+    force_n: float = quantity(0.0, "N", "Peak force.", minimum=0, maximum=50)
+    rise_s: float = assumption(
+        0.004, "s", "Rise time, and fall time, of a knock: 2 to 10 ms.", minimum=0.001, maximum=0.1
+    )
+    at_s: float = assumption(
+        1.0, "s", "Time of the first knock, after the holding force is reached.", minimum=0, maximum=600
+    )
+    count: int = assumption(1, "", "Number of knocks.", minimum=1, maximum=1000)
+    interval_s: float = assumption(0.5, "s", "Time from one knock to the next.", minimum=0.01, maximum=600)
+
+
+class Motor(ParameterTable):
+    """Vibration of the hand's motors; 0 N means none."""
+
+    force_n: float = quantity(0.0, "N", "Amplitude of the fundamental.", minimum=0, maximum=5)
+    frequency_hz: float = assumption(45.0, "Hz", "Frequency of the fundamental.", minimum=1, maximum=500)
+    harmonic: float = assumption(
+        0.3, "", "Amplitude of the second harmonic, relative to the fundamental.", minimum=0, maximum=1
+    )
+    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
+    duration_s: float = assumption(1.0, "s", "Duration.", minimum=0.01, maximum=600)
+
+
+class _SceneTables(SimulationFile):
+    contact: Contact = Contact()
+    hold: Hold = Hold()
+    slide: Slide = Slide()
+    load_change: LoadChange = LoadChange()
+    tap: Tap = Tap()
+    motor: Motor = Motor()
+
+
+class SceneFile(PathTables, _SceneTables):
+    """One validated scene; a faulty one reports all its issues at once.
+
+    Raises
+    ------
+    TraceError
+        With one issue for each parameter out of bounds, unknown name or broken rule.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
+    file_kind: ClassVar[FileKind] = SCENE
+    options: ClassVar[Mapping[str, Sequence[str]]] = {
+        "surface": ["contact.surface"],
+        "speed_m_s": ["slide.speed_m_s"],
+        "force_n": ["hold.min_force_n", "hold.max_force_n"],
+    }
+
+    def __init__(self, /, **tables: Any) -> None:
+        super().__init__(**tables)
+
+    def find_design_issues(self, design: Design, seed: int) -> Iterator[Issue]:
+        """Yield the reasons why this cannot be simulated with a design and a seed."""
+        yield from super().find_design_issues(design, seed)
+        half = design.detector.sample_rate_hz / 2
+        if self.motor.force_n and self.motor.frequency_hz >= half:
+            what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
+            yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
+
+    def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
+        """Yield each broken rule between parameters, with the names of the parameters it reads."""
+        yield from super().find_rule_issues()
+        hold, slide, tap = self.hold, self.slide, self.tap
+        if hold.min_force_n > hold.max_force_n:
+            message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:.12g} N."
+            yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
+        yield from find_converter_issues(self.converter)
+        if slide.distance_m > self.contact.length_m:
+            message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
+            yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
+        reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m)
+        if slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):
+            message = (
+                f"{slide.speed_m_s:g} m/s is not reached within {slide.distance_m:g} m at "
+                f"{slide.acceleration_m_s2:g} m/s2; at most {round_down(reached):g} m/s."
+            )
+            yield Issue("slide.speed_m_s", message), {"slide.speed_m_s", "slide.distance_m", "slide.acceleration_m_s2"}
+        if self.contact.stick_slip and self.contact.bristles == "elasto_plastic":
+            message = "is modelled with plain bristles only; set contact.bristles=plain or contact.stick_slip=false."
+            yield Issue("contact.stick_slip", message), {"contact.stick_slip", "contact.bristles"}
+        if tap.force_n and tap.count > 1 and tap.interval_s < 2 * tap.rise_s:
+            message = f"{tap.interval_s:g} s lets taps overlap; at least {2 * tap.rise_s:.12g} s."
+            yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.rise_s", "tap.count"}
+        if tap.force_n and (tap.count - 1) * tap.interval_s > MAX_TAPS_S:
+            most = round_down(MAX_TAPS_S / (tap.count - 1))
+            message = f"{tap.interval_s:g} s lets {tap.count} taps last more than {MAX_TAPS_S:g} s; at most {most:g} s."
+            yield Issue("tap.interval_s", message), {"tap.interval_s", "tap.count"}
+        minimum = hold.min_force_n * (hold.share if hold.mode == "grasp" else 1.0)
+        if self.load_change.by_n <= -minimum:
+            message = f"{self.load_change.by_n:g} N ends the contact; it must be above {-minimum:g} N; "
+            message += "to end the contact, set load_change.by_n=0 and hold.release=true."
+            yield Issue("load_change.by_n", message), {"load_change.by_n", "hold.min_force_n", "hold.share"}

@@ -1,0 +1,317 @@
+"""Schema of scene and manipulation files: strict tables, all issues reported at once, and a table of parameters.
+
+Both kinds have the tables of the path from force to samples, and record outputs from one list.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
+from fingertip.design import Design
+from fingertip.design.files import format_parameter_table, format_value, load_tables
+from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES
+from fingertip.design.parameters import ParameterTable, choice, quantity
+from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
+from fingertip.foundation.errors import FingertipError, Issue, TraceError
+
+ACCELERATION_M_S2 = 1.0
+"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
+second. This value gives 1.04 s."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """Signal that a simulation can record."""
+
+    label: str
+    kinds: Collection[FileKind] = (SCENE, MANIPULATION)
+    factor: float = 1.0
+    """Factor from its unit to the label's."""
+
+
+OUTPUTS = {
+    "voltage_v": Output("sampled\nvoltage [V]"),
+    "force_n": Output("normal\nforce [N]"),
+    "slip": Output("true slip"),
+    "velocity_m_s": Output("velocity\n[mm/s]", factor=1000),
+    "shear_m": Output("pad shear\n[mm]", (SCENE,), 1000),
+    "tactile_v": Output("tactile\nvoltage [V]", (SCENE,)),
+    "filtered_v": Output("filtered\nvoltage [V]", (SCENE,)),
+    "closing_m": Output("finger\nclosing [mm]", (MANIPULATION,), 1000),
+    "command_m": Output("commanded\nclosing [mm]", (MANIPULATION,), 1000),
+    "object_m": Output("object\nposition [mm]", (MANIPULATION,), 1000),
+    "pin_n": Output("pin force\n[N]", (MANIPULATION,)),
+    "envelope_v": Output("envelope\nvoltage [V]"),
+    "sampled_envelope_v": Output("sampled\nenvelope [V]"),
+    "sampled_filtered_v": Output("sampled filtered\nvoltage [V]"),
+    "slip_pin_v": Output("ON/OFF\noutput [V]"),
+}
+"""Signals that a scene can record, and a manipulation of each finger.
+
+voltage_v: voltage as sampled by the ADC. force_n: true normal force. slip: true gross slip; bristles that bend while
+the contact sticks do not count. velocity_m_s: velocity of the pad over the surface, including that bending (a
+manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
+of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
+voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
+board, above its output offset. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by
+the ADC, above signal ground; the latter on boards with the supply single_3v3. slip_pin_v: voltage of the comparator's
+output, low while it reports slip. Of a manipulation also closing_m, closing; command_m, commanded closing; and of the
+object object_m, its position; pin_n, force of the pin.
+"""
+
+
+class SimulationFile(BaseModel):
+    """Frozen file of tables that refuses unknown names, values out of bounds and broken rules. Raises TraceError."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    file_kind: ClassVar[FileKind]
+    options: ClassVar[Mapping[str, Sequence[str]]]
+    """Parameters that the options surface, speed_m_s and force_n of a simulation set."""
+
+    scene: str = Field("scene", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the scene.")
+    outputs: list[str] = Field(["voltage_v", "force_n", "slip"], description="Columns to record beside the time.")
+
+    def __init__(self, /, **tables: Any) -> None:
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            issues = issues_from_pydantic(error, type(self))
+            raise TraceError([*issues, *self._rule_issues_beside(tables, issues)]) from None
+        if issues := [issue for issue, _ in self.find_rule_issues()]:
+            raise TraceError(issues)
+
+    def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
+        """Yield each broken rule between parameters, with the names of the parameters it reads."""
+        known = self.known_outputs()
+        if not self.outputs:
+            yield Issue("outputs", f"is empty; name at least one of {', '.join(known)}."), {"outputs"}
+        for name in dict.fromkeys(self.outputs):
+            if name not in known:
+                yield Issue("outputs", f"{name!r} is not an output; {suggest_name(name, known)}"), {"outputs"}
+            elif self.outputs.count(name) > 1:
+                times = self.outputs.count(name)
+                yield Issue("outputs", f"{name!r} is named {times} times; name it once."), {"outputs"}
+
+    def find_design_issues(self, design: Design, seed: int) -> Iterator[Issue]:
+        """Yield the reasons why this cannot be simulated with a design and a seed."""
+        if seed < 0:
+            yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
+        if "slip_pin_v" in self.outputs and design.board.variant != "comparator":
+            yield Issue("outputs", describe_missing_comparator(design.board.variant))
+        if "sampled_filtered_v" in self.outputs and design.board.supply not in CONTROLLER_SUPPLIES:
+            message = (
+                "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
+                f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
+            )
+            yield Issue("outputs", message)
+
+    @classmethod
+    def known_outputs(cls) -> tuple[str, ...]:
+        """Names that `outputs` may contain."""
+        return tuple(name for name, output in OUTPUTS.items() if cls.file_kind in output.kinds)
+
+    @property
+    def name(self) -> str:
+        """Name of the scene, which the file calls ``scene``."""
+        return self.scene
+
+    @classmethod
+    def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
+        """Read files or bundled ones, later ones win, then changes such as ``"tap.force_n=5"``. Raises TraceError."""
+        try:
+            tables = load_tables(files, changes, cls.file_kind).tables
+        except FingertipError as error:
+            raise TraceError(error.issues) from None
+        return cls(**tables)
+
+    def list_parameters(self) -> Iterator[dict[str, Any]]:
+        """Yield name, value, default, unit, bounds and description of every parameter, in the order of the file."""
+        schema, outputs = type(self).model_json_schema(), self.known_outputs()
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            if isinstance(value, ParameterTable):
+                table = schema["$defs"][type(value).__name__]["properties"]
+                for key, field in table.items():
+                    yield _describe(f"{name}.{key}", getattr(value, key), field, outputs)
+            else:
+                yield _describe(name, value, schema["properties"][name], outputs)
+
+    def format_parameters(self) -> list[str]:
+        """Return the parameters as lines of a table with a header."""
+        columns = ("name", "value", "unit", "bounds", "description")
+        rows = [tuple(format_value(p[column]) for column in columns) for p in self.list_parameters()]
+        return format_parameter_table(rows).splitlines()
+
+    @classmethod
+    def _rule_issues_beside(cls, tables: Mapping[str, Any], issues: Iterable[Issue]) -> list[Issue]:
+        """Broken rules among the parameters that are in bounds, so that one run reports everything that is wrong."""
+        faulty = {issue.field for issue in issues}
+        fields: dict[str, Any] = {}
+        for name, info in cls.model_fields.items():
+            value, default = tables.get(name), info.default
+            if isinstance(default, ParameterTable):
+                known = type(default).model_fields
+                table = value if isinstance(value, Mapping) else {}
+                valid = {k: v for k, v in table.items() if k in known and f"{name}.{k}" not in faulty}
+                fields[name] = default.model_copy(update=valid)
+            else:
+                fields[name] = default if value is None or any(f.startswith(name) for f in faulty) else value
+        return [issue for issue, reads in cls.model_construct(**fields).find_rule_issues() if not reads & faulty]
+
+
+def describe_missing_comparator(variant: str) -> str:
+    """Error message for a board without comparator."""
+    return (
+        "'slip_pin_v' exists on boards of variant comparator only, and this design's variant is "
+        f"{variant}; use --set board.variant=comparator."
+    )
+
+
+def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[str]) -> dict[str, Any]:
+    low = f">= {field['minimum']:g}" if "minimum" in field else ""
+    low = f"> {field['exclusiveMinimum']:g}" if "exclusiveMinimum" in field else low
+    high = f"<= {field['maximum']:g}" if "maximum" in field else ""
+    bounds = " | ".join(field["enum"]) if "enum" in field else ", ".join(part for part in (low, high) if part)
+    if name == "outputs":
+        bounds = " | ".join(outputs)
+    return {
+        "name": name,
+        "value": value,
+        "default": field.get("default"),
+        "unit": field.get("unit", ""),
+        "bounds": bounds,
+        "description": field.get("description", ""),
+    }
+
+
+# Tables that describe the path from force to samples, of scenes and manipulations alike.
+
+MIN_BITS = 8
+MIN_RANGE_V = 0.01
+
+
+def assumption(default: float, unit: str, description: str, **bounds: Any) -> Any:
+    """Declare a number with a unit that no source gives; its description says so."""
+    return quantity(default, unit, f"{description} Assumption.", **bounds)
+
+
+class Drift(ParameterTable):
+    """Slow changes of sensor and amplifier."""
+
+    share_per_decade: float = quantity(
+        0.0, "", "Creep: relative increase per decade of time (data sheet: below 0.05).", minimum=0, maximum=0.2
+    )
+    volt_per_s: float = assumption(0.0, "V/s", "Drift of the amplifier with temperature.", minimum=-0.1, maximum=0.1)
+
+
+class Cable(ParameterTable):
+    """Touch of the cable; 0 V means none."""
+
+    step_v: float = quantity(0.0, "V", "Jump when the touch begins, and back when it ends.", minimum=-1, maximum=1)
+    decay_s: float = assumption(0.05, "s", "Decay time of the jump.", minimum=0.001, maximum=10)
+    hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum during the touch.", minimum=0, maximum=1)
+    hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
+    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
+    duration_s: float = assumption(0.5, "s", "Duration.", minimum=0.01, maximum=600)
+
+
+class Noise(ParameterTable):
+    """Noise that is not white, added to the tactile voltage for the whole recording; 0 V means none."""
+
+    pink_v: float = quantity(
+        0.0,
+        "V",
+        "RMS pink noise per decade of frequency, of sensor and amplifier; 1e-4 is a noisy film.",
+        minimum=0,
+        maximum=0.1,
+        verified=False,
+    )
+    hand_v: float = quantity(
+        0.0,
+        "V",
+        "RMS vibration of a hand from 30 to 90 Hz while it touches; 1e-4 to 5e-4 in hands.",
+        minimum=0,
+        maximum=0.1,
+        verified=False,
+    )
+    hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum's fundamental.", minimum=0, maximum=1)
+    hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
+    hum_third: float = quantity(
+        0.3, "", "Amplitude of the third harmonic, relative to the fundamental.", minimum=0, maximum=1, verified=False
+    )
+    hum_fifth: float = quantity(
+        0.15, "", "Amplitude of the fifth harmonic, relative to the fundamental.", minimum=0, maximum=1, verified=False
+    )
+
+
+class Sensing(ParameterTable):
+    """Conversion of force to voltage."""
+
+    bridge: Literal["board", "article"] = choice(
+        "board", "The design's bridge and amplifier; or, for comparison, a curve through the article's voltages."
+    )
+    amplifiers: Literal["ideal", "rails", "gain_bandwidth"] = choice(
+        "ideal", "Amplifiers of the filter: ideal, limited at their rails, or with the design's gain-bandwidth product."
+    )
+    noise: bool = Field(True, description="Whether the board's amplifiers and the ADC add white noise.")
+    jitter_s: float = quantity(
+        0.0,
+        "s",
+        "RMS sampling jitter of the ADC; 0: none (assumption: a data acquisition card's).",
+        minimum=0,
+        maximum=1e-4,
+    )
+
+
+class ConverterInput(ParameterTable):
+    """Converter that samples in place of the design's ADC; 0 bits mean the design's."""
+
+    bits: int = Field(0, ge=0, le=24, description="Resolution: 10 or 12 in most microcontrollers; 0: the design's ADC.")
+    low_v: float = quantity(0.0, "V", "Lower end of its range.", minimum=-100, maximum=100 - MIN_RANGE_V)
+    high_v: float = quantity(
+        5.0, "V", "Upper end of its range: 3.3 or 5 in most microcontrollers.", minimum=-100 + MIN_RANGE_V, maximum=100
+    )
+
+
+class PathTables(BaseModel):
+    """Tables of the path from force to samples. A file lists them after its own, so it names this base class first."""
+
+    drift: Drift = Drift()
+    cable: Cable = Cable()
+    noise: Noise = Noise()
+    sensing: Sensing = Sensing()
+    converter: ConverterInput = ConverterInput()
+
+
+def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:
+    """Yield each broken rule of a converter, with the names of the parameters it reads."""
+    fields = {"converter.bits", "converter.low_v", "converter.high_v"}
+    min_v = round(converter.low_v + MIN_RANGE_V, 6)
+    if converter.bits and converter.high_v < min_v:
+        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {min_v:.9g} V."
+        yield Issue("converter.high_v", message), fields
+    if 0 < converter.bits < MIN_BITS:
+        yield Issue("converter.bits", f"{converter.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields
+    unused = ConverterInput()
+    if not converter.bits and (converter.low_v, converter.high_v) != (unused.low_v, unused.high_v):
+        message = "0 leaves the design's ADC in place, so the range has no effect; choose 12, or leave the range out."
+        yield Issue("converter.bits", message), fields
+
+
+def find_converter_warnings(converter: ConverterInput, min_v: float, max_v: float) -> Iterator[str]:
+    """Yield a warning if a converter clips a voltage that lies between two limits [V]."""
+    if converter.low_v <= min_v and max_v <= converter.high_v:
+        return
+    cut = "all of it" if max_v <= converter.low_v or min_v >= converter.high_v else "what lies outside"
+    yield (
+        f"the tactile voltage lies between {min_v:.2f} V (20 N) and {max_v:.2f} V (no force), and a converter from "
+        f"{converter.low_v:g} to {converter.high_v:g} V clips {cut}: divide the voltage ahead of the converter, which "
+        f"divides slip too, or choose a range up to converter.high_v={math.ceil(10 * max_v) / 10:g}."
+    )

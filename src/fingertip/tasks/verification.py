@@ -1,0 +1,120 @@
+"""Comparison of sets of files with their manifests. It reads, and changes nothing."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from fingertip.foundation.errors import InputFileError, Issue, OutputError
+from fingertip.foundation.output_set.replacement import (
+    find_output_folder,
+    is_folder,
+    lock,
+    output_errors,
+    read_plan,
+    staging_folder,
+)
+from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
+
+_OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
+"""Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
+_MAX_DEPTH = 4
+"""Depth of the folders that are looked at: from `out`, that of the models of a design's board."""
+_MAX_ENTRIES = 50_000
+"""Maximum number of files and folders in them."""
+_COMMANDS = {
+    "parts": ("make DESIGN", 0), "print": ("make DESIGN", 1), "steps": ("make DESIGN", 1),
+    "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
+    "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0), "coupon": ("coupon DESIGN", 0),
+    "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench", 0),
+}  # fmt: skip
+"""Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
+
+
+def verify_sets(folder: Path) -> tuple[int, list[str]]:
+    """Compare the sets in a folder and its subfolders with their manifests. No link is followed. Raises OutputError."""
+    outside = Path(os.path.realpath(folder)).parent
+    with output_errors(folder):
+        for place in _look_through(folder)[1].values():
+            with lock(outside if place == folder else place.parent, shared=True):  # who is still at work ends first
+                pass
+        with lock(outside, shared=True):
+            return _compare(folder)
+
+
+def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]:
+    """List a folder with those below it, outer ones first.
+
+    With them come the folders that commands have left unfinished, each with the output folder that it belongs to, and
+    issues of what cannot be read.
+    """
+    staging = staging_folder(Path(os.path.realpath(top)))
+    unfinished = {staging: top} if is_folder(staging) else {}
+    folders, issues, deeper, left = list[Path](), list[Issue](), [top], _MAX_ENTRIES
+    for _ in range(_MAX_DEPTH + 1):
+        level, deeper = deeper, []
+        for place in level:
+            folders.append(place)
+            try:
+                with os.scandir(place) as entries:
+                    found = sorted(itertools.islice(entries, left + 1), key=lambda entry: entry.name)
+            except OSError as error:
+                issues.append(Issue(str(place), f"cannot be read ({error.strerror}); change its mode."))
+                continue
+            left -= len(found)
+            if left < 0:
+                message = f"holds more than {_MAX_ENTRIES} files and folders; name a folder that a command wrote."
+                raise OutputError(Issue(str(top), message))
+            for entry in found:
+                path = place / entry.name
+                if entry.is_symlink() and (entry.name in _OF_ONE_DESIGN or path.is_dir()):
+                    message = "is a link, not a folder, and is not followed; put the folder in its place, or remove it."
+                    issues.append(Issue(str(path), message))
+                elif entry.is_dir(follow_symlinks=False) and (output_folder := find_output_folder(path)):
+                    unfinished[path] = output_folder
+                elif entry.is_dir(follow_symlinks=False) and not entry.name.startswith("."):
+                    deeper.append(path)
+    return folders, unfinished, issues
+
+
+def _compare(folder: Path) -> tuple[int, list[str]]:
+    folders, unfinished, issues = _look_through(folder)
+    manifests = {place: read_manifest(place) for place in folders if os.path.lexists(place / MANIFEST)}
+    found = {place: manifest for place, manifest in manifests.items() if manifest}
+    issues += [_describe_unfinished(path, place, found) for path, place in unfinished.items()]
+    for place in (place for place in manifests if place not in found):
+        message = "was not written by fingertip, or was changed since; the set is not compared."
+        issues.append(Issue(str(place / MANIFEST), message))
+    if not found:
+        message = f"has no {MANIFEST} of fingertip; name a design file, or a folder that a command wrote."
+        raise OutputError([Issue(str(folder), message), *issues])
+    for place, manifest in found.items():
+        for name, digest in manifest.files.items():
+            path = place / name
+            try:
+                if hash_file(path) != digest:
+                    issues.append(Issue(str(path), "was changed after it was written."))
+            except InputFileError as error:
+                issues += error.issues if os.path.lexists(path) else [Issue(str(path), "is missing.")]
+    top = found.get(folder)
+    for place, manifest in found.items():
+        if top and manifest.kind in _OF_ONE_DESIGN and manifest.parameters != top.parameters:
+            issues.append(Issue(str(place), f"was made from other parameters than {folder}; make both again."))
+    return sum(len(manifest.files) for manifest in found.values()), [str(issue) for issue in issues]
+
+
+def _describe_unfinished(path: Path, place: Path, found: Mapping[Path, Manifest]) -> Issue:
+    """Describe what a command has left unfinished, and name the one that completes it."""
+    try:
+        read_plan(path)
+    except OutputError as error:
+        return error.issues[0]
+    command = "the next command that writes there"
+    kind = found[place].kind if place in found else ""
+    if kind in _COMMANDS:
+        words, levels = _COMMANDS[kind]
+        outermost = next(other for other in found if found[other].kind == kind and place.is_relative_to(other))
+        command = f"`fingertip {words} --out {os.path.normpath(outermost.joinpath(*[os.pardir] * levels))}`"
+    return Issue(str(path), f"was left by a command that was ended before it was done; {command} completes it.")

@@ -1,0 +1,125 @@
+"""Documents of twelve designs, compared whole with approved ones.
+
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/documents` writes them; then read the difference.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from fingertip.cad.verification.bone import FILAMENT_CHECK
+from fingertip.calibration.weighings import READINGS
+from fingertip.casting.quantities import SiliconeVolumes
+from fingertip.casting.slicer import PrintEstimate
+from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
+from fingertip.design import Design
+from fingertip.documents.acceptance import acceptance_data, render_acceptance
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
+from fingertip.documents.coupon import render_instructions
+from fingertip.documents.firmware import render_readme
+from tests.conftest import ROOT, design_file
+
+APPROVED = Path(__file__).parent / "approved"
+TEMPLATES = ROOT / "src/fingertip/documents"
+DOCUMENTS = ("casting", "acceptance", "coupon", "firmware")
+
+MOLD_WITHOUT_CHAPLET = "mold.chaplet_diameter_mm=0 mold.fit_clearance_mm=0.01 printer.surface_error_mm=0"
+CALIBRATED_CURVE = (
+    "force_curve.curve=calibrated force_curve.min_force_n=0.5 force_curve.max_force_n=3 force_curve.interval_factor=1.2"
+)
+ONE, THICK = MaterialProperty(1.0, 1.0, "design"), MaterialProperty(1.2, 1.2, "design")
+WEIGHED = replace(SILICONES["mold_star_30"], density_a_g_cm3=THICK, density_b_g_cm3=ONE)
+HASTY = replace(SILICONES["sylgard_184"], pot_life_min=MaterialProperty(8.0, 8.0, "design"))
+LARGE, SMALL = SiliconeVolumes(12.625, 0.5, 0.125), SiliconeVolumes(2.0, 0.01, 0.003)
+ESTIMATES = {"plate_fdm": PrintEstimate(90.4, 20.04), "plate_fdm_2": PrintEstimate(31.6, 2.98)}
+
+DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
+    # name of the files: bundled design, changes, silicone, and what else the sheets depend on
+    "fsr400": ("fsr400", "", SILICONES["addition_40a"], {"weak": True}),
+    "fsr402": ("fsr402", "", SILICONES["smooth_sil_940"], {"pictures": True}),
+    "fsr400_compact": ("fsr400_compact", "", SILICONES["dragon_skin_30"], {"prints": ESTIMATES}),
+    "article": ("article", "", SILICONES["elastosil_m4641"], {}),
+    "adult_finger": ("adult_finger", "", SILICONES["addition_40a"], {}),
+    "child_thumb": ("child_thumb", "", SILICONES["ecoflex_00_30"], {"volumes": SMALL}),
+    "david_finger": ("hands/david_finger", "", SILICONES["addition_40a"], {}),
+    "sleeve": (
+        "fsr400", "mold.method=sleeve strength.print_material=petg board.variant=comparator",
+        SILICONES["condensation_40a"], {},
+    ),
+    "folded_sleeve": (
+        "adult_finger", f"mold.method=sleeve {CALIBRATED_CURVE} {MOLD_WITHOUT_CHAPLET}", SILICONES["mold_star_30"], {},
+    ),
+    "poured": (
+        "fsr400",
+        f"name=mine mold.filling=gravity silicone.product=sylgard_184 bone.groove_depth_mm=0 {MOLD_WITHOUT_CHAPLET} "
+        "mold.engraving_depth_mm=0 mold.key_diameter_mm=8 mold.land_mm=6 detector.sample_rate_hz=20000",
+        HASTY, {"volumes": SMALL, "delays_s": ()},
+    ),
+    "socket": (
+        "fsr400", "name=A_very-long_name_with-forty_characters_1 bone.interface=socket bone.base_length_mm=32",
+        WEIGHED, {"volumes": SMALL, "delays_s": (0.025, 0.01)},
+    ),
+    "flange": (
+        "fsr400", "bone.interface=flange bone.base_length_mm=27 mold.fit_clearance_mm=0.1 mold.seat_tape_mm=0 "
+        "printer.scale_percent=100.4 printer.offset_mm=0.06",
+        SILICONES["addition_40a"], {"delays_s": (0.025, None)},
+    ),
+}  # fmt: skip
+
+
+@functools.cache
+def render_documents(name: str) -> dict[str, str]:
+    """Render the documents of a design."""
+    file, changes, silicone, given = DESIGNS[name]
+    design = Design.load(design_file(file), changes=changes.split())
+    warnings = [f"{FILAMENT_CHECK}: the bone breaks"] if given.get("weak") else []
+    data = casting_sheet_data(design, given.get("volumes", LARGE), silicone, given.get("prints"), warnings)
+    pictures = [f"steps/{step.picture}.png" for step in steps(data)] if given.get("pictures") else []
+    assert json.loads(json.dumps(data)) == data
+    score = SimpleNamespace(delays_s=given.get("delays_s", (0.01,)))
+    detection: Any = SimpleNamespace(detector="fast", memory_s=0.1, score=score)
+    return {
+        "casting": render_sheet(data, pictures),
+        "acceptance": render_acceptance(acceptance_data(design, detection)),
+        "coupon": render_instructions(design, READINGS),
+        "firmware": render_readme(design),
+    }
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", DESIGNS)
+def test_documents_are_the_approved_ones(name: str) -> None:
+    for document, text in render_documents(name).items():
+        path = APPROVED / f"{name}_{document}.md"
+        if os.environ.get("FINGERTIP_APPROVE"):
+            path.write_text(text, encoding="utf-8")
+        assert text == path.read_text(encoding="utf-8"), document
+
+
+UNUSED = {"thinner than the hole of"}
+"""Texts that no design gives: every screw of the catalogue leaves room for a needle."""
+
+
+def list_texts(template: str) -> set[str]:
+    """Texts of a template between its expressions and statements, of three words or more."""
+    plain = re.sub(r"^#+ [^\n]*$|\{#.*?#\}|\{%.*?%\}|\{\{.*?\}\}", "\0", template, flags=re.DOTALL | re.MULTILINE)
+    texts = (" ".join(text.split()) for line in plain.split("\0") for text in re.split(r"\n\n|\n- |\|", line))
+    return {text for text in texts if text.count(" ") >= 2}
+
+
+def test_every_sentence_stands_in_an_approved_document() -> None:
+    """The documents of boards, in tests/board, are compared with their own."""
+    approved = " ".join(" ".join(path.read_text(encoding="utf-8").split()) for path in sorted(APPROVED.glob("*.md")))
+    templates = [path for path in TEMPLATES.rglob("*.md") if path.parent.name != "board"]
+    texts = {text for path in templates for text in list_texts(path.read_text(encoding="utf-8"))}
+    assert len(texts) > 200
+    assert {text for text in texts if text not in approved} == UNUSED

@@ -1,0 +1,155 @@
+"""Study of the assumptions: variations of scene and design, true onset and vibration, and the remarks on them."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES, Case
+from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
+from fingertip.lab.report import omissions, robustness
+from fingertip.lab.studies.sensitivity import (
+    BOTH,
+    ELASTO_PLASTIC,
+    PATCH_AVERAGE,
+    STICK_SLIP,
+    VARIATIONS,
+    Factor,
+    Variation,
+    VariationResult,
+    change_converter,
+    study_assumptions,
+)
+from fingertip.lab.studies.steps import StepSensitivity
+from fingertip.sim import run_scene
+from fingertip.sim.article import article_trials
+from fingertip.slip import Trace
+from fingertip.slip.detectors.digital import noise_level
+from tests.designs import ARTICLE
+
+SLIDE = next(article_trials())[0]
+BY_LABEL = {variation.label: variation for variation in VARIATIONS}
+
+
+@pytest.mark.parametrize("variation", VARIATIONS, ids=lambda variation: variation.label)
+def test_every_variation_fits_every_scene_and_changes_something(variation: Variation) -> None:
+    scenes = [scene for scene, _ in article_trials()] + [scene for scene, _ in NEGATIVE_SCENES.values()]
+    changed = [variation.vary_scene(scene) for scene in scenes]
+    assert changed != scenes or variation.vary_design(Design()) != Design()
+
+
+def test_change_is_a_value_or_a_factor() -> None:
+    varied = Variation("", {"scene.slide.speed_m_s": Factor(0.5), "scene.contact.patch_average": True})
+    scene = varied.vary_scene(SLIDE)
+    assert scene.slide.speed_m_s == SLIDE.slide.speed_m_s / 2
+    assert scene.contact.patch_average
+    assert varied.vary_design(Design()) == Design()
+    assert Variation("", {"detector.noise_v": 1e-3}).vary_scene(SLIDE) is SLIDE
+
+
+@pytest.mark.parametrize("bits", [10, 12])
+def test_thresholds_follow_the_step_of_another_converter(bits: int) -> None:
+    converter = Variation("", change_converter(bits, 5.0))
+    scene, design = converter.vary_scene(SLIDE).converter, converter.vary_design(Design())
+    assert design.detector.adc_step_v == (scene.high_v - scene.low_v) / 2**scene.bits
+    assert design.detector.noise_v == Design().detector.noise_v
+    ratio = noise_level(design).threshold_v / noise_level(Design()).threshold_v
+    assert design.detector.threshold_v / Design().detector.threshold_v == pytest.approx(ratio)
+    assert ratio > 1.05
+
+
+def test_onset_counts_from_the_start_of_the_slide() -> None:
+    scene = SLIDE.model_copy(update={"outputs": ["voltage_v", "force_n", "slip"]})
+    longer = scene.model_copy(update={"hold": scene.hold.model_copy(update={"wait_s": 2.0})})
+    found = [find_onset_s(Design(), Case("slip", s, 1), run_scene(Design(), s, 1).trace) for s in (scene, longer)]
+    assert 0.005 < found[0] < 0.05
+    assert found[0] == pytest.approx(found[1], abs=0.0006)
+    contact = Case("contact", NEGATIVE_SCENES["contact"][0], 1)
+    assert math.isnan(find_onset_s(Design(), contact, run_scene(Design(), scene, 1).trace))
+
+
+def test_vibration_is_the_fast_part_of_the_force_in_slip() -> None:
+    t = np.arange(8000) / 2000
+    slip = (t > 1.0) & (t < 3.0)
+    force = 1.0 + 0.2 * np.sin(2 * math.pi * 1.0 * t) + 0.02 * np.sin(2 * math.pi * 120 * t)
+    assert measure_vibration_n(Trace(t, t, force, slip)) == pytest.approx(0.02 / math.sqrt(2), rel=0.05)
+    assert math.isnan(measure_vibration_n(Trace(t, t, force, slip & False)))
+    assert median_of_known([math.nan, 1.0, 3.0]) == 2.0
+    assert math.isnan(median_of_known([math.nan]))
+
+
+@pytest.mark.full
+def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
+    harder = Variation("harder start", {"scene.slide.acceleration_m_s2": 10.0})
+    noisier = Variation("noisier", {"detector.noise_v": Factor(8.0)})
+    weaker = Variation("weaker", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)})
+    base, fast, noisy, weak = study_assumptions(Design(), "fast", 8, variations=[harder, noisier, weaker])
+    assert base.change_s == base.onset_change_s == 0.0
+    # The slip begins sooner after the motion; from gross slip on, fast waits until it is no contact.
+    assert fast.change_s < 0.002
+    assert fast.onset_change_s < -0.003
+    assert noisy.change_s > 0.002
+    assert noisy.onset_change_s == 0.0
+    assert weak.median_s != base.median_s
+
+
+def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
+    """With a constant threshold, twice the noise would keep digital ON all the time."""
+    noisier = Variation("twice the noise", {"detector.noise_v": Factor(2.0)})
+    base, twice = study_assumptions(ARTICLE, "digital", 8, variations=[noisier])
+    assert base.found_share == 1.0
+    assert twice.found_share > 0.5
+    assert twice.alarms_per_minute < 10
+
+
+@pytest.mark.full
+def test_realistic_effects_make_detection_harder() -> None:
+    labels = (PATCH_AVERAGE, ELASTO_PLASTIC, "vibration of the hand, 0.5 mV", "converter of 10 bits, 0 to 5 V")
+    base, patch, bristles, hand, coarse = study_assumptions(
+        ARTICLE, "fast", 8, variations=[BY_LABEL[label] for label in labels]
+    )
+    assert 10 < base.vibration_n / patch.vibration_n < 40
+    assert patch.median_s > base.median_s
+    assert patch.onset_change_s == 0.0
+    assert 0.003 < bristles.onset_change_s < 0.006
+    assert hand.alarms_per_minute > base.alarms_per_minute + 2
+    assert coarse.median_s > base.median_s + 0.01
+
+
+def make_result(label: str, found: float = 1.0, median_s: float = 0.015, is_realistic: bool = True) -> VariationResult:
+    change_s = median_s - 0.015 if math.isfinite(median_s) else math.nan
+    return VariationResult(label, is_realistic, 24, found, median_s, change_s, 0.25, 0.0045, 0.001 * len(label))
+
+
+def page_items(title: str, **studies: object) -> list[str]:
+    """Items of one section of the page of omissions of a validation that has these studies."""
+    rows = {"variations": [make_result("unchanged", is_realistic=False)], "steps": StepSensitivity(0, 16, (), ())}
+    found = SimpleNamespace(patch_radius_m=2.05e-3, **(rows | studies))
+    page = omissions.as_markdown(SimpleNamespace(detectors={}), ["too late"], [], found, "fast")  # type: ignore[arg-type]
+    assert "## Requirements missed\n\n- too late\n" in page
+    return [line.removeprefix("- ") for line in page.split(f"## {title}\n\n")[1].split("\n\n")[0].splitlines()]
+
+
+def test_table_and_remarks_state_every_realistic_effect() -> None:
+    base = make_result("unchanged", is_realistic=False)
+    labels = (PATCH_AVERAGE, STICK_SLIP, BOTH, ELASTO_PLASTIC, "mains hum of 1 mV")
+    results = [base, make_result("half the force", is_realistic=False)]
+    results += [make_result(label, 0.25, math.inf) for label in labels]
+    text = "\n".join(robustness.variation_table(results, "fast"))
+    remarks = page_items("Effects of real fingers that the trials leave out", variations=results)
+    assert text.index("half the force") < text.index("by default") < text.index(STICK_SLIP)
+    assert text.count(" missed ") == 2 * len(labels)
+    assert "25 % of 24 slips" in remarks[0]
+    assert "radius 2.05 mm" in remarks[0]
+    assert "moves by +4.5 ms" in remarks[1]
+    assert remarks[2].startswith("Mains hum")
+    assert remarks[-1] == robustness.LEVELS_ARE_ASSUMED
+    data = robustness.variations_as_data(results)
+    assert data[-1]["median_s"] is None
+    assert data[-1]["realistic"]
+    assert (data[-1]["slips"], data[-1]["found_share"]) == (24, 0.25)
+    assert data[-1]["vibration_n"] == pytest.approx(results[-1].vibration_n)

@@ -1,0 +1,384 @@
+"""Campaign: held-out seeds, evaluation of constructed traces, requirements, studies, and files of the command."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fingertip.cli import app
+from fingertip.foundation.errors import TraceError
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    NEGATIVE_SCENES,
+    REPORTED_SEPARATELY,
+    TUNING_SEEDS,
+    CampaignPlan,
+    Case,
+    generate_cases,
+)
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult, evaluate, run_campaign, surface
+from fingertip.lab.report import plots, trial_plots
+from fingertip.lab.studies.article import compute_spectra, study_windows, with_window
+from fingertip.lab.studies.boards import study_board_variants
+from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
+from fingertip.lab.studies.sensitivity import VARIATIONS, study_accelerations
+from fingertip.lab.studies.steps import study_sampling_rates
+from fingertip.lab.validation import RequirementLimits, check_detection
+from fingertip.sim.article import article_trials
+from fingertip.slip import DETECTORS, Trace
+from tests.designs import ARTICLE, article_design
+
+SLIDE = next(article_trials())[0]
+SLIP = Case("slip", SLIDE, 1)
+
+
+def make_trial(delays=(0.02,), slips=1, alarms=(), case=SLIP, duration=60.0) -> TrialResult:
+    return TrialResult(case, duration, 1.0, slips, tuple(delays), 0.9, tuple(alarms))
+
+
+def test_seeds_are_held_out_and_unique():
+    seeds = [case.seed for case in generate_cases(CampaignPlan())]
+    assert len(set(seeds)) == len(seeds)
+    assert min(seeds) == HELD_OUT_FROM > max(TUNING_SEEDS)
+
+
+@pytest.mark.full
+def test_default_plan_is_the_articles_trials_and_all_negative_scenes():
+    planned = list(generate_cases(CampaignPlan()))
+    slides = [case.scene for case in planned if case.cause == "slip"]
+    assert [scene.scene for scene in slides].count("sliding_finger") == 90
+    assert [scene.scene for scene in slides].count("sliding_surface") == 30
+    assert {case.cause for case in planned} == {"slip", *NEGATIVE_SCENES}
+    assert sum(fraction for _, fraction in NEGATIVE_SCENES.values()) == pytest.approx(1.0)
+
+
+def test_few_trials_are_spread_over_the_surfaces():
+    slides = [case.scene for case in generate_cases(CampaignPlan(8, 0.5)) if case.cause == "slip"]
+    assert len({(s.scene, s.contact.surface) for s in slides}) == 8
+
+
+def test_invalid_plan_is_refused_with_all_issues():
+    with pytest.raises(TraceError) as caught:
+        CampaignPlan(0, -1)
+    assert [issue.field for issue in caught.value.issues] == ["--trials", "--minutes"]
+
+
+def trace_with(slips, knocks, length=8000) -> Trace:
+    """Trace with bursts of vibration during slips and knocks, given as intervals [s]."""
+    t = np.arange(length) / 2000
+    volts = 4.0 + np.random.default_rng(3).normal(0, 4e-4, length)
+    for start, stop in [*slips, *knocks]:
+        volts += 0.008 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
+    slip = np.zeros(length, dtype=bool)
+    for start, stop in slips:
+        slip |= (t >= start) & (t < stop)
+    return Trace(t, volts, None, slip)
+
+
+@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
+def test_alarms_have_causes_and_one_event_counts_once(detector):
+    trace = trace_with([(1.5, 2.0)], [(0.5, 0.53), (0.6, 0.63), (3.0, 3.05), (3.5, 3.55)])
+    (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [1.0])
+    assert found.alarms == ("contact", "release", "release")
+    assert found.slips == 1
+    assert 0.0 < found.delays_s[0] < 0.06
+    assert found.on_share == 1.0
+    (tap,) = evaluate(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), 1.0, detector, ARTICLE, [1.0])
+    assert tap.alarms == ("hard tap",)
+    assert tap.slips == 0
+
+
+def test_on_before_the_slip_is_a_false_alarm():
+    trace = trace_with([(1.5, 2.0)], [(1.0, 1.5)])
+    (found,) = evaluate(SLIP, trace, 1.0, "fast", ARTICLE, [1.0])
+    assert found.delays_s == ()
+    assert found.alarms == ("before slip",)
+
+
+def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
+    (found,) = evaluate(SLIP, trace_with([(1.5, 2.0)], [(1.4931, 1.5)]), 1.0, "digital", ARTICLE, [1.0])
+    assert found.delays_s == (0.0,)
+    assert found.alarms == ()
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("noise_v", [0.0, 1e-5, 1e-4])
+def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
+    design = article_design(detector={"noise_v": noise_v, "adc_bits": 24})
+    found = run_campaign(design, CampaignPlan(6, 3.0), ("fast",), (1.0,)).at_nominal_threshold("fast")
+    assert found.found_share == 1.0
+    assert found.alarms_per_minute == 0.0
+
+
+@pytest.mark.parametrize(("detector", "scale"), [("digital", 3.0), ("fft", 3.0), ("fast", 1.2)])
+def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale):
+    from fingertip.slip import make_detector
+    from fingertip.slip.traces.intervals import intervals
+
+    trace = trace_with([(1.5, 2.0)], [])
+    (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [scale])
+    on = make_detector(detector, ARTICLE, threshold_scale=scale).process(trace.voltage_v).on
+    assert found.delays_s == (intervals(trace.time_s, on)[0].onset_s - 1.5,)
+
+
+def test_pooled_results():
+    contact = Case("contact", SLIDE, 2)
+    motor = Case("motor", SLIDE, 3)
+    pooled = DetectorResult(
+        1.0,
+        (
+            make_trial((0.01,)),
+            make_trial((0.03,)),
+            make_trial((), alarms=("contact",)),
+            make_trial((), 0, ("contact", "contact"), contact),
+            make_trial((), 0, ("motor",) * 9, motor),
+        ),
+    )
+    assert pooled.slips == 3
+    assert pooled.found_share == pytest.approx(2 / 3)
+    assert pooled.delay_s(0.5) == 0.03
+    assert pooled.delay_s(0.9) == np.inf
+    assert pooled.alarms() == {"slip": 0, "contact": 3, "motor": 9}
+    assert pooled.alarms_per_minute == pytest.approx(3 / 4)  # motor is reported separately
+    mean, deviation, count = pooled.group_delays(surface)[SLIDE.contact.surface]
+    assert (mean, deviation, count) == (pytest.approx(0.02), pytest.approx(0.01), 2)
+
+
+@pytest.mark.parametrize(
+    ("trials", "missed"),
+    [
+        ([make_trial()], set()),
+        ([make_trial(), make_trial(())], {"found", "p90 delay"}),
+        ([make_trial((0.07,))], {"mean delay"}),
+        ([make_trial((0.2,))], {"mean delay", "p90 delay"}),
+        ([make_trial(alarms=("contact",))], {"alarms"}),
+    ],
+)
+def test_detection_requirements_can_be_missed(trials, missed):
+    result = CampaignResult(CampaignPlan(), 0, {"fast": (DetectorResult(1.0, tuple(trials)),)})
+    requirements = check_detection(result, "fast", RequirementLimits())
+    assert {requirement.name for requirement in requirements if not requirement.passed} == missed
+
+
+def test_matched_threshold_is_the_lowest_one_that_keeps_the_alarm_rate():
+    low, middle, high = (
+        DetectorResult(scale, (make_trial(alarms=("contact",) * count),))
+        for scale, count in ((1.0, 5), (2.0, 0), (3.0, 0))
+    )
+    result = CampaignResult(CampaignPlan(), 0, {"fast": (low, middle, high)})
+    assert result.at_alarm_rate("fast", 0.1) is middle
+    assert CampaignResult(CampaignPlan(), 0, {"fast": (low,)}).at_alarm_rate("fast", 0.1) is None
+
+
+@pytest.mark.full
+def test_mean_delay_is_above_the_bound_and_less_noise_lowers_the_bound():
+    plan = CampaignPlan(96, 0.5)
+    bounds = np.array(compute_bounds_s(ARTICLE, plan.trials))
+    assert len(bounds) == 96
+    result = run_campaign(ARTICLE, plan, ("fast", "fft"), (1.0,))
+    # The bound limits the average over the noise, not each delay, so chance may lower it by two standard errors.
+    above = np.array(result.at_nominal_threshold("fft").delays_s) - bounds
+    assert np.mean(above) >= -2 * np.std(above) / np.sqrt(len(above))
+    # A detector that sees the slow force too may be a little sooner; or later, as it does not take grips for slip.
+    delays = np.array(result.at_nominal_threshold("fast").delays_s)
+    assert -3e-3 < np.mean(delays - bounds) < 8e-3
+    assert np.median(delays) < 2.5 * np.median(bounds)
+    quieter = compute_bounds_s(article_design(detector={"noise_v": 1e-4, "adc_bits": 20}), plan.trials)
+    assert np.median(quieter) < np.median(bounds)
+    # Without noise the creeping pad gives all information before gross slip; the bound is never negative.
+    noiseless = article_design(detector={"noise_v": 1e-7, "adc_bits": 24})
+    assert set(compute_bounds_s(noiseless, 4)) == {0.0}
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("cutoff_hz", [5.0, 340.0])
+def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
+    """The other board variant may break a rule, and the band may be narrower than a bin of the spectrum."""
+    fast = {"capacitor_uf": 0.47, "envelope_capacitor_uf": 0.39, "band_limit_hz": 2000.0}  # what the amplifiers can do
+    board = {"cutoff_hz": cutoff_hz, **(fast if cutoff_hz > 100 else {})}
+    design = article_design(board=board, detector={"adc_bits": 8})
+    result = run_campaign(design, CampaignPlan(1, 0.5), scales=(1.0,))
+    assert set(result.detectors) == set(DETECTORS)
+    variants = {board.variant for board in study_board_variants(design, 1, 0.5)}
+    assert variants == ({"article", "precision"} if cutoff_hz > 100 else {"article"})  # 5 Hz need 900 uF behind R4
+    assert all(0.0 <= s.share_above(200.0) <= 1.0 for s in compute_spectra(design))
+
+
+def test_longer_window_is_later_and_has_fewer_contact_alarms():
+    short, long = study_windows(ARTICLE, 4, 1.0, windows_s=(0.005, 0.1))
+    assert short.threshold_v > long.threshold_v
+    assert short.median_s < long.median_s
+    assert short.contact_alarms_per_minute > 0.0
+    article = with_window(ARTICLE, 0.03).detector
+    assert (article.window_samples, article.threshold_v) == (60, pytest.approx(0.017, rel=0.06))
+
+
+def test_skin_attenuates_high_frequencies():
+    embedded, bare = compute_spectra(ARTICLE)
+    assert embedded.share_above(200.0) < 0.02 < bare.share_above(200.0)
+    assert embedded.share_above(20.0) == pytest.approx(1.0)
+    # above 600 Hz the density is that of the ADC's noise and quantisation
+    noise = float(np.median(embedded.power_v2_hz[embedded.frequency_hz > 600]))
+    assert noise * 1000 == pytest.approx(4e-4**2 + (20 / 65536) ** 2 / 12, rel=0.3)
+
+
+@pytest.fixture(scope="module")
+def validated(tmp_path_factory):
+    out = tmp_path_factory.mktemp("validation")
+    arguments = ["validate", "article", "--trials", "8", "--minutes", "1", "--json", "--out"]
+    return out, CliRunner().invoke(app, [*arguments, str(out)])
+
+
+@pytest.mark.full
+def test_validate_writes_results_and_assumptions(validated):
+    out, done = validated
+    assert done.exit_code == 0, done.stdout
+    data = json.loads(done.stdout)
+    assert data == json.loads((out / "validation.json").read_text())
+    assert data["passed"]
+    assert set(data["detectors"]) == {"analog", "digital", "fft", "fast"}
+    fast, digital = data["detectors"]["fast"], data["detectors"]["digital"]
+    assert fast["found_share"] == digital["found_share"] == 1.0
+    assert fast["median_s"] < digital["median_s"] < 0.06
+    assert fast["alarms_per_minute"] == 0.0
+    assert fast["on_share"] > 0.93  # over 120 trials it is 0.98
+    assert 0.005 < data["detection_bound"]["median_s"] <= fast["median_s"] + 0.001
+    assert len(data["assumption_sensitivity"]) == 1 + len(VARIATIONS)
+    assert data["step_sensitivity"]["trials"] == 4
+    assert all(row["meets_goal"] for row in data["step_sensitivity"]["delay_shifts"])
+    hard = [row for row in data["knock_rejection"] if row["detector"] == "fast" and row["force_n"] >= 2.0]
+    assert len(hard) == 6
+    # One in six of the hardest, 2 N within 2 ms, is taken for slip: the pad loses contact.
+    assert all(row["false_alarm_share"] == 0.0 or row["rise_s"] == 0.002 for row in hard)
+    assert sum(row["false_alarm_share"] for row in hard) <= 0.5
+    assert {cause for cause, count in fast["alarms"].items() if count["reported_separately"]} == set(
+        REPORTED_SEPARATELY
+    )
+    assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
+    text = (out / "validation.txt").read_text()
+    assert re.match(r"article, detector fast: all \d+ requirements are met\n  met     ", text), (
+        "the verdict comes first"
+    )
+    assert "on the wider mix" in text
+    plot_names = {path.name for path in out.iterdir() if path.name.endswith(".png")}
+    assert plot_names >= {"delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png", "trial.png"}
+    for name in plot_names:
+        assert (out / name).read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.full
+def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
+    for module in (plots, trial_plots):  # drawn by the test above
+        monkeypatch.setattr(module, "to_png", lambda figure: b"")
+    arguments = ["validate", "article", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
+    done = CliRunner().invoke(app, [*arguments, "--detector", "analog"])
+    assert done.exit_code == 1
+    assert "validate: trials: 0 % done" in done.stderr
+    assert re.search(
+        r"^article, detector analog: \d of \d+ requirements are MISSED$",
+        (tmp_path / "validation.txt").read_text(),
+        re.MULTILINE,
+    )
+    assert not json.loads(done.stdout)["passed"]
+    assert (tmp_path / "validation.json").exists()
+
+
+@pytest.mark.full
+def test_same_campaign_gives_the_same_delays():
+    first, second = (run_campaign(ARTICLE, CampaignPlan(2, 0.5), ("fast",), (1.0,)) for _ in range(2))
+    assert first.at_nominal_threshold("fast").delays_s == second.at_nominal_threshold("fast").delays_s
+    other = run_campaign(ARTICLE, CampaignPlan(2, 0.5), ("fast",), (1.0,), first_seed=77)
+    assert other.at_nominal_threshold("fast").delays_s != first.at_nominal_threshold("fast").delays_s
+
+
+def test_validate_refuses_bad_options_before_it_computes(tmp_path):
+    for arguments, message in (
+        (["--trials", "0"], "--trials: 0 is refused"),
+        (["--detector", "fats"], "did you mean fast"),
+        (["--set", "detector.window_samples=3000"], "detector.window_samples"),
+    ):
+        done = CliRunner().invoke(app, ["validate", "--out", str(tmp_path / "no"), *arguments])
+        assert done.exit_code == 2
+        assert message in done.stderr
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.full
+def test_page_lists_failures_and_assumptions(validated):
+    out, done = validated
+    page = (out / "omissions.md").read_text()
+    data = json.loads(done.stdout)
+    assert "None." in page.split("## Missed")[0]
+    assert page.count("(reported separately)") > 4
+    # every plot has its assumptions
+    for path in out.iterdir():
+        assert path.name in page or not path.name.endswith(".png"), path.name
+    for assumption in data["assumptions"]:
+        assert assumption in page
+    # every realistic effect is explained, with the computed change of the onset
+    rows = {row["variation"]: row for row in data["assumption_sensitivity"]}
+    assert f"moves by {1000 * rows['elasto-plastic bristles']['onset_change_s']:+.1f} ms" in page
+    ratio = rows["unchanged"]["vibration_n"] / rows["profile averaged over the contact patch"]["vibration_n"]
+    assert 10 < ratio < 40
+    assert f"vibrates {ratio:.0f} times less" in page
+    assert "10 bits" in page
+    assert "## Time step" in page
+    lost = [row["detector"] for row in data["closed_loop"] if row["held"] < row["count"]]
+    assert page.count(": object lost.") == sum(r["count"] - r["held"] for r in data["closed_loop"]), lost
+    missed = (1 - data["detectors"]["analog"]["found_share"]) * 8
+    counted = [int(word) for word in page.split("- analog: slips missed: ")[1].split("\n")[0].split() if word.isdigit()]
+    assert sum(counted[::2]) == round(missed)
+
+
+def test_larger_acceleration_shortens_the_delay_of_every_detector():
+    slow, fast = (
+        {
+            row.detector: row
+            for row in study_accelerations(ARTICLE, 4, accelerations_m_s2=(a,), detectors=("digital", "fast"))
+        }
+        for a in (1.0, 10.0)
+    )
+    assert set(slow) == {"bound", "digital", "fast"}
+    assert all(fast[name].median_s < slow[name].median_s for name in slow)
+
+
+@pytest.mark.full
+def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay():
+    slow, own, quick = study_sampling_rates(ARTICLE, 12, 0.5, rates_hz=(1000.0, 10_000.0))
+    assert (slow.sample_rate_hz, own.sample_rate_hz, quick.sample_rate_hz) == (1000.0, 2000.0, 10_000.0)
+    assert slow.found_share == own.found_share == quick.found_share == 1.0
+    assert slow.bound_median_s > own.bound_median_s > quick.bound_median_s
+    assert slow.median_s >= own.median_s >= quick.median_s - 0.002
+    assert max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6  # at most one alarm
+    wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
+    assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
+
+
+@pytest.mark.full
+def test_precision_rectifier_finds_slips_that_a_bare_diode_misses():
+    rows = {(row.variant, row.by_rule): row for row in study_board_variants(ARTICLE, 8, 0.5)}
+    assert rows["precision", True].found_share == 1.0
+    assert rows["article", True].found_share < 1.0
+    assert rows["article", True].found_share >= rows["article", False].found_share
+    assert rows["article", True].threshold_v < 0.1 * rows["precision", True].threshold_v
+
+
+def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
+    short, long = study_motor_discrimination(ARTICLE, 8, 6, segments_s=(0.02, 0.15))
+    assert short.distinguished_share <= 0.5 < long.distinguished_share
+    assert short.slip_residual == pytest.approx(1.0, abs=0.3)  # a pair of tones fits so short a slip within the noise
+    assert long.motor_residual < long.slip_residual
+
+
+def test_fast_rejects_hard_knocks_but_not_weak_ones():
+    rows = {
+        (t.detector, t.force_n): t.false_alarm_share
+        for t in study_knock_rejection(ARTICLE, scenes=1, forces_n=(0.05, 2.0))
+    }
+    assert rows["fast", 0.05] == 1.0
+    assert rows["fast", 2.0] == 0.0
+    assert rows["digital", 2.0] == 1.0

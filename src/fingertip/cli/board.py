@@ -362,7 +362,6 @@ def _load_lines(design: Design, values: BoardValues) -> list[str]:
 def _force_lines(design: Design, values: BoardValues) -> list[str]:
     """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
     from fingertip.board.components.bridge import sensor_conductance_s
-    from fingertip.design.silicone import describe_force_curve
 
     conductance_of = sensor_conductance_s
     if design.force_curve.curve == "calibrated":
@@ -375,4 +374,4 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
         tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
-    return [*lines, describe_force_curve(design)]
+    return [*lines, design.force_curve.describe()]

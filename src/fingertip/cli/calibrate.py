@@ -255,7 +255,6 @@ def sensor(
 
 
 def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[str]:
-    from fingertip.design.silicone import describe_force_curve
 
     law = calibration.law
     half = law.coverage_factor * law.exponent_uncertainty
@@ -273,7 +272,7 @@ def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[s
         f"{point.low_n:.2f} to {point.high_n:.2f} N"
         for point in calibration.points
     )
-    lines.append(describe_force_curve(calibrated))
+    lines.append(calibrated.force_curve.describe())
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
 
 

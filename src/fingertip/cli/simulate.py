@@ -65,7 +65,6 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip.catalogues.output_files import SIGNAL
-    from fingertip.design.silicone import describe_force_curve
     from fingertip.foundation import extras
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
@@ -108,7 +107,7 @@ def simulate(
                 console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.progress(f"wrote {path}")
     if simulation.scene.sensing.bridge == "board":
-        console.progress(describe_force_curve(simulation.design))
+        console.progress(simulation.design.force_curve.describe())
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
         console.progress(f"wrote {plot}")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.report import Build
-from fingertip.design.geometry.sizes import AXES, Circle, Length, Size
+from fingertip.design.geometry.sizes import AXES, Circle, Size
 from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.tasks.build import build
@@ -139,8 +139,3 @@ def test_numbers_of_other_interfaces_and_methods(variant: tuple[str, tuple[str, 
         # The comparison can fail: sizes that are off by 0.02 mm are found, all of them.
         count = sum(len(drawing.sizes) for drawing in part_drawings(result.design))
         assert len(wrong_sizes(result, 0.02)) >= 0.9 * count
-
-
-def test_sizes_have_both_kinds_of_ends() -> None:
-    sizes = [size for drawing in part_drawings(load_variant(("fsr400", ()))) for size in drawing.sizes]
-    assert {type(size) for size in sizes} == {Length, Circle}

@@ -208,7 +208,7 @@ def test_shows_the_drawing_and_the_board(page: Page, folder: Path) -> None:
 
 
 @pytest.mark.full
-def test_states_the_delay_of_the_detection(page: Page, folder: Path) -> None:
+def test_states_the_delay_of_the_detection_and_what_encoders_know(page: Page, folder: Path) -> None:
     detection = json.loads((folder / "signal" / "detection.json").read_bytes())
     (delay,) = detection["delays_s"]
     assert f"{1000 * delay:.1f} ms" in page.text
@@ -218,17 +218,9 @@ def test_states_the_delay_of_the_detection(page: Page, folder: Path) -> None:
     assert "threshold of analog and digital" in page.text  # the header's is of another quantity
     assert "detector threshold" not in page.text
 
-
-@pytest.mark.full
-def test_shows_when_encoders_know_the_motion(page: Page, folder: Path) -> None:
-    detection = json.loads((folder / "signal" / "detection.json").read_bytes())
     (since_motion,) = detection["delays_since_motion_s"]
     assert BAND_LABEL in page.text
     assert f"{1000 * since_motion:.1f} ms after the robot moved ({format_delay_band(since_motion)}" in page.text
-
-
-@pytest.mark.full
-def test_says_what_is_simulated(page: Page) -> None:
     for said in ("What is simulated and what is measured", "Nobody has printed and cast", "a real finger will differ"):
         assert said in page.text
 

@@ -294,11 +294,8 @@ def test_tracks_end_in_pads_as_they_are_drawn(folder: Path) -> None:
 
 
 def test_labels_of_items_are_for_people() -> None:
-    assert [label_item(name) for name in ("mold_bolt_3", "mold_palmar", "bone")] == [
-        "mold bolts",
-        "mold palmar",
-        "bone",
-    ]
+    labels = [label_item(name) for name in ("mold_bolt_3", "mold_palmar", "bone")]
+    assert labels == ["mold bolts", "mold palmar", "bone"]
 
 
 CHANGED = (

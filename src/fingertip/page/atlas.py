@@ -84,6 +84,11 @@ class AtlasPicture:
         where = f"; drawn on {self.drawn_on}" if self.drawn_on else ""
         return f"{self.part.replace('_', ' ')}, {self.view}: from {change}{where}"
 
+    def render(self) -> Markup:
+        """Render the picture with its caption."""
+        image = element("img", src=embed(self.png, "image/png"), alt=f"{self.path}: {self.caption}")
+        return element("figure", image, element("figcaption", self.caption))
+
 
 def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message: None) -> Iterator[AtlasPicture]:
     """Draw a picture for each parameter that shapes a part, in the order of a design file."""
@@ -300,10 +305,5 @@ def _render_entry(
         element("h3", code(one.path), class_="code", id=f"p-{one.path}"),
         element("p", *shown),
         element("p", one.description),
-        _render_picture(picture) if picture else element("p", effect),
+        picture.render() if picture else element("p", effect),
     )
-
-
-def _render_picture(picture: AtlasPicture) -> Markup:
-    image = element("img", src=embed(picture.png, "image/png"), alt=f"{picture.path}: {picture.caption}")
-    return element("figure", image, element("figcaption", picture.caption))

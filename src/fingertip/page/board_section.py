@@ -26,7 +26,7 @@ from fingertip.page.layout_svg import render_back, render_copper, render_placeme
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.schematic_svg import render_schematic
 from fingertip.page.sources import COMMANDS, Sources
-from fingertip.page.svg import Axis, Frame, figure_svg, legend
+from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Note")
 _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number"
@@ -157,12 +157,13 @@ def draw_response(design: Design) -> Markup:
         _WIDTH - 80.0, _HEIGHT - 100.0,
     )  # fmt: skip
     cutoff, gain = spread["cutoff_hz"], spread["passband_gain"]
+    cutoff_line = frame.point(cutoff.nominal, bottom), frame.point(cutoff.nominal, top)
     svg = figure_svg(
         _WIDTH, _HEIGHT, f"Gain of the filter over frequency, with the band of {BOARDS} boards",
         frame.axes(),
         frame.band([*zip(f_hz, high, strict=True)], [*zip(f_hz, low, strict=True)], "var(--band)"),
         frame.line(zip(f_hz, nominal, strict=True), "var(--series-1)", 2),
-        frame.mark(cutoff.nominal, "var(--series-2)"),
+        line(*cutoff_line, "var(--series-2)", 1.5, "4 3"),
         legend(210.0, 22.0, (
             ("var(--series-1)", "", "nominal values"), ("var(--band)", "band", "95 % of boards"),
             ("var(--series-2)", "4 3", "-3 dB"),

@@ -96,10 +96,6 @@ class Frame:
             fill_opacity=opacity,
         )  # fmt: skip
 
-    def mark(self, x: float, colour: str, dashes: str = "4 3") -> Markup:
-        """Draw a vertical line."""
-        return line(self.point(x, self.y.low), self.point(x, self.y.high), colour, 1.5, dashes)
-
 
 def figure_svg(width: float, height: float, title: str, *parts: str) -> Markup:
     """Build a plot with a title for those who do not see it."""

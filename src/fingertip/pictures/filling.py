@@ -80,7 +80,14 @@ def draw_filling(
     for view, its_axes in zip(views, axes, strict=True):
         filled = _draw_map(its_axes, view, _grid_values(grid.layer, prediction.arrival_s)[:, view.columns], levels)
         _draw_marks(its_axes, view, grid.layer, marks)
-        _label_axes(its_axes, view)
+        its_axes.set_aspect("equal", anchor="S")
+        its_axes.set_title(view.title, fontsize=11, pad=10)
+        its_axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
+        its_axes.set_xticks([float(view.x[0].min()), float(view.x[0].max())], view.ends)
+        its_axes.tick_params(length=0)
+        its_axes.tick_params(axis="x", pad=9)
+        its_axes.set_ylabel("distance from the collar [mm]")
+        its_axes.set_xlabel(view.edge)
     bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.015, ticks=levels)
     bar.set_label("time at which the silicone arrives [s]")
     bar.ax.set_yticklabels([*(f"{level:g}" for level in levels[:-1]), f"{levels[-1]:.1f}, full"])
@@ -229,14 +236,3 @@ def _draw_marks(axes: Axes, view: _View, layer: Layer, marks: Sequence[_Mark]) -
             zorder=5, bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
             arrowprops={"arrowstyle": "-", "color": "black", "linewidth": 0.8} if text_y > y + 0.1 else None,
         )  # fmt: skip
-
-
-def _label_axes(axes: Axes, view: _View) -> None:
-    axes.set_aspect("equal", anchor="S")
-    axes.set_title(view.title, fontsize=11, pad=10)
-    axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
-    axes.set_xticks([float(view.x[0].min()), float(view.x[0].max())], view.ends)
-    axes.tick_params(length=0)
-    axes.tick_params(axis="x", pad=9)
-    axes.set_ylabel("distance from the collar [mm]")
-    axes.set_xlabel(view.edge)

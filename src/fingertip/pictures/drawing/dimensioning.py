@@ -58,8 +58,7 @@ class Occupancy:
                     for hatched in primitive.lines():
                         self._mark(layer, hatched.points)
                 case Text():
-                    rows, columns = self._cells(primitive.box(), 0.0)
-                    self.texts[rows, columns] = True
+                    self.block(primitive.box())
 
     def block(self, box: Box) -> None:
         """Keep everything out of a box."""
@@ -254,7 +253,8 @@ def place_circle(
             path = (tip, knee, landing)
             if occupancy.crosses_text(path):
                 continue
-            edges, lines = occupancy.crossings((_away(tip, c, s), knee, landing))
+            # Past the arrow the leader no longer touches the circle.
+            edges, lines = occupancy.crossings(((tip[0] + c, tip[1] + s), knee, landing))
             cost = 0.12 * length + 0.5 * edges + 0.5 * lines + 0.05 * order
             if best and cost >= best[0]:
                 continue
@@ -264,11 +264,6 @@ def place_circle(
         raise NoRoomError(size.name)
     occupancy.add(best[1])
     return best[1]
-
-
-def _away(tip: Point, c: float, s: float) -> Point:
-    """Return a point on the leader past its arrow, where it no longer touches the circle."""
-    return tip[0] + c, tip[1] + s
 
 
 def _group_width(text: str, balloon: int) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
+from fingertip.design.geometry.solids import Point3
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.pictures.drawing.dimensioning import (
     FIRST_LANE_MM,
@@ -76,6 +77,10 @@ class PlacedView:
         """Place a point of the view."""
         return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
 
+    def place(self, point: Point3) -> Point:
+        """Place a point of the part."""
+        return self.on_paper(self.projection.flatten(point))
+
     def bounds(self) -> tuple[float, float, float, float]:
         """Return left, bottom, right and top on paper."""
         left, bottom, right, top = self.view.bounds()
@@ -134,11 +139,17 @@ def _draw(
     balloons = {size.name: i for i, size in enumerate(part.checked, 1)}
     for view in placed.values():
         for side in _SIDES:
-            dimensions += place_lengths(_lengths_on(view, side, part, balloons), occupancy)
+            lengths = [
+                PlacedLength(size, view.place(size.start), view.place(size.end), view.edge(side),
+                             balloons.get(size.name, 0))
+                for size in part.sizes
+                if isinstance(size, Length) and size.view == view.name and size.side == side
+            ]  # fmt: skip
+            dimensions += place_lengths(lengths, occupancy)
     for view in placed.values():
         for size in part.sizes:
             if isinstance(size, Circle) and size.view == view.name:
-                centre = view.on_paper(view.projection.flatten(size.centre))
+                centre = view.place(size.centre)
                 dimensions += place_circle(size, centre, size.radius * scale, balloons.get(size.name, 0), occupancy)
     return (*edges, *centres, *marks, *dimensions, *frame)
 
@@ -219,7 +230,7 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
             yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), Styles.CENTRE)
     for axis in part.axes:
         view = views[axis.view]
-        start, end = (view.on_paper(view.projection.flatten(p)) for p in (axis.start, axis.end))
+        start, end = (view.place(p) for p in (axis.start, axis.end))
         yield line(start, end, Styles.CENTRE)
 
 
@@ -228,7 +239,7 @@ def _circle_centres(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> 
     for size in part.sizes:
         if isinstance(size, Circle):
             view = views[size.view]
-            x, y = view.on_paper(view.projection.flatten(size.centre))
+            x, y = view.place(size.centre)
             reach = size.radius * view.scale + _PAST_VIEW_MM / 2
             yield line((x - reach, y), (x + reach, y), Styles.CENTRE)
             yield line((x, y - reach), (x, y + reach), Styles.CENTRE)
@@ -248,17 +259,3 @@ def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]
         yield Text("A", (far, below), _LETTER_MM, "middle")
     left, _, _, top = section.bounds()
     yield Text("A-A", (left, top + _NAME_ABOVE_MM), _LETTER_MM)
-
-
-def _lengths_on(view: PlacedView, side: Side, part: PartDrawing, balloons: Mapping[str, int]) -> list[PlacedLength]:
-    return [
-        PlacedLength(
-            size,
-            view.on_paper(view.projection.flatten(size.start)),
-            view.on_paper(view.projection.flatten(size.end)),
-            view.edge(side),
-            balloons.get(size.name, 0),
-        )
-        for size in part.sizes
-        if isinstance(size, Length) and size.view == view.name and size.side == side
-    ]

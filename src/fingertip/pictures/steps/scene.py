@@ -7,7 +7,7 @@ name, one below the other, so that none covers the parts or another label.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
@@ -85,7 +85,9 @@ class Scene:
 
 def draw_scene(scene: Scene) -> bytes:
     """Draw a scene as a PNG, as large as its parts allow within the margins."""
-    centre, size = bounds(_everything(scene), scene.camera)
+    ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
+    arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
+    centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
@@ -115,12 +117,6 @@ def draw_scene(scene: Scene) -> bytes:
             pen.line([(end, y), tip], fill=_LEADER, width=1)
             pen.ellipse([tip[0] - 3, tip[1] - 3, tip[0] + 3, tip[1] + 3], fill=_INK)
     return to_png(picture.quantize(128, dither=Image.Dither.NONE))
-
-
-def _everything(scene: Scene) -> Iterable[Mesh]:
-    """Return the meshes, and the ends of the arrows as one more."""
-    ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
-    return (*(item.mesh for item in scene.shown), Mesh(ends, np.zeros((0, 3), dtype=np.int32)))
 
 
 def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:

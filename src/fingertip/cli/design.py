@@ -19,11 +19,10 @@ from fingertip.cli.options import (
     command,
     find_file_issues,
     find_idle_issues,
-    gather,
     load_design,
     refuse,
 )
-from fingertip.foundation.errors import DesignError, FingertipError, Issue
+from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
 _TOLERANCE_MM = 0.05
 """Tolerance of the mesh on which the strength is assessed [mm]."""

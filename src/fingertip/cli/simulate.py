@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues, gather
-from fingertip.foundation.errors import FingertipError
+from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues
+from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import TemporaryFolder
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def simulate(
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
-    from fingertip.sim.report import SUFFIXES, signal_writer, write_trace
+    from fingertip.sim.report import SUFFIXES, write_trace
 
     issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
@@ -96,7 +96,7 @@ def simulate(
     console.warn(simulation.find_warnings())
     path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
-        signal_writer(simulation.design, path.parent, force).check((path.name,))
+        SIGNAL.writer(simulation.design, path.parent, force).check((path.name,))
     with TemporaryFolder() as folder:
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:

@@ -133,7 +133,6 @@ def list_changes(design: Design, path: str) -> Iterator[Design]:
 
 
 def _load_others() -> Iterator[tuple[str, Design]]:
-    """Load the designs that use what another does not."""
     for name, changes in _ELSEWHERE:
         try:
             loaded = Design.load(name, changes=changes)
@@ -153,7 +152,6 @@ def _find_parts(design: Design) -> Mapping[str, tuple[str, ...]]:
 
 
 def _draw_change(before: Design, after: Design, parts: tuple[str, ...]) -> tuple[str, str, bytes] | None:
-    """Draw the part that changes most in the view in which most is seen of it."""
     shares = {part: _measure_change(before, after, part) for part in parts}
     part = max(shares, key=lambda name: shares[name])
     if not shares[part]:

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from fingertip.board.kicad.sexpr import Node
-from fingertip.page.html import Markup, element, join
-from fingertip.page.schematic_svg import Point, find_place, first, is_hidden, numbers, points, turn
+from fingertip.page.html import Markup, element
+from fingertip.page.schematic_svg import Point, draw_frame, find_place, first, is_hidden, numbers, points, turn
 from fingertip.page.svg import number, path
 
 _MARGIN_MM = 1.0
@@ -30,19 +30,19 @@ _REFERENCE = re.compile(r"[A-Z]+\d+(?= )")
 
 def render_placement(board: Node, title: str) -> Markup:
     """Render outline, pads, silkscreen and references of a `.kicad_pcb` file, seen from the front."""
-    parts = [_draw_outline(board)]
+    parts: list[Markup] = []
     for footprint in board.children("footprint"):
         drawn = [*_draw_pads(footprint), *_draw_graphics(footprint, "F.SilkS"), *_draw_name(footprint)]
         parts.append(_mark_part(name_part(footprint), drawn))
     for item in board.children("gr_text"):
         if item.word("layer").startswith("F."):
             parts.append(_draw_text(item.words[1], item, (0.0, 0.0)))
-    return _draw_frame(board, title, parts)
+    return _draw_board(board, title, parts)
 
 
 def render_copper(board: Node, title: str) -> Markup:
     """Render copper, pads and vias of a `.kicad_pcb` file, seen through the board from the front."""
-    parts = [_draw_outline(board)]
+    parts: list[Markup] = []
     for layer, colour in (("B.Cu", _BACK), ("F.Cu", _FRONT)):
         for zone in board.children("zone"):
             for polygon in zone.children("filled_polygon"):
@@ -59,12 +59,12 @@ def render_copper(board: Node, title: str) -> Markup:
     for via in board.children("via"):
         x, y, _ = find_place(via)
         parts += _draw_ring((x, y), float(via.word("size")), float(via.word("drill")))
-    return _draw_frame(board, title, parts)
+    return _draw_board(board, title, parts)
 
 
 def render_back(board: Node, title: str) -> Markup:
     """Render a `.kicad_pcb` file as seen from the back. All parts stand on the front; a frame shows where."""
-    parts = [_draw_outline(board, is_back=True)]
+    parts: list[Markup] = []
     for footprint in board.children("footprint"):
         if shapes := [*_draw_place(footprint), *_draw_pins(footprint)]:
             parts.append(_mark_part(name_part(footprint), shapes))
@@ -74,7 +74,7 @@ def render_back(board: Node, title: str) -> Markup:
             reference = _REFERENCE.match(content)
             drawn = _draw_text(content, item, (0.0, 0.0), is_back=True)
             parts.append(_mark_part(reference[0], [drawn]) if reference else drawn)
-    return _draw_frame(board, title, parts, is_back=True)
+    return _draw_board(board, title, parts, is_back=True)
 
 
 def _mark_part(reference: str, drawn: Sequence[Markup]) -> Markup:
@@ -82,18 +82,11 @@ def _mark_part(reference: str, drawn: Sequence[Markup]) -> Markup:
     return element("g", *drawn, data_part=reference or None)
 
 
-def _draw_frame(board: Node, title: str, parts: list[Markup], *, is_back: bool = False) -> Markup:
-    """Draw the picture that holds the parts; its coordinates are the file's, mirrored if it is seen from the back."""
-    spots = [spot for piece in _edge_pieces(board) for spot in piece]
-    xs, ys = [-x if is_back else x for x, _ in spots], [y for _, y in spots]
-    left, top = min(xs) - _MARGIN_MM, min(ys) - _MARGIN_MM
-    view = (left, top, max(xs) + _MARGIN_MM - left, max(ys) + _MARGIN_MM - top)
-    box = " ".join(number(value, 3) for value in view)
-    return element("svg", element("title", title), join(parts), viewBox=box, role="img")
+def _draw_board(board: Node, title: str, parts: list[Markup], *, is_back: bool = False) -> Markup:
+    """Draw the board with parts on it; the coordinates are the file's, mirrored if it is seen from the back.
 
-
-def _draw_outline(board: Node, *, is_back: bool = False) -> Markup:
-    """Fill the board within its edge, whose pieces may come in any order."""
+    It is filled within its edge, whose pieces may come in any order.
+    """
     pieces = _edge_pieces(board)
     chain = pieces.pop(0)
     while pieces:
@@ -103,7 +96,9 @@ def _draw_outline(board: Node, *, is_back: bool = False) -> Markup:
         chain = chain + (nearest if math.dist(nearest[0], end) <= math.dist(nearest[-1], end) else nearest[::-1])
     if is_back:
         chain = [(-x, y) for x, y in chain]
-    return element("path", d=path(chain, 3) + "Z", fill="var(--substrate)", stroke="var(--text)", stroke_width="0.15")
+    colours = {"fill": "var(--substrate)", "stroke": "var(--text)"}
+    outline = element("path", d=path(chain, 3) + "Z", **colours, stroke_width="0.15")
+    return draw_frame(title, (outline, *parts), chain, _MARGIN_MM, 3)
 
 
 def _edge_pieces(board: Node) -> list[list[Point]]:
@@ -180,7 +175,7 @@ def list_pads(footprint: Node) -> Iterator[Pad]:
 
 
 def _draw_pads(footprint: Node) -> list[Markup]:
-    parts = []
+    parts: list[Markup] = []
     for pad in list_pads(footprint):
         if pad.shape == "circle":
             parts += _draw_ring(pad.centre, 0.0 if pad.kind == "np_thru_hole" else pad.width, pad.drill)
@@ -207,7 +202,7 @@ def _draw_ring(centre: Point, size: float, drill: float) -> list[Markup]:
 
 def _draw_graphics(footprint: Node, layer: str) -> list[Markup]:
     x, y, angle = find_place(footprint)
-    parts = []
+    parts: list[Markup] = []
     for item in footprint.children("fp_line", "fp_rect"):
         if item.word("layer") != layer:
             continue
@@ -270,7 +265,6 @@ def _draw_text(content: str, item: Node, origin: Point, angle: float = 0.0, *, i
 
 
 def _draw_place(footprint: Node) -> list[Markup]:
-    """Draw a frame around the pads of a part."""
     boxes = [pad.box for pad in list_pads(footprint)]
     if not boxes:
         return []
@@ -285,7 +279,6 @@ def _draw_place(footprint: Node) -> list[Markup]:
 
 
 def _draw_pins(footprint: Node) -> list[Markup]:
-    """Draw the pads that come through the board."""
     return [
         element(
             "circle", cx=f"{-pad.centre[0]:.3f}", cy=f"{pad.centre[1]:.3f}", r=f"{pad.drill / 2:.3f}", fill=_HOLE,

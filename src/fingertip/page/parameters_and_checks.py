@@ -205,7 +205,6 @@ def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
 
 
 def _find_warnings(checks: Sequence[Check]) -> list[Check]:
-    """Find the checks that passed but warn."""
     return [check for check in checks if check["passed"] and check.get("warning")]
 
 

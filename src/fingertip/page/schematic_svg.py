@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from fingertip.board.kicad.sexpr import Node
 from fingertip.page.html import Markup, element, join
@@ -105,11 +105,16 @@ def render_schematic(sheet: Node, title: str) -> Markup:
         _draw_symbol(ink, symbol, library[symbol.word("lib_id")])
     for label in sheet.children("label", "text"):
         _draw_text(ink, label.words[1], label)
-    xs, ys = zip(*ink.reached, strict=True)
-    left, top = min(xs) - _MARGIN_MM, min(ys) - _MARGIN_MM
-    view = (left, top, max(xs) + _MARGIN_MM - left, max(ys) + _MARGIN_MM - top)
-    box = " ".join(number(value, 2) for value in view)
-    return element("svg", element("title", title), join(ink.parts), viewBox=box, role="img")
+    return draw_frame(title, ink.parts, ink.reached, _MARGIN_MM, 2)
+
+
+def draw_frame(title: str, parts: Iterable[Markup], reached: Iterable[Point], margin_mm: float, places: int) -> Markup:
+    """Draw the picture that holds some parts, within a margin around the points that they reach."""
+    xs, ys = zip(*reached, strict=True)
+    left, top = min(xs) - margin_mm, min(ys) - margin_mm
+    view = (left, top, max(xs) + margin_mm - left, max(ys) + margin_mm - top)
+    box = " ".join(number(value, places) for value in view)
+    return element("svg", element("title", title), join(parts), viewBox=box, role="img")
 
 
 def _draw_text(ink: _Ink, content: str, owner: Node, turned_deg: float = 0.0) -> None:

@@ -102,7 +102,6 @@ def _draw(
 
 
 def _mark_delay(upper: Frame, lower: Frame, onset_s: float, detected_s: float) -> list[Markup]:
-    """Mark onset and detection, with the time between them."""
     parts = []
     for time_s, colour in ((onset_s, "var(--slip)"), (detected_s, "var(--series-2)")):
         (x, low), (_, high) = lower.point(time_s, 0.0), upper.point(time_s, upper.y.high)
@@ -126,9 +125,8 @@ def _draw_bars(
         for start, stop in _clip(intervals, begin, end):
             x0, x1 = frame.point(start, 0.0)[0], frame.point(stop, 0.0)[0]
             parts.append(element("rect", x=f"{x0:.1f}", y=y + 2, width=f"{x1 - x0:.1f}", height=14, fill=colour))
-    bottom = Frame(frame.x, Axis(0.0, 1.0, ""), frame.left, frame.top, frame.width, frame.height)
-    for value in bottom.x.ticks(8):
-        x = bottom.point(value, 0.0)[0]
+    for value in frame.x.ticks(8):
+        x = frame.point(value, 0.0)[0]
         parts.append(text(x, frame.top + frame.height + 17, f"{value:g}", "middle"))
         parts.append(line((x, frame.top + frame.height), (x, frame.top + frame.height + 4), "var(--text)", 1))
     parts.append(text(frame.left + frame.width / 2, frame.top + frame.height + 36, frame.x.label, "middle"))

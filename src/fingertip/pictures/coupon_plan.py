@@ -138,7 +138,6 @@ def _draw_height(pen: Pen, font: Any, at: Point, text: str, scale: float) -> Non
 
 
 def _draw_axes(pen: Pen, font: Any, height_px: int) -> None:
-    """Draw the axes of the bed in the lower left corner."""
     x, y, reach = 30.0, height_px - 30.0, 60.0
     for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):
         pen.line([(x, y), end], fill=(40, 40, 40), width=3)

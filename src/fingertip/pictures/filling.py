@@ -189,7 +189,6 @@ def _look(layer: Layer, side: int) -> _View:
 
 
 def _draw_map(axes: Axes, view: _View, seconds: Array, levels: Array) -> Any:
-    """Draw the isochrones of a view and its outline."""
     from matplotlib.patheffects import withStroke
 
     if np.isnan(seconds).any():

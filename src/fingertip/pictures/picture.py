@@ -143,7 +143,6 @@ def _height_of(design: Design, place: str) -> float | None:
 
 
 def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
-    """Place bone, sensor, lid and skin on the hand."""
     assert design.dimensions.joint
     solids = {
         name: part.solid(design) for name, part in parts_by_name(design).items() if name in ("bone", "lid", "skin")
@@ -185,7 +184,6 @@ def _draw_panel(
     labels: Collection[str],
     mark: Mark | None = None,
 ) -> NDArray[np.uint8]:
-    """Draw meshes with their names, a scale bar and a mark."""
     centre, size = bounds([item.mesh for item in placed], camera)
     # A long and flat picture need not fill the width; others leave room for the names.
     scale = (width_px - 2 * _MARGIN_PX) / size[0] * (0.62 if HAND in labels else 0.9)
@@ -256,7 +254,6 @@ def find_free_place(
 
 
 def _claim(taken: NDArray[np.bool_], box: tuple[float, float, float, float]) -> None:
-    """Mark a rectangle as not empty."""
     left, top, right, bottom = (max(0, int(side)) for side in box)
     taken[top : bottom + 1, left : right + 1] = True
 

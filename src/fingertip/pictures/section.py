@@ -193,7 +193,6 @@ def _list_ways(design: Design) -> list[tuple[Solid, float]]:
 
 
 def _list_mold_features(design: Design) -> Iterable[Feature]:
-    """List the features of mold and skin."""
     dims, layout = design.dimensions, design.mold_layout
     outer, inlet, chaplet = dims.outer, layout.inlet, dims.chaplet
     if inlet:
@@ -222,7 +221,6 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
 
 
 def _list_bone_features(design: Design) -> Iterable[Feature]:
-    """List the features of the bone and its sensor."""
     dims, bone = design.dimensions, design.bone
     section, collar = dims.bone_outline.section, dims.collar
     dorsal, palmar = (section.dorsal + collar.section.dorsal) / 2, (dims.base_flat_depth + collar.section.palmar) / 2
@@ -314,7 +312,6 @@ def _count_rows(names: Sequence[_PlacedName]) -> int:
 
 
 def _draw_name(pen: Pen, font: Font, placed: _PlacedName, target: Point, line_y: float, way: int) -> None:
-    """Draw a name and the line to its feature, with a dot at the end."""
     x, y = placed.x * _FINE, (line_y + way * (_ROW_PX * placed.row + 2)) * _FINE
     pen.line([(x, y), target], fill=_NAME_INK, width=_FINE)
     radius = 3.5 * _FINE
@@ -346,7 +343,6 @@ def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int
 
 
 def _dash(pen: Pen, line: Sequence[Point]) -> None:
-    """Draw a dashed line."""
     on, off = 7.0 * _FINE, 4.0 * _FINE
     done = 0.0
     for (ax, ay), (bx, by) in itertools.pairwise(line):

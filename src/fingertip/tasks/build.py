@@ -221,7 +221,6 @@ def _replace_subset(
 
 
 def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
-    """Draw the pictures of the casting steps."""
     from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps
 
@@ -229,7 +228,6 @@ def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
-    """Names of the files that a build writes."""
     names = [f"{part}.{file_format}" for part in parts for file_format in formats]
     names += [ASSEMBLY] if "step" in formats else []
     return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]

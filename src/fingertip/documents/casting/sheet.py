@@ -47,7 +47,7 @@ from fingertip.design.interfaces import INTERFACES, interface_of
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
-Data = dict[str, Any]
+Data = Mapping[str, Any]
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
@@ -334,4 +334,4 @@ def steps(data: Data) -> list[Step]:
 
 
 def _add_uses(data: Data) -> Data:
-    return data | {"uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}
+    return {**data, "uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}

@@ -127,11 +127,9 @@ def _draw(
         occupancy.block(box)
     edges = [primitive for view in placed.values() for primitive in _view_edges(view)]
     centres = [*_centre_lines(placed, part), *_circle_centres(placed, part)]
-    # Centre lines and the ends of the section line count as edges: no dimension line runs along them.
-    occupancy.add(edges, is_view=True)
-    occupancy.add(centres, is_view=True)
     marks = [*_section_marks(placed[part.plan], placed["section"])]
-    occupancy.add(marks, is_view=True)
+    # Centre lines and the ends of the section line count as edges: no dimension line runs along them.
+    occupancy.add((*edges, *centres, *marks), is_view=True)
     dimensions: list[Primitive] = []
     balloons = {size.name: i for i, size in enumerate(part.checked, 1)}
     for view in placed.values():

@@ -110,7 +110,6 @@ def _material(design: Design) -> str:
 
 
 def _base_sizes(design: Design) -> list[Size]:
-    """List the sizes that locate bone and core in the recess of the mold."""
     dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
     base, foot = -design.mold.recess_length_mm, -design.bone.collar_length_mm
     sizes: list[Size] = [
@@ -134,7 +133,6 @@ def _base_sizes(design: Design) -> list[Size]:
 
 
 def _pocket_sizes(design: Design) -> list[Size]:
-    """List the sizes of the sensor's pocket and slot."""
     dims, gap = design.dimensions, design.sensor.clearance_mm
     flat, half = -dims.flat_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
@@ -258,7 +256,6 @@ def dorsal_drawing(design: Design) -> PartDrawing:
 
 
 def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
-    """List the sizes of block, recess, cavity and bolt holes."""
     m, mold, dims = design.mold_layout, design.mold, design.dimensions
     x, (low, high) = max(m.bolts)[0], sorted({z for _, z in m.bolts})
     recess, skin = recess_half_width(design), dims.outer.section.half_width * dims.shrinkage
@@ -288,7 +285,6 @@ def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
 
 
 def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Size]:
-    """List the sizes of the keys, or of their sockets, at the parting plane."""
     m, mold = design.mold_layout, design.mold
     offset = gap * math.hypot(1.0, design.dimensions.draft_slope)
     tolerance = shared_clearance(2 * (mold.key_clearance_mm - design.printer.offset_mm))
@@ -305,7 +301,6 @@ def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Si
 
 
 def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
-    """List the sizes of boss, hole and counterbore of the chaplet's screw."""
     z, contact, floor = axis_z(design), contact_y(design), head_y(design)
     hole, head = chaplet.hole_radius, chaplet.head_radius
     sizes: list[Size] = [

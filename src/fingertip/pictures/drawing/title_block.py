@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from fingertip.design.geometry.sizes import GENERAL, PartDrawing, general
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.dimensioning import TEXT_MM
 from fingertip.pictures.drawing.primitives import Arc, Polyline, Primitive, Styles, Text, line, rectangle, text_width
 
-BORDER_MM, FILING_MM = 10.0, 20.0
-"""Width of the border, and on the left, where the sheet is filed."""
 _ROW_MM, _LINE_MM, _PAD_MM = 5.2, 3.9, 1.5
 _BLOCK_WIDTH_MM = 130.0
-_BLOCK_ROWS_MM = (9.0, 9.0, 9.0, 9.0)
+_BLOCK_ROW_MM = 9.0
 _TITLE_MM = 3.5
 
 
@@ -24,26 +23,19 @@ class Paper:
     name: str
     width: float
     height: float
-
-    @property
-    def left(self) -> float:
-        """Left edge of the frame."""
-        return FILING_MM
+    left: ClassVar = 20.0
+    bottom: ClassVar = 10.0
+    """Left and lower edge of the frame: the border is wider where the sheet is filed."""
 
     @property
     def right(self) -> float:
         """Right edge of the frame."""
-        return self.width - BORDER_MM
-
-    @property
-    def bottom(self) -> float:
-        """Lower edge of the frame."""
-        return BORDER_MM
+        return self.width - 10.0
 
     @property
     def top(self) -> float:
         """Upper edge of the frame."""
-        return self.height - BORDER_MM
+        return self.height - 10.0
 
 
 @dataclass(frozen=True)
@@ -65,20 +57,18 @@ def draw_frame(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[tuple
     table, table_top = _table(part, paper.left, right, bottom)
     notes_left = paper.right - _BLOCK_WIDTH_MM + _PAD_MM if beside else paper.left + _PAD_MM
     base = block_top if beside else paper.bottom
-    notes = [
-        Text(note, (notes_left, base + _PAD_MM + 1.0 + i * 4.5), TEXT_MM) for i, note in enumerate(reversed(part.notes))
-    ]
+    begin = base + _PAD_MM + 1.0
+    notes = [Text(note, (notes_left, begin + i * 4.5), TEXT_MM) for i, note in enumerate(reversed(part.notes))]
     top = max(block_top + (4.5 * len(notes) + 2.0 if beside else 0.0), table_top)
     return (rectangle(paper.left, paper.bottom, paper.right, paper.top, Styles.FRAME), *block, *table, *notes), top
 
 
 def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[list[Primitive], float]:
     left, right, bottom = paper.right - _BLOCK_WIDTH_MM, paper.right, paper.bottom
-    top = bottom + sum(_BLOCK_ROWS_MM)
     first, second = left + 50.0, left + 102.0
-    rows = [bottom + sum(_BLOCK_ROWS_MM[:i]) for i in range(len(_BLOCK_ROWS_MM) + 1)]
+    *rows, top = (bottom + i * _BLOCK_ROW_MM for i in range(5))
     drawn: list[Primitive] = [rectangle(left, bottom, right, top, Styles.EDGE)]
-    drawn += [line((left, y), (right, y), Styles.GRID) for y in rows[1:-1]]
+    drawn += [line((left, y), (right, y), Styles.GRID) for y in rows[1:]]
     drawn += [line((x, rows[0]), (x, rows[2]), Styles.GRID) for x in (first, second)]
     drawn += [line((second, rows[2]), (second, top), Styles.GRID), line((first, rows[3]), (first, top), Styles.GRID)]
     cells = (
@@ -92,13 +82,13 @@ def _title_block(paper: Paper, part: PartDrawing, heading: Heading) -> tuple[lis
         (first, rows[0], "file", f"drawing_{part.part}.svg"),
         (second, rows[0], "sheet", f"{heading.sheet} of {heading.sheets}"),
     )
-    ends = {left: (first, second), first: (second, second), second: (right, right)}
+    ends = {left: first, first: second, second: right}
     for x, y, label, content in cells:
         height = _TITLE_MM if label in ("part", "scale", "sheet") else TEXT_MM
-        room = (second if label == "material" else ends[x][0]) - x - 2 * _PAD_MM
-        drawn.append(Text(label, (x + _PAD_MM, y + _BLOCK_ROWS_MM[0] - 2.9), 1.8))
+        room = (second if label == "material" else ends[x]) - x - 2 * _PAD_MM
+        drawn.append(Text(label, (x + _PAD_MM, y + _BLOCK_ROW_MM - 2.9), 1.8))
         drawn.append(Text(_shorten(content, height, room), (x + _PAD_MM, y + 1.5), height))
-    drawn += _projection_symbol((second + right) / 2, rows[2] + _BLOCK_ROWS_MM[0])
+    drawn += _projection_symbol((second + right) / 2, rows[2] + _BLOCK_ROW_MM)
     return drawn, top
 
 
@@ -118,32 +108,19 @@ def _projection_symbol(x: float, y: float) -> list[Primitive]:
 
 
 def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple[list[Primitive], float]:
-    """Draw the table of the sizes to check."""
     columns = [left, left + 9.0, left + 9.0 + 58.0, left + 88.0, left + 110.0]
-    wrapped = [
-        (
-            size,
-            _wrap(size.name, columns[2] - columns[1] - 2 * _PAD_MM),
-            _wrap(size.action, right - columns[4] - 2 * _PAD_MM),
-        )
-        for size in part.checked
-    ]
-    heights = [_ROW_MM + _LINE_MM * (max(len(name), len(action)) - 1) for _, name, action in wrapped]
     drawn: list[Primitive] = []
     y = bottom
-    for i in range(len(wrapped) - 1, -1, -1):
-        size, name, action = wrapped[i]
-        y += heights[i]
+    for number, size in reversed([*enumerate(part.checked, 1)]):
+        tolerance = (size.tolerance or general(size.printed)).text()
+        name = _wrap(size.name, columns[2] - columns[1] - 2 * _PAD_MM)
+        action = _wrap(size.action, right - columns[4] - 2 * _PAD_MM)
+        y += _ROW_MM + _LINE_MM * (max(len(name), len(action)) - 1)
         first = y - 3.8
-        tolerance = size.tolerance or general(size.printed)
-        symbol = size.text().removesuffix(f" {tolerance.text()}")
-        drawn += [Text(str(i + 1), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle")]
-        drawn += [Text(text, (columns[1] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(name)]
-        drawn += [
-            Text(symbol, (columns[2] + _PAD_MM, first), TEXT_MM),
-            Text(tolerance.text(), (columns[3] + _PAD_MM, first), TEXT_MM),
-        ]
-        drawn += [Text(text, (columns[4] + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(action)]
+        drawn.append(Text(str(number), ((columns[0] + columns[1]) / 2, first), TEXT_MM, "middle"))
+        cells = (name, [size.text().removesuffix(f" {tolerance}")], [tolerance], action)
+        for x, rows in zip(columns[1:], cells, strict=True):
+            drawn += [Text(text, (x + _PAD_MM, first - k * _LINE_MM), TEXT_MM) for k, text in enumerate(rows)]
         drawn.append(line((left, y), (right, y), Styles.GRID))
     top = y + _ROW_MM
     titles = ("check", "size, measured with calipers", "print reads", "tolerance", "if it is out of tolerance")
@@ -153,7 +130,6 @@ def _table(part: PartDrawing, left: float, right: float, bottom: float) -> tuple
 
 
 def _wrap(text: str, width: float) -> list[str]:
-    """Break a text into lines of at most this width."""
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()

@@ -21,14 +21,12 @@ def _in_pose(data: Data) -> Camera:
 
 
 def _closed(bench: Bench) -> list[Shown]:
-    """Show the closed mold with its bolts."""
     return [
         bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(), *bench.chaplet_screw()
     ]  # fmt: skip
 
 
 def _vent_labels(bench: Bench, text: str) -> list[Label]:
-    """Label the outer ends of all vents."""
     m, labels = bench.layout, []
     for vent in place_vents(bench.design):
         (x, _, z) = vent.point_mm

@@ -293,7 +293,6 @@ def anchor(bench: Bench, data: Data) -> Scene:
 
 
 def _show_anchor(bench: Bench, text: str) -> Scene:
-    """Show the anchor pin in the bone, cut open."""
     found = given(bench.dims.anchor)
     half = bench.dims.collar.section.half_width_at(found.y)
     wire = cylinder("x", (found.y, found.z), -half, half, 0.95 * found.radius)

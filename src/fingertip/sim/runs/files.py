@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
-from fingertip.sim.schema import (
+from fingertip.sim.signal.schema import (
     ACCELERATION_M_S2,
     PathTables,
     SimulationFile,
@@ -139,13 +139,7 @@ class _SceneTables(SimulationFile):
 
 
 class SceneFile(PathTables, _SceneTables):
-    """One validated scene; a faulty one reports all its issues at once.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each parameter out of bounds, unknown name or broken rule.
-    """
+    """One validated scene; a faulty one reports all its issues at once. Raises TraceError."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
     file_kind: ClassVar[FileKind] = SCENE
@@ -308,13 +302,7 @@ class _ManipulationTables(SimulationFile):
 
 
 class ManipulationFile(PathTables, _ManipulationTables):
-    """One validated manipulation; a faulty one reports all its issues at once.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each parameter out of bounds, unknown name or broken rule.
-    """
+    """One validated manipulation; a faulty one reports all its issues at once. Raises TraceError."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
     file_kind: ClassVar[FileKind] = MANIPULATION

@@ -7,7 +7,7 @@ shape: hum, drift, noise behind a low-pass filter.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
@@ -93,17 +93,6 @@ def count_constant_samples(quiet_v: Array) -> int:
 # Adaptation of a design's detector to another sampling rate.
 
 
-@dataclass(frozen=True)
-class RateAdaptation:
-    """A design adapted to another sampling rate, and a description of what changed."""
-
-    design: Design
-    adapted: str
-    """Names of what was adapted, such as ``filters, window and threshold``."""
-    values: str
-    """Resulting window and threshold, such as ``the window is 150 samples, 30 ms; the threshold is 0.012 V``."""
-
-
 def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, keep_window: bool = False) -> Design:
     """Adapt a design's filters, window and threshold to another sampling rate.
 
@@ -136,32 +125,41 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
 
 
 def adapt_detector(
+    detector: str,
+    keep_threshold: bool,
+    keep_window: bool,
+    noise_is_measured: bool,
+    report: Callable[[str], None],
     design: Design,
     rate_hz: float,
-    detector: str,
-    threshold_is_set: bool = False,
-    window_is_set: bool = False,
-    noise_is_measured: bool = False,
-) -> RateAdaptation:
-    """Adapt a design to another sampling rate for one detector, and describe the result. Raises DesignError."""
+    prefix: str = "",
+) -> Design:
+    """Adapt a design to another sampling rate for one detector, and report what changes.
+
+    Raises TraceError for NaN and infinity, with which no design can be computed, and DesignError for other wrong rates.
+    """
+    if not math.isfinite(rate_hz):
+        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
+        raise TraceError(Issue("--rate-hz", message))
     kind = find_detector_type(detector)
-    keep_threshold = threshold_is_set or kind.takes_envelope
-    adapted = adapt_rate(design, rate_hz, keep_threshold, window_is_set)
+    remains = keep_threshold or kind.takes_envelope
+    adapted = adapt_rate(design, rate_hz, remains, keep_window)
     threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples
     uses_threshold = not noise_is_measured and kind.has_design_threshold
 
     window = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
-    values = f"the window remains {window}, as set" if window_is_set else f"the window is {window}"
-    if uses_threshold and keep_threshold:
-        reason = "as set" if threshold_is_set else "as it applies to the board's output"
+    values = f"the window remains {window}, as set" if keep_window else f"the window is {window}"
+    if uses_threshold and remains:
+        reason = "as set" if keep_threshold else "as it applies to the board's output"
         values += f"; the threshold remains {threshold_v:.9g} V, {reason}"
     elif uses_threshold:
         values += f"; the threshold is {threshold_v:.3g} V"
 
     names = ["filters"]
-    if not window_is_set:
+    if not keep_window:
         names.append("window")
-    if not (uses_threshold and keep_threshold):
+    if not (uses_threshold and remains):
         names.append("threshold")
     joined = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-    return RateAdaptation(adapted, joined, values)
+    report(f"{prefix}{joined} adapted to {rate_hz:g} Hz; {values}")
+    return adapted

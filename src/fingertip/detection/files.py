@@ -7,7 +7,6 @@ the voltage ahead of the board.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -46,7 +45,7 @@ from fingertip.slip.detectors.registry import (
 )
 from fingertip.slip.detectors.window_mean import measure_noise_level
 from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, rate_bounds_message
+from fingertip.slip.traces.sampling import RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
 from fingertip.slip.traces.truth import Origin, read_origin
 
@@ -146,7 +145,7 @@ def detect_file(
     design = design or Design()
     kind = find_detector_type(detector)
     keep_threshold = _keeps_threshold(design, keep_threshold)
-    adapt = partial(_adapt, detector, keep_threshold, keep_window, calibrate_s is not None, report)
+    adapt = partial(adapt_detector, detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
@@ -239,7 +238,7 @@ def detect_stream(
     kind = find_detector_type(detector)
     if rate_hz is not None:
         keep_threshold = _keeps_threshold(design, keep_threshold)
-        design = _adapt(detector, keep_threshold, keep_window, False, report, design, rate_hz)
+        design = adapt_detector(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         message = (
@@ -266,25 +265,6 @@ def _map_envelope(voltage: ColumnMap) -> ColumnMap:
 
 def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
     return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
-
-
-def _adapt(
-    detector: str,
-    keep_threshold: bool,
-    keep_window: bool,
-    noise_is_measured: bool,
-    progress: Progress,
-    design: Design,
-    rate_hz: float,
-    prefix: str = "",
-) -> Design:
-    """Adapt a design to a sampling rate for one detector, and report what changes."""
-    if not math.isfinite(rate_hz):  # no design can be computed with it; other rates have its own messages
-        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
-        raise TraceError(Issue("--rate-hz", message))
-    result = adapt_detector(design, rate_hz, detector, keep_threshold, keep_window, noise_is_measured)
-    progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
-    return result.design
 
 
 def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:

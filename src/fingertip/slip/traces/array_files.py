@@ -250,15 +250,12 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
             raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
         return channel[:]
 
-    with path.open("rb") as file:
-        if file.read(4) != b"TDSm":  # the tag of every segment
-            raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
-        with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
+    remedy = "export it again, or save it as CSV"
+    with _damage_reported(path, "a TDMS file", remedy), contextlib.ExitStack() as resources:
+        with path.open("rb") as file:
+            if file.read(4) != b"TDSm":  # the tag of every segment
+                raise TraceError(Issue(str(path), f"is not a TDMS file; {remedy}."))
             check_tdms_segments(file)
-    with (
-        _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"),
-        contextlib.ExitStack() as resources,
-    ):
         recording = resources.enter_context(nptdms.TdmsFile.open(path))
         channels = [channel for group in recording.groups() for channel in group.channels()]
         by_name = {channel.name: channel for channel in channels}

@@ -28,8 +28,8 @@ MOST_CASES = 8
 LIMIT_S = 2.0
 """Largest CPU time of a test of the first set [s]."""
 EXPENSIVE = {
-    "tests/cad/test_brep_volume_balance.py::test_dented_skin_breaks_the_cavity_balance": "exact solids of all parts",
-    "tests/cad/test_step_process.py::test_files_of_both_processes_are_returned": "imports cadquery in two processes",
+    "tests/cad/test_volumes.py::test_dented_skin_breaks_the_cavity_balance": "exact solids of all parts",
+    "tests/cad/test_files.py::test_files_of_both_processes_are_returned": "imports cadquery in two processes",
 }
 """Tests that may take more, with the reason; at most ten."""
 

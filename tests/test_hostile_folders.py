@@ -30,7 +30,7 @@ import typer
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.output_files import FAB_FOLDER, PROVENANCE, REPORT, SHEET
+from fingertip.catalogues.output_files import FAB_FOLDER, PROVENANCE, REPORT, SHEET, SIGNAL
 from fingertip.cli import app
 from fingertip.cli.options import read_design
 from fingertip.design import Design
@@ -38,7 +38,6 @@ from fingertip.foundation import files as output_files
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import write_file
 from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters
-from fingertip.sim.report import signal_writer
 from fingertip.slip.traces.origin import Origin, read_origin
 from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, write_board
@@ -246,7 +245,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
     parts_writer(design, top).write(parts)
     prints_writer(design, top).write({"bone.stl": b"bone"})
     steps_writer(design, top).write({"1.png": b"picture"})
-    signal_writer(design, top / "signal").write({"trace.csv": TRACE.encode(), "detection.json": b'{"motion_s": 0.3}'})
+    SIGNAL.writer(design, top / "signal").write({"trace.csv": TRACE.encode(), "detection.json": b'{"motion_s": 0.3}'})
     write_board(design, top / "board")
     fab = {"slip_filter_gerbers.zip": b"gerbers"}
     fab[PROVENANCE] = provenance_record(board_files(design), fab)
@@ -661,7 +660,7 @@ def test_board_whose_netlist_states_no_circuit_is_refused(world: World, netlist:
     "text", ["", "[]", "[" * 100_000, '{"motion_s": "x"}', '{"motion_s": 1e999}', '{"motion_s": {}}']
 )
 def test_detection_that_states_no_motion(tmp_path: Path, text: str) -> None:
-    signal_writer(Design(), tmp_path).write({"trace.csv": TRACE.encode(), "detection.json": text.encode()})
+    SIGNAL.writer(Design(), tmp_path).write({"trace.csv": TRACE.encode(), "detection.json": text.encode()})
     assert read_origin(tmp_path / "trace.csv") == Origin(is_simulated=True)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.report import analyse, analysis_text, bode_table
+from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.analysis.response import decibel, model_filter
 from fingertip.board.analysis.tolerance import (
     COMPONENTS,
@@ -30,6 +30,7 @@ from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import parse_component_value
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.documents.board.analysis import analysis_text
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip

@@ -28,7 +28,6 @@ from fingertip.board.bringup.prediction import (
     predict,
 )
 from fingertip.board.bringup.readings import Readings, assess_readings, read_readings, readings_template
-from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
@@ -36,10 +35,13 @@ from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
+    RECT_OUT,
     REFERENCE,
     SENSOR,
+    SLIP,
     STAGE2_MID,
     TACTILE,
+    THRESHOLD,
     Circuit,
     parse_component_value,
 )

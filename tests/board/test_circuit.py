@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.circuits.signal_paths import comparator_circuit, precision_circuit
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, BOARD_VARIANTS
@@ -137,13 +136,6 @@ def test_find_issues_reports_every_inconsistency(corrupt: Callable[[Circuit], Ci
 def test_build_circuit_refuses_inconsistent_wiring() -> None:
     with pytest.raises(BoardError, match="A: connects 1 pin"):
         build_circuit("bad", {_resistor("R1"): {"1": "A", "2": "B"}, _resistor("R2"): {"1": "B", "2": "B"}})
-
-
-def test_circuits_refuse_values_of_another_variant() -> None:
-    with pytest.raises(BoardError, match="variant article"):
-        precision_circuit(board_values(ARTICLE))
-    with pytest.raises(BoardError, match=r"board\.variant=comparator"):
-        comparator_circuit(board_values(load_article(["board.variant=precision"])))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 
@@ -16,14 +16,11 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_values import _model_configuration, compute_filter
 from fingertip.board.analysis.report import analyse, bode_table
-from fingertip.board.circuits import signal_paths
+from fingertip.board.circuits import board_circuit as circuits
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.selection import FilterSelection
-from fingertip.board.components.values import ComponentValues
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.board.parts import symbols
-from fingertip.board.parts.circuit import Component
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.sim.signal.analog_circuit import AnalogBoard
@@ -109,14 +106,11 @@ def bom_rows(content: bytes) -> list[dict[str, str]]:
 
 def test_component_added_in_one_place_is_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """R99 of 4.7k parallel to R3, which it halves, where the signal path is wired."""
-    parallel = Component("R99", "4.7k", symbols.RESISTOR, symbols.R_0603, "parallel to R3", "1 %")
-    wire = signal_paths._high_passes
-
-    def wire_with_r99(values: ComponentValues, r4_net: str = "") -> Mapping[Component, Mapping[str, str]]:
-        return {**wire(values, r4_net), parallel: {"1": "STAGE2_IN", "2": "GND"}}
-
+    parallel = {"boards": "", "reference": "R99", "kind": "part", "value": "4.7k", "symbol": "R", "footprint": "R_0603",
+                "role": "parallel to R3", "pins": "1=STAGE2_IN 2=GND"}  # fmt: skip
+    rows = (*circuits.load_rows(), parallel)
     original_gain = bode_gain(DESIGN)
-    monkeypatch.setattr(signal_paths, "_high_passes", wire_with_r99)
+    monkeypatch.setattr(circuits, "load_rows", lambda: rows)
     values, circuit = board_values(DESIGN), board_circuit(board_values(DESIGN))
     assert '(ref "R99")' in kicad_netlist_file(circuit).decode()
     assert any("R99" in row["References"].split() for row in bom_rows(bill_of_materials(circuit)))

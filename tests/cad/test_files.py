@@ -1,19 +1,29 @@
-"""Exported files, read back from disk by readers that share no code with the writers."""
+"""Files of parts: STL, 3MF and STEP, written and read back, the process that makes STEP, and JUnit reports."""
 
 from __future__ import annotations
 
 import hashlib
+import io
 import json
+import os
 import re
+import time
 import zipfile
+from pathlib import Path
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from manifold3d import Error, Manifold, Mesh64
 
+from fingertip.cad.files.step_process import StepJob, StepProcess
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS, hardware
+from fingertip.cad.verification.check import Check
+from fingertip.cli.check import to_bytes
+from fingertip.design.geometry.solids import Box, Solid, difference
+from fingertip.foundation.errors import GeometryError
 from tests.conftest import design_file, run_fingertip
 
 if TYPE_CHECKING:
@@ -171,3 +181,130 @@ def test_report_rounds_numbers_to_six_decimals(built: Build) -> None:
     for line in (built.folder / "report.json").read_text().splitlines():
         digits = re.search(r"\.(\d+)(e[-+]?\d+)?,?$", line)
         assert digits is None or len(digits[1]) <= 6, line
+
+
+GREY = (0.5, 0.5, 0.5)
+BOX = Box((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
+EMPTY = difference(BOX, Box((-1.0, -1.0, -1.0), (4.0, 4.0, 4.0)))
+
+
+class CrashingSolid:
+    """Object that ends the process which evaluates it, as a crash of the kernel does."""
+
+    def __hash__(self) -> int:
+        os._exit(9)
+
+
+def make_step_files(*solids: Solid) -> dict[str, bytes]:
+    job = StepJob("test", tuple((f"part{i}", solid, GREY) for i, solid in enumerate(solids)))
+    with StepProcess(job) as process:
+        return process.result().contents
+
+
+def test_files_of_both_processes_are_returned() -> None:
+    names = [*(f"part{i}" for i in range(3)), "assembly"]
+    assert sorted(make_step_files(BOX, BOX, BOX)) == sorted(f"{name}.step" for name in names)
+
+
+@pytest.mark.full
+def test_job_with_a_single_part() -> None:
+    assert sorted(make_step_files(BOX)) == ["assembly.step", "part0.step"]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("position", [0, 1])
+def test_invalid_solid_is_reported_by_either_process(position: int) -> None:
+    solids: list[Solid] = [BOX, BOX]
+    solids[position] = EMPTY
+    with pytest.raises(GeometryError, match="one valid solid was expected"):
+        make_step_files(*solids)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("position", [0, 1])
+def test_crash_is_reported_in_either_process(position: int) -> None:
+    solids: list[Solid] = [BOX, BOX]
+    solids[position] = CrashingSolid()  # type: ignore[call-overload]
+    with pytest.raises(GeometryError, match="the B-rep kernel crashed"):
+        make_step_files(*solids)
+
+
+def test_no_process_outlives_the_context_manager() -> None:
+    job = StepJob("test", (("a", BOX, GREY), ("b", BOX, GREY)))
+    with StepProcess(job) as process:
+        group = process._process.pid
+        time.sleep(0.5)
+    deadline = time.monotonic() + 5.0
+    while running_processes(group) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert running_processes(group) == []
+
+
+def running_processes(group: int) -> list[str]:
+    """List the processes of a group from /proc, without zombies."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if int(fields[2]) == group and fields[0] != "Z":
+            found.append(str(stat))
+    return found
+
+
+PASSED = Check("bone.stl.genus", 2, 2, "through holes", "exactly")
+FAILED = Check("overlap.bone.skin", 0.5, 1e-3, "mm3")
+# (required, allowed) attributes of each element in the schema of Jenkins' xUnit plug-in (junit-10.xsd).
+ALLOWED = {
+    "testsuites": ({"name", "tests", "failures", "errors"}, {"name", "time", "tests", "failures", "errors"}),
+    "testsuite": ({"name", "tests", "failures", "errors"}, {"name", "tests", "failures", "errors", "skipped", "time"}),
+    "testcase": ({"name", "classname"}, {"name", "classname", "time"}),
+    "failure": ({"message", "type"}, {"message", "type"}),
+    "system-out": (set(), set()),
+}
+
+
+def test_counts_equal_the_number_of_cases() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [PASSED, FAILED], "two": [PASSED]}))
+    assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("3", "1", "0")
+    assert [(s.get("name"), s.get("tests"), s.get("failures")) for s in root] == [("one", "2", "1"), ("two", "1", "0")]
+    (failure,) = root.iter("failure")
+    assert failure.get("message") == "value 0.5 mm3, must be at most 0.001"
+    assert [case.get("name") for case in root.iter("testcase") if case.find("failure") is not None] == [FAILED.name]
+
+
+def test_elements_and_attributes_conform_to_the_schema() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [PASSED, FAILED]}))
+    for element in root.iter():
+        required, allowed = ALLOWED[element.tag]
+        assert required <= set(element.attrib) <= allowed, element.tag
+
+
+def test_junitparser_reads_it() -> None:
+    junitparser = pytest.importorskip("junitparser")
+    report = junitparser.JUnitXml.fromroot(ElementTree.parse(io.BytesIO(to_bytes({"one": [PASSED, FAILED]}))).getroot())
+    (suite,) = report
+    assert (suite.tests, suite.failures, suite.errors) == (2, 1, 0)
+    assert [case.is_passed for case in suite] == [True, False]
+
+
+def test_characters_invalid_in_xml_are_replaced() -> None:
+    root = ElementTree.fromstring(to_bytes({'a<&"\x00\x1b.toml': [PASSED]}))
+    assert root[0].get("name") == 'a<&"??.toml'
+    (case,) = root.iter("testcase")
+    assert case.get("classname", "").count(".") == 1, "readers group test cases by the dots in the class name"
+
+
+def test_a_warning_stands_in_the_output_of_a_passed_case() -> None:
+    warned = Check("bone.safety_factor.shock", 0.59, 0.5, "", "at least", "breaks at 60 N\x00")
+    root = ElementTree.fromstring(to_bytes({"one": [PASSED, warned]}))
+    assert root.get("failures") == "0"
+    outputs = [case.findtext("system-out") for case in root.iter("testcase")]
+    assert outputs[1] == "value 0.59, must be at least 0.5; warning: breaks at 60 N?"
+    assert "warning" not in (outputs[0] or "")
+
+
+def test_nan_value_is_a_failure() -> None:
+    root = ElementTree.fromstring(to_bytes({"one": [Check("overlap", float("nan"), 1.0, "mm3")]}))
+    assert root.get("failures") == "1"

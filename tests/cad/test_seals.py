@@ -13,7 +13,6 @@ from fingertip.cad.verification.mold import check_seals, flooded_mm3, leak_mm
 from fingertip.design import Design
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.new_design import PRESETS
-from fingertip.design.silicone import replace_silicone
 from tests.conftest import design_file
 
 TOLERANCE = 0.02
@@ -68,8 +67,8 @@ def test_creep_grows_with_the_gap_and_with_the_time_to_set() -> None:
 def test_tape_stops_products_on_sale_that_would_leak_without_it(name: str, product: str) -> None:
     # The recess of fsr402 is short: for silicones that stay liquid for an hour its tape begins after a shorter collar.
     fit = ["bone.collar_length_mm=1.5"] if name == "fsr402" else []
-    design = replace_silicone(Design.load(design_file(name), changes=fit), product)
-    bare = replace_silicone(Design.load(design_file(name), changes=[*fit, "mold.seat_tape_mm=0"]), product)
+    design = Design.load(design_file(name), changes=fit).with_silicone(product)
+    bare = Design.load(design_file(name), changes=[*fit, "mold.seat_tape_mm=0"]).with_silicone(product)
     limit = 0.5 * design.mold.recess_length_mm
     assert leak_mm(design) <= limit
     assert leak_mm(bare) > leak_mm(design)

@@ -1,4 +1,4 @@
-"""Distances from the exact surface, and facets compared with the tolerance for which they were made."""
+"""Distances from the exact surface of the skin, and of a body from a convex surface around it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.kernel.tessellate import tessellate
+from fingertip.cad.shapes.insert import skin_interior
 from fingertip.cad.verification import skin as surface_deviation
-from fingertip.cad.verification.skin import distance_to_surface, max_facet_deviation, surface_patches
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
+from fingertip.cad.verification.skin import (
+    EnclosingSurface,
+    distance_to_surface,
+    max_facet_deviation,
+    min_thickness,
+    surface_patches,
+)
 from fingertip.design import Design
-from fingertip.design.geometry.solids import SuperconicSolid
+from fingertip.design.geometry.solids import Box, SuperconicSolid
 
 
 def test_points_offset_from_the_surface_have_that_distance(design: Design) -> None:
@@ -77,3 +85,26 @@ def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
     )
     assert 0.1 < near.max() < 0.5
     np.testing.assert_allclose(near, whole, rtol=0, atol=1e-12)
+
+
+def test_distance_in_a_box_is_that_to_its_nearest_face() -> None:
+    surface = EnclosingSurface(*to_arrays(MeshEvaluator(0.02).manifold(Box((0, 0, 0), (10, 20, 30)))))
+    assert surface.distance_to(np.array([[5.0, 6.0, 7.0], [5.0, 17.0, 15.0]])) == pytest.approx(3.0)
+    assert surface.distance_to(np.array([[5.0, 6.0, 7.0], [5.0, 21.0, 15.0]])) == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("changes", [[], ["mold.method=sleeve"], ["skin.width_mm=18"]], ids=str)
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.0)])
+def test_thickness_equals_the_gap_that_the_mesh_kernel_finds(
+    changes: list[str], shift: tuple[float, float, float]
+) -> None:
+    design, evaluator = Design.load(changes=changes), MeshEvaluator(0.05)
+    outer = SuperconicSolid(design.dimensions.outer)
+    interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM).translate(shift)
+    exterior = above_z(complement(evaluator, outer), PLANE_OFFSET_MM)
+    vertices, triangles = to_arrays(evaluator.manifold(outer))
+    end = (vertices[triangles][:, :, 2] == 0.0).all(axis=1)
+    distance = EnclosingSurface(vertices, triangles[~end]).distance_to(to_arrays(interior)[0])
+    assert distance == pytest.approx(interior.min_gap(exterior, 5.0), abs=1e-9)
+    if not any(shift):
+        assert min_thickness(design, evaluator) == distance

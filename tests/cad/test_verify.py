@@ -1,16 +1,24 @@
-"""The checks read the bytes of the file, not the mesh it was written from."""
+"""Checks of all parts together: which are made, their causes, and builds of some parts or formats."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from fingertip.cad.files import stl
+from fingertip.cad.kernel import mesh
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.verification import check as causes
+from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import MIN_TOLERANCE_MM, validate_tolerance, verify
 from fingertip.design import Design
+from fingertip.design.parameters import PARAMETERS
 from fingertip.foundation.errors import DesignError
+from fingertip.tasks.build import build
+from tests.conftest import design_file, run_python
 
 TOLERANCE = 0.05
 
@@ -51,3 +59,94 @@ def test_only_requested_mesh_formats_are_made() -> None:
 def test_tolerance_out_of_bounds_is_rejected(tolerance: float) -> None:
     with pytest.raises(DesignError, match=r"--tolerance-mm: .* out of bounds; choose 0\.0005 to 1 mm"):
         validate_tolerance(tolerance)
+
+
+VARIANTS = [
+    ("fsr400", ["mold.filling=gravity"]),
+    ("fsr400", ["mold.method=sleeve"]),
+    ("fsr402", []),
+    ("adult_finger", []),
+    ("fsr400", ["bone.interface=socket", "bone.base_length_mm=32"]),
+    ("youth_thumb", ["hand.knuckle=fork", "bone.base_length_mm=14.3"]),
+]
+
+
+def test_all_named_parameters_exist() -> None:
+    named = {parameter for _, parameters in causes._CAUSES for parameter in parameters}
+    assert named <= set(PARAMETERS)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("name", "changes"), VARIANTS, ids=str)
+def test_every_check_has_causes(name: str, changes: list[str]) -> None:
+    design = Design.load(design_file(name), changes=changes)
+    for check in verify(design, list(parts_by_name(design)), ("stl", "3mf"), MeshEvaluator(0.05)).checks:
+        causes.list_causes(check.name)
+
+
+def test_report_names_what_to_change() -> None:
+    failed = Check("mold.fill_time", 200.0, 150.0, "s")
+    assert failed.to_dict()["change"][0] == "mold.nozzle_bore_mm"
+    assert "change" not in Check("mold.fill_time", 20.0, 150.0, "s").to_dict()
+    assert causes.list_causes("bone.stl.open_edges") == ()
+    with pytest.raises(LookupError):
+        causes.list_causes("unknown")
+
+
+HEAVY = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba")
+
+
+def test_only_the_requested_parts_are_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    evaluated = []
+    original = mesh.MeshEvaluator.manifold
+
+    def spy(self: mesh.MeshEvaluator, solid: object) -> object:
+        evaluated.append(solid)
+        return original(self, solid)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(mesh.MeshEvaluator, "manifold", spy)
+    design = Design()
+    result = build(design, tmp_path, parts=["bone"], formats=["stl"])
+    files = {"bone.stl", "design.toml", "manifest.json", "report.json"}
+    assert {path.name for path in tmp_path.iterdir()} == {*files, "print"}
+    assert {path.name for path in (tmp_path / "print").iterdir()} == {"bone.stl", "manifest.json"}
+    assert [built.part.name for built in result.parts] == ["bone"]
+    from fingertip.cad.shapes.parts import PARTS
+    from fingertip.design.geometry.solids import SuperconicSolid
+
+    assert SuperconicSolid(design.dimensions.outer) not in evaluated
+    assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
+
+
+@pytest.mark.full
+def test_mesh_build_imports_no_brep_kernel_and_starts_no_process(tmp_path: Path) -> None:
+    script = f"""
+import subprocess, sys
+subprocess.Popen = None
+from fingertip.cli import app
+try:
+    app(["build", {str(design_file("fsr400"))!r}, "--out", {str(tmp_path)!r}, "--formats", "stl,3mf", "-q"])
+except SystemExit as stop:
+    assert not stop.code, stop.code
+print(sorted({{name.split(".")[0] for name in sys.modules}} & set({HEAVY!r})))
+"""
+    done = run_python("-c", script)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.full
+def test_step_build_writes_no_mesh_files(tmp_path: Path) -> None:
+    build(Design(), tmp_path, parts=["skin"], formats=["step"])
+    assert {p.name for p in tmp_path.iterdir()} == {
+        "skin.step",
+        "assembly.step",
+        "design.toml",
+        "manifest.json",
+        "report.json",
+    }
+
+
+def test_importing_fingertip_imports_no_heavy_package() -> None:
+    done = run_python("-c", "import fingertip, sys; print(len({'numpy','pydantic','typer'} & set(sys.modules)))")
+    assert done.stdout.strip() == "0", done.stderr

@@ -25,7 +25,6 @@ from fingertip.calibration.sensor import (
 )
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.design.silicone import describe_force_curve
 from fingertip.foundation.errors import DesignError, TraceError
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
 from fingertip.sim.signal.converter import compute_bridge_v
@@ -276,7 +275,7 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     assert data["fit"]["weighings"] == 6
     low, high = data["curve"][2]["interval_95_n"]
     assert low < data["curve"][2]["force_n"] < high
-    assert describe_force_curve(calibrated) in done.stdout
+    assert calibrated.force_curve.describe() in done.stdout
     first = out.read_bytes()
     out.write_text("# mine\n")
     refused = run("calibrate", "sensor", path, "article", "--out", out)
@@ -297,7 +296,7 @@ def test_forces_say_what_they_assume(tmp_path: Path) -> None:
     typical = (
         "forces hold for a typical sensor; the readings of real ones differ by a factor of 2 to 8 at the same force"
     )
-    assert describe_force_curve(DESIGN).startswith(typical)
+    assert DESIGN.force_curve.describe().startswith(typical)
     assert typical in run("board", "article", "--out", tmp_path / "b").stdout
     assert typical in run("simulate", "article", "--out", tmp_path / "t.csv").stderr
     changes = ("force_curve.curve=calibrated", "force_curve.interval_factor=1.4", "force_curve.conductance_us=60")

@@ -19,7 +19,7 @@ from fingertip.casting.quantities import (
 from fingertip.catalogues.silicones import SILICONES, SOURCES, MaterialProperty, Silicone, SiliconeName
 from fingertip.design import Design
 from fingertip.design.parameters import ChosenSilicone
-from fingertip.design.silicone import OWN, replace_silicone, select_silicone
+from fingertip.design.parameters.finger import OWN
 from fingertip.foundation.errors import DesignError
 
 PSI_MPA = 0.00689476
@@ -157,12 +157,12 @@ def test_unverified_property_is_printed_with_a_mark() -> None:
 
 
 def test_design_names_its_silicone_and_an_option_replaces_it() -> None:
-    assert select_silicone(Design()) is SILICONES["addition_40a"]
+    assert Design().silicone.material is SILICONES["addition_40a"]
     design = Design.load(changes=["silicone.product=smooth_sil_940"])
-    assert select_silicone(design) is SILICONES["smooth_sil_940"]
-    assert replace_silicone(design, None) is design
-    replaced = replace_silicone(design, "sylgard_184")
-    assert select_silicone(replaced) is SILICONES["sylgard_184"]
+    assert design.silicone.material is SILICONES["smooth_sil_940"]
+    assert design.with_silicone(None) is design
+    replaced = design.with_silicone("sylgard_184")
+    assert replaced.silicone.material is SILICONES["sylgard_184"]
     assert replaced == Design.load(changes=["silicone.product=sylgard_184"])
     assert replaced.dimensions.sensor == design.dimensions.sensor
 
@@ -174,7 +174,7 @@ def test_own_silicone_has_the_figures_of_the_design() -> None:
     }  # fmt: skip
     changes = [f"silicone.{name}={value}" for name, value in figures.items()]
     names = ["silicone.product=own", "silicone.label=Rubber 37", "silicone.cure=condensation"]
-    own = select_silicone(Design.load(changes=[*names, *changes]))
+    own = Design.load(changes=[*names, *changes]).silicone.material
     assert (own.label, own.cure, own.components) == ("Rubber 37", "condensation", ("base", "catalyst"))
     assert {name: (value.low, value.high) for name, value in own.properties().items()} == {
         name: (value, value) for name, value in figures.items()
@@ -185,12 +185,12 @@ def test_own_silicone_has_the_figures_of_the_design() -> None:
 
 def test_own_figures_are_ignored_for_a_product_of_the_catalogue() -> None:
     design = Design.load(changes=["silicone.parts_a=3", "silicone.product=dragon_skin_30"])
-    assert parts_by_weight(select_silicone(design)) == (1.0, 1.0)
+    assert parts_by_weight(design.silicone.material) == (1.0, 1.0)
 
 
 def test_unknown_silicone_is_refused_with_the_nearest_name() -> None:
     with pytest.raises(DesignError, match=r"--material: there is no 'sylgard'; did you mean sylgard_184\?"):
-        replace_silicone(Design(), "sylgard")
+        Design().with_silicone("sylgard")
     with pytest.raises(DesignError, match=r"'dragonskin_30' is not known; .* Did you mean dragon_skin_30\?") as caught:
         Design.load(changes=["silicone.product=dragonskin_30"])
     assert [issue.field for issue in caught.value.issues] == ["silicone.product"]

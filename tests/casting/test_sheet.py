@@ -33,7 +33,6 @@ from fingertip.design.geometry.seat import find_losses
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted
 from fingertip.design.new_design import PRESETS
-from fingertip.design.silicone import select_silicone
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, place_vents
@@ -398,12 +397,12 @@ def all_supplies() -> list[dict[str, Any]]:
 def test_one_pot_life_is_planned_with() -> None:
     """It is the least of the range, but no less than is asked for when the silicone is bought."""
     design, filling = fsr400(), sheet_data()["filling"]
-    assert select_silicone(design).planned_pot_life_min == 20.0
+    assert design.silicone.material.planned_pot_life_min == 20.0
     (limit,) = (check.limit for check in check_filling(design) if check.name == "mold.fill_time")
     assert limit == 600.0
     assert (filling["pot_life_min"], filling["prepare_min"], filling["limit_min"]) == (20, 10, 10)
     own = fsr400("silicone.product=own", "silicone.pot_life_min=8")
-    short = casting_sheet_data(own, VOLUMES, select_silicone(own))["filling"]
+    short = casting_sheet_data(own, VOLUMES, own.silicone.material)["filling"]
     assert (short["pot_life_min"], short["prepare_min"], short["wanted_pot_life_min"]) == (8, 4, 20)
 
 

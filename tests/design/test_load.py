@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fingertip.catalogues.sensors import CATALOGUE, SensorName
 from fingertip.design import Design
 from fingertip.design.files import json_schema, list_parameters, to_toml
 from fingertip.foundation.errors import DesignError, Issue
@@ -148,3 +150,9 @@ def test_any_number_is_accepted_or_refused_with_a_message(key: str, value: float
     except DesignError as error:
         issues = error.issues
     assert all(issue.field and len(issue.message) > 20 for issue in issues)
+
+
+def test_names_of_sensors_are_those_of_the_catalogue_and_each_fits_a_bundled_design() -> None:
+    assert get_args(SensorName) == tuple(CATALOGUE)
+    for name, sensor in CATALOGUE.items():
+        Design.load(design_file(sensor.bundled_design), changes=[f"sensor.model={name}", *sensor.changes])

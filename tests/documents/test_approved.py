@@ -17,9 +17,9 @@ from typing import Any
 import pytest
 
 from fingertip.cad.verification.bone import FILAMENT_CHECK
-from fingertip.calibration.weighings import READINGS
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.casting.slicer import PrintEstimate
+from fingertip.catalogues.output_files import COUPON_READINGS
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
@@ -90,7 +90,7 @@ def render_documents(name: str) -> dict[str, str]:
     return {
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
-        "coupon": render_instructions(design, READINGS),
+        "coupon": render_instructions(design, COUPON_READINGS),
         "firmware": render_readme(design),
     }
 
@@ -117,9 +117,9 @@ def list_texts(template: str) -> set[str]:
 
 
 def test_every_sentence_stands_in_an_approved_document() -> None:
-    """The documents of boards, in tests/board, are compared with their own."""
+    """Documents of boards and of validations are compared with their own, in tests of theirs."""
     approved = " ".join(" ".join(path.read_text(encoding="utf-8").split()) for path in sorted(APPROVED.glob("*.md")))
-    templates = [path for path in TEMPLATES.rglob("*.md") if path.parent.name != "board"]
+    templates = [path for path in TEMPLATES.rglob("*.md") if path.parent.name not in ("board", "validation")]
     texts = {text for path in templates for text in list_texts(path.read_text(encoding="utf-8"))}
     assert len(texts) > 200
     assert {text for text in texts if text not in approved} == UNUSED

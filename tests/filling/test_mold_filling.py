@@ -11,7 +11,6 @@ import pytest
 from fingertip.cad.verification.mold import air_rise_s, check_filling
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from fingertip.design.silicone import select_silicone
 from fingertip.filling import mold_filling
 from fingertip.filling.mold_filling import (
     MAX_AIR_MM3,
@@ -84,7 +83,7 @@ def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
     assert predict_mold_filling(load("fsr400", thick)).fill_s > 30 * 60
     assert failed(thick, thin) == set()
     design = load("fsr400", thick)
-    assert air_rise_s(design, select_silicone(design)) == pytest.approx(
+    assert air_rise_s(design, design.silicone.material) == pytest.approx(
         0.034 * 12 * 35 / (1080 * 9.81 * 0.0015**2), rel=1e-6
     )
 

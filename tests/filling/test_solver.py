@@ -1,12 +1,21 @@
-"""Moving fronts against closed forms: slots, disc, and the gap between two cylinders."""
+"""Flow against closed forms and grids: ducts, fronts, last points and trapped air."""
+
+from __future__ import annotations
 
 import math
 
 import numpy as np
 import pytest
 
-from fingertip.filling.hele_shaw import Filling, fill
-from fingertip.filling.mouth import mouth_resistance, open_mouth
+from fingertip.filling.hele_shaw import ClosingVent, Filling, LastPoint, TrappedAir, fill, find_air
+from fingertip.filling.mouth import (
+    ConicalDuct,
+    RectangularDuct,
+    RoundDuct,
+    fill_in_series,
+    mouth_resistance,
+    open_mouth,
+)
 from fingertip.filling.network import RowElimination
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
 from fingertip.foundation.numerics import Array
@@ -182,3 +191,109 @@ def test_rows_that_stay_wet_give_the_same_solution_as_a_fresh_elimination() -> N
         for column in range(2):
             np.testing.assert_allclose(-network.inflow(solved[:, column])[wet], loads[wet, column], rtol=1e-9)
         assert not solved[~wet].any()
+
+
+def test_round_duct() -> None:
+    duct = RoundDuct(2.1, 10.0)
+    assert duct.resistance == pytest.approx(8 * 10 / (math.pi * 1.05**4), rel=1e-12)
+    assert duct.resistance == pytest.approx(20.95, abs=0.01)
+    assert duct.resistance_integral == pytest.approx(0.5 * duct.resistance * duct.volume_mm3)
+
+
+@pytest.mark.parametrize("outlet", [1.0, 2.9, 3.0, 3.0 + 1e-7, 3.001, 6.0])
+def test_conical_duct_against_quadrature(outlet: float) -> None:
+    duct = ConicalDuct(3.0, outlet, 12.0)
+    x = np.linspace(0.0, 12.0, 100_001)
+    d = 3.0 + (outlet - 3.0) * x / 12.0
+    per_length, area = 128.0 / (math.pi * d**4), math.pi / 4 * d**2
+    resistance = np.concatenate(([0.0], np.cumsum(0.5 * (per_length[1:] + per_length[:-1]) * np.diff(x))))
+    assert duct.resistance == pytest.approx(float(resistance[-1]), rel=1e-6)
+    assert duct.volume_mm3 == pytest.approx(float(np.trapezoid(area, x)), rel=1e-8)
+    assert duct.resistance_integral == pytest.approx(float(np.trapezoid(resistance * area, x)), rel=1e-6)
+
+
+def test_square_and_wide_rectangles() -> None:
+    # White, Viscous Fluid Flow, table 3-1: f Re = 14.227 in a square, 24 between plates; R = 2 f Re L / (A D_h^2).
+    assert RectangularDuct(1.0, 1.0, 1.0).resistance == pytest.approx(2 * 14.2271, rel=1e-4)
+    wide = RectangularDuct(1000.0, 1.0, 1.0)
+    assert wide.resistance == pytest.approx(12.0 / 1000.0 / (1 - 0.630 / 1000), rel=1e-5)
+    assert RectangularDuct(3.0, 2.5, 12.0).resistance == pytest.approx(RectangularDuct(2.5, 3.0, 12.0).resistance)
+
+
+def test_ducts_in_series_fill_one_after_the_other() -> None:
+    whole = RoundDuct(2.0, 10.0)
+    resistance, volume, integral = fill_in_series((RoundDuct(2.0, 4.0), RoundDuct(2.0, 6.0)))
+    assert (resistance, volume, integral) == pytest.approx(
+        (whole.resistance, whole.volume_mm3, whole.resistance_integral)
+    )
+
+
+LAYER = slot(60, 2, 30.0, 6.0, lambda y: np.full_like(y, 2.0))
+TOTAL = LAYER.network.total_mm3
+Y = LAYER.points_mm[:, 1]
+
+
+def node_at(y: float) -> int:
+    return int(np.nanargmin(np.abs(Y - y)))
+
+
+def rank(height: Array) -> Array:
+    """Turn any field into arrival volumes: the volume of all that is lower."""
+    volume = LAYER.network.volume_mm3
+    lower = np.array([volume[height < value].sum() + 0.5 * volume[height == value].sum() for value in height])
+    return np.where(volume > 0.0, lower, np.nan)
+
+
+def find(height: Array, *vents_y: float) -> tuple[tuple[LastPoint, ...], tuple[TrappedAir, ...]]:
+    arrival = rank(height)
+    vents = tuple(ClosingVent(node_at(y), float(arrival[node_at(y)])) for y in vents_y)
+    return find_air(LAYER.network, arrival, vents)
+
+
+TWO_HUMPS = np.interp(Y, [0.0, 10.0, 15.0, 20.0, 30.0], [0.0, 8.0, 5.0, 9.0, 0.0])
+"""One region from y = 0 to 30, which splits at y = 15 into parts around 10 and 20. Half the slot is higher than 5."""
+
+
+def test_vents_at_both_last_points_leave_no_air() -> None:
+    points, air = find(TWO_HUMPS, 10.0, 20.0)
+    assert [float(Y[point.node]) for point in points] == [20.0, 10.0]
+    assert points[0].split_mm3 == points[1].split_mm3 > 0.0
+    assert air == ()
+
+
+def test_part_that_splits_off_without_a_vent_is_trapped_then() -> None:
+    _, (air,) = find(TWO_HUMPS, 20.0)
+    # Higher than 5: from y = 6.25 to 15 and from 15 to 24.44, of 12 mm3/mm.
+    assert float(Y[air.node]) == 10.0
+    assert air.volume_mm3 == pytest.approx(8.75 * 12.0, abs=6.0)
+    assert air.injected_mm3 == pytest.approx(TOTAL - 18.19 * 12.0, abs=6.0)
+
+
+def test_vent_covered_before_the_split_does_not_count_after_it() -> None:
+    with_early_vent = find(TWO_HUMPS, 2.0, 20.0)
+    assert with_early_vent == find(TWO_HUMPS, 20.0)
+
+
+def test_all_that_is_left_is_trapped_when_the_last_vent_is_covered_before_the_split() -> None:
+    _, (air,) = find(TWO_HUMPS, 2.0)
+    assert air.injected_mm3 + air.volume_mm3 == pytest.approx(TOTAL)
+    assert air.injected_mm3 == pytest.approx(float(rank(TWO_HUMPS)[node_at(2.0)]))
+    assert float(Y[air.node]) == 20.0
+
+
+def test_rest_beside_a_vent_is_trapped_when_the_vent_is_covered() -> None:
+    rising = np.where(np.isnan(Y), 0.0, Y)
+    _, (air,) = find(rising, 25.0)
+    assert air.volume_mm3 == pytest.approx(5.0 * 12.0, abs=0.1)
+    assert find(rising, 30.0)[1] == ()
+
+
+def test_without_vents_all_air_is_trapped_at_once() -> None:
+    _, (air,) = find(TWO_HUMPS)
+    assert (air.injected_mm3, air.volume_mm3) == (0.0, pytest.approx(TOTAL))
+
+
+def test_dents_of_the_field_do_not_make_parts() -> None:
+    dented = np.where(np.isnan(Y), 0.0, Y) - 0.02 * (np.arange(len(Y)) // 3 % 2)
+    points, _ = find(dented, 30.0)
+    assert len(points) == 1

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design, Trace, detect, detect_file, simulate
-from fingertip.sim.report import signal_writer
+from fingertip.catalogues.output_files import SIGNAL
 from fingertip.slip.report import as_data, as_text
 from fingertip.slip.traces.origin import Origin, encoder_band_s, encoder_delay_band_s, format_delay_band, read_origin
 from fingertip.tasks.make import simulate_and_detect
@@ -65,7 +65,7 @@ def test_threshold_is_the_same_in_every_output(trace: Trace) -> None:
 def test_files_of_a_set_are_simulated_unless_they_were_changed(tmp_path: Path) -> None:
     contents, made = simulate_and_detect(Design(), lambda message: None)
     folder = tmp_path / "signal"
-    signal_writer(Design(), folder).write(contents)
+    SIGNAL.writer(Design(), folder).write(contents)
     origin = read_origin(folder / "trace.csv")
     assert origin.is_simulated
     assert origin.motion_s == pytest.approx(made.trace.origin.motion_s, abs=1e-7)

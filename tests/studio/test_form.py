@@ -10,8 +10,8 @@ from fingertip import Design
 from fingertip.design.files import json_schema
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
-from fingertip.studio.form import Field, make_form, make_pointer
-from fingertip.studio.page import render_studio
+from fingertip.studio.answers import make_pointer
+from fingertip.studio.page import Field, make_form, render_studio
 from tests.page.conftest import Page
 
 FIELDS = {field.path: field for group in make_form(json_schema()) for field in group.fields}

@@ -26,8 +26,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError, StudioError
-from fingertip.studio.answers import VIEW_TOLERANCE_MM
-from fingertip.studio.downloads import DOWNLOADS
+from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
 from fingertip.tasks.build import build
 from tests.conftest import run_fingertip, run_python
@@ -331,7 +330,7 @@ def test_needs_no_optional_package() -> None:
     heavy = ("cadquery", "OCP", "trimesh", "matplotlib", "scipy", "numba", "reportlab")
     script = (
         "import sys\nfrom fingertip import Design\nfrom fingertip.studio.server import StudioServer, _ANSWERS\n"
-        "from fingertip.studio.downloads import DOWNLOADS\n"
+        "from fingertip.studio.answers import DOWNLOADS\n"
         "design = Design()\nStudioServer(design, 0).server_close()\n"
         "for make in (*_ANSWERS.values(), *(make for _, make in DOWNLOADS.values())):\n"
         "    make(design, lambda: None)\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -80,6 +81,8 @@ def test_jobs_of_clients_that_have_gone_are_dropped() -> None:
         gone.set()
         with pytest.raises(SupersededError):
             running["b"].result(10)
+        while not worker._newest["a"].is_dropped:  # whoever waits for it looks now and then
+            time.sleep(0.001)
         gates["a"].go.set()
         with pytest.raises(SupersededError):
             running["a"].result(10)

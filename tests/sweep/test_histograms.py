@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip.sweep.report.plot_scales import histogram_edges, make_scale
+from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
 from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading, draw_scatter_matrix
 from tests.tools import require_module
 

@@ -25,14 +25,11 @@ from fingertip.foundation.errors import MissingLibraryError, OutputError
 from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report import write_report
-from fingertip.sweep.report.best_design import Objective
-from fingertip.sweep.report.export import RowSource, write_csv, write_parquet
+from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
 from fingertip.sweep.report.feasibility import classify_points
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
-from fingertip.sweep.report.output_plots import draw_pareto_front
-from fingertip.sweep.report.plots import draw_scatter_matrix
-from fingertip.sweep.report.summary import format_text, summarise, to_json_data
+from fingertip.sweep.report.plots import draw_pareto_front, draw_scatter_matrix
+from fingertip.sweep.report.summary import Objective, format_text, summarise, to_json_data
 from fingertip.sweep.rows import SweepRow
 from tests.conftest import run_python
 from tests.sweep.examples import InlineEngine, make_table
@@ -301,7 +298,7 @@ def test_parquet_has_types_groups_and_the_same_rows(
 ) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     database, _, _ = report
-    monkeypatch.setattr("fingertip.sweep.report.export._GROUP_ROWS", 150)
+    monkeypatch.setattr("fingertip.sweep.report._GROUP_ROWS", 150)
     write_parquet(database, tmp_path / "rows.parquet")
     file = parquet.ParquetFile(tmp_path / "rows.parquet")
     assert file.num_row_groups == 3
@@ -338,7 +335,7 @@ class GeneratedRows:
 def test_export_uses_constant_memory(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, export: Callable[[RowSource, Path], None]
 ) -> None:
-    monkeypatch.setattr("fingertip.sweep.report.export._GROUP_ROWS", 200)
+    monkeypatch.setattr("fingertip.sweep.report._GROUP_ROWS", 200)
     write_parquet(GeneratedRows(1), tmp_path / "first")  # not measured: what pyarrow allocates once
     rows = GeneratedRows(8_000)
     tracemalloc.start()

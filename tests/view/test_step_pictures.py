@@ -17,7 +17,6 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from fingertip.design.silicone import select_silicone
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.pictures.steps import scene as drawing
@@ -35,7 +34,7 @@ GRAVITY = ("mold.filling=gravity", "silicone.product=sylgard_184")
 def load(name: str, *changes: str) -> tuple[Design, dict[str, Any]]:
     design = Design.load(design_file(name), changes=list(changes))
     volumes = measure_volumes(design, MeshEvaluator(0.05))
-    return design, casting_sheet_data(design, volumes, select_silicone(design))
+    return design, casting_sheet_data(design, volumes, design.silicone.material)
 
 
 def scenes(name: str, *changes: str) -> dict[str, Scene]:

@@ -10,7 +10,6 @@ from fingertip.casting.quantities import measure_volumes
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
-from fingertip.design.silicone import select_silicone
 from fingertip.documents.casting.sheet import casting_sheet_data, steps
 from fingertip.pictures.picture import draw
 from fingertip.pictures.steps.pictures import draw_steps
@@ -49,7 +48,7 @@ def list_designs() -> str:
 def _draw_steps() -> dict[str, tuple[str, bytes]]:
     """File name -> text and picture of each casting step of the default design."""
     design = Design()
-    data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), select_silicone(design))
+    data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), design.silicone.material)
     listed = steps(data)
     drawn = draw_steps(design, data, [step.picture for step in listed])
     return {name: (" ".join(step.text.split()), png) for (name, png), step in zip(drawn.items(), listed, strict=True)}

@@ -10,7 +10,10 @@ before you print.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
+SensorName = Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short"]
+"""Names of the catalogue, for the parameter sensor.model. A test holds them and `CATALOGUE` together."""
 PART_TO_PART = (2.0, 8.0)
 """Factors by which the readings of real sensors of one model differ at the same force, from usual to bad.
 
@@ -38,6 +41,10 @@ class ForceSensor:
     source: str
     unverified: tuple[str, ...]
     """Names of the dimensions that no Interlink document confirms."""
+    bundled_design: str = "fsr400"
+    """Bundled design that it fits."""
+    changes: tuple[str, ...] = ()
+    """Changes of that design which the sensor needs."""
 
 
 CATALOGUE: dict[str, ForceSensor] = {
@@ -51,10 +58,11 @@ CATALOGUE: dict[str, ForceSensor] = {
         ForceSensor(
             "fsr402", "FSR 402", 12.7, 18.28, 0.46, 56.0, 7.6, 2.54, "[D] FSR 402",
             ("tail_width_mm", "active_diameter_mm"),  # a newer data sheet states 14.68 mm for the active diameter
+            "fsr402", ("bone.base_length_mm=37",),  # its tail of 56 mm runs on through a longer base
         ),
         ForceSensor(
             "fsr402_short", "FSR 402 short tail", 12.7, 18.28, 0.46, 25.0, 7.6, 2.54, "[D] FSR 402 Short",
-            ("tail_width_mm", "active_diameter_mm"),
+            ("tail_width_mm", "active_diameter_mm"), "fsr402",
         ),
     )
 }  # fmt: skip

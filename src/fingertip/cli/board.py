@@ -118,7 +118,7 @@ def board(
     if verbose:
         lines += ["", *_load_lines(loaded, values), "", *_gate_lines(values)]
     if fab:
-        from fingertip.board.circuits.signal_paths import board_circuit
+        from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
         data["to_order"] = missing_numbers_note(board_circuit(values))
@@ -129,7 +129,8 @@ def board(
             lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
     written["files"] += _write_responses(console, loaded, values, bode, plot)
     if analysis:
-        from fingertip.board.analysis.report import analyse, analysis_text
+        from fingertip.board.analysis.report import analyse
+        from fingertip.documents.board.analysis import analysis_text
 
         analysis_result = analyse(loaded)
         data["analysis"] = analysis_result.as_data()
@@ -138,7 +139,6 @@ def board(
 
 
 def _assess(console: Console, design: Design, readings: Path) -> None:
-    """Compare the readings of a soldered board with their limits."""
     from fingertip.board.bringup.readings import format_assessment
     from fingertip.tasks.board import assess_board
 
@@ -147,7 +147,6 @@ def _assess(console: Console, design: Design, readings: Path) -> None:
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
-    """Compare the folder of a board with its design."""
     from fingertip.catalogues.output_files import BOARD
     from fingertip.tasks.board import board_differences, fabrication_differences
 
@@ -191,7 +190,6 @@ def _write(
 def _write_responses(
     console: Console, design: Design, values: BoardValues, bode: Path | None, plot: Path | None
 ) -> list[str]:
-    """Write table and plot of the response where they are asked for; return their paths."""
     from fingertip.foundation.files import write_file
 
     contents: list[tuple[str, Path, bytes]] = []
@@ -277,7 +275,6 @@ def _gate_lines(values: BoardValues) -> list[str]:
 
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
-    """Component values: ideal, preferred, deviation and function."""
     from fingertip.board.parts.circuit import format_component_value
 
     ideal, preferred, bridge, adc = values.ideal, values.preferred, values.bridge, values.adc_interface
@@ -317,7 +314,6 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
 
 
 def _response_lines(values: BoardValues) -> list[str]:
-    """Target and achieved frequency response."""
     from fingertip.foundation.files import format_figure
 
     target, achieved = values.target_response, values.achieved_response
@@ -366,7 +362,6 @@ def _load_lines(design: Design, values: BoardValues) -> list[str]:
 def _force_lines(design: Design, values: BoardValues) -> list[str]:
     """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
     from fingertip.board.components.bridge import sensor_conductance_s
-    from fingertip.design.silicone import describe_force_curve
 
     conductance_of = sensor_conductance_s
     if design.force_curve.curve == "calibrated":
@@ -379,4 +374,4 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
         tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
-    return [*lines, describe_force_curve(design)]
+    return [*lines, design.force_curve.describe()]

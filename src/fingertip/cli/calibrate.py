@@ -17,10 +17,9 @@ from fingertip.cli.options import (
     SetOption,
     command,
     find_file_issues,
-    gather,
     load_design,
 )
-from fingertip.foundation.errors import DesignError, FingertipError, Issue
+from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
 if TYPE_CHECKING:
     from fingertip.calibration.printer import Calibration
@@ -125,7 +124,6 @@ def _heading(design: Design) -> str:
 
 
 def _format(calibration: Calibration) -> list[str]:
-    """Format the fit, its outliers, the values with their intervals, and the values as --set text."""
     fit = calibration.fit
     percent, offset = 100.0 * (fit.scale - 1.0), fit.offset_mm
     size, thickness = "large" if percent > 0 else "small", "thick" if offset > 0 else "thin"
@@ -168,7 +166,6 @@ def _format(calibration: Calibration) -> list[str]:
 
 
 def _data(calibration: Calibration) -> dict[str, Any]:
-    """Return the calibration as plain data."""
     from fingertip.foundation.files import round_for_output as rounded
 
     fit = calibration.fit
@@ -258,8 +255,6 @@ def sensor(
 
 
 def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[str]:
-    """Format the fit, the curve with its intervals, and the values as --set text."""
-    from fingertip.design.silicone import describe_force_curve
 
     law = calibration.law
     half = law.coverage_factor * law.exponent_uncertainty
@@ -277,7 +272,7 @@ def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[s
         f"{point.low_n:.2f} to {point.high_n:.2f} N"
         for point in calibration.points
     )
-    lines.append(describe_force_curve(calibrated))
+    lines.append(calibrated.force_curve.describe())
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
 
 
@@ -287,7 +282,6 @@ def _format_ohm(resistance_ohm: float) -> str:
 
 
 def _sensor_data(calibration: SensorCalibration) -> dict[str, Any]:
-    """Return the calibration as plain data."""
     from fingertip.foundation.files import round_for_output as rounded
 
     law = calibration.law

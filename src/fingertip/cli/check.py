@@ -67,7 +67,6 @@ def check(
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
-    """Compare folders with their manifests: data and text of each."""
     from fingertip.tasks.verification import verify_sets
 
     results, texts = [], []
@@ -91,7 +90,6 @@ def _check_designs(
     console: Console,
     verbose: bool,
 ) -> tuple[dict[str, Any], list[str]]:
-    """Check designs and write the JUnit report: data of all, and text of each."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.check import list_warnings

@@ -92,10 +92,10 @@ def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
     def complete(incomplete: str) -> Iterable[str]:
         import glob
 
+        from fingertip.catalogues import file_kinds
         from fingertip.catalogues.bundled import list_bundled_files
-        from fingertip.foundation import toml_files
 
-        bundled = list_bundled_files(*(getattr(toml_files, kind) for kind in kinds))
+        bundled = list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
         return [*bundled, *sorted(glob.glob(f"{glob.escape(incomplete)}*.toml"))]
 
     return complete

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.cli.completion import SCRIPTS
 from fingertip.cli.console import Console
 from fingertip.cli.options import (
@@ -18,11 +19,10 @@ from fingertip.cli.options import (
     command,
     find_file_issues,
     find_idle_issues,
-    gather,
     load_design,
     refuse,
 )
-from fingertip.foundation.errors import DesignError, FingertipError, Issue
+from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
 _TOLERANCE_MM = 0.05
 """Tolerance of the mesh on which the strength is assessed [mm]."""
@@ -36,7 +36,7 @@ def new(
         str | None,
         typer.Option(
             "--sensor",
-            help="Sensor: fsr400, fsr400_short, fsr402, fsr402_short or custom (see the file); fsr400 by default.",
+            help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default.",
         ),
     ] = None,
     preset: Annotated[

@@ -97,13 +97,12 @@ def sheet(
     from fingertip.casting.quantities import measure_volumes
     from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.catalogues.output_files import SHEET, STEPS_FOLDER
-    from fingertip.design.silicone import replace_silicone, select_silicone
     from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
     from fingertip.tasks.build import steps_writer
 
     refuse(find_file_issues("--out", out, ".md"))
-    loaded = replace_silicone(load_design(design, changes, console), material)
-    silicone = select_silicone(loaded)
+    loaded = load_design(design, changes, console).with_silicone(material)
+    silicone = loaded.silicone.material
     file = _File(loaded, out, SHEET, force)
     if pictures:
         steps_writer(loaded, file.path.parent, force).check(())

@@ -168,7 +168,6 @@ def _type_name(parameter: Any) -> str:
 
 
 def _term(parameter: Any) -> str:
-    """Option or argument as it is typed."""
     word = metavar(parameter)
     if parameter.param_type_name == "argument":
         return f"{word}..." if parameter.nargs != 1 else word
@@ -177,7 +176,6 @@ def _term(parameter: Any) -> str:
 
 
 def _describe(parameter: Any) -> str:
-    """Meaning of a parameter, with its default."""
     text = parameter.help or ""
     default = parameter.default
     shown = isinstance(default, int | float | str) and not isinstance(default, bool)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import inspect
 import os
@@ -153,15 +152,6 @@ def refuse(*issues: Iterable[Issue]) -> None:
     """Raise OutputError if there are issues."""
     if found := [issue for each in issues for issue in each]:
         raise OutputError(found)
-
-
-@contextlib.contextmanager
-def gather(issues: list[Issue]) -> Iterator[None]:
-    """Add the issues of an error to others, so that all are reported at once."""
-    try:
-        yield
-    except FingertipError as error:
-        issues += error.issues
 
 
 def find_range_issues(option: str, value: float | None, low: float, high: float, remedy: str = "") -> Iterator[Issue]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues, gather
-from fingertip.foundation.errors import FingertipError
+from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues
+from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import TemporaryFolder
 
 if TYPE_CHECKING:
@@ -65,12 +65,11 @@ def simulate(
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip.catalogues.output_files import SIGNAL
-    from fingertip.design.silicone import describe_force_curve
     from fingertip.foundation import extras
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
-    from fingertip.sim.report import SUFFIXES, signal_writer, write_trace
+    from fingertip.sim.report import SUFFIXES, write_trace
 
     issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
@@ -97,7 +96,7 @@ def simulate(
     console.warn(simulation.find_warnings())
     path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
-        signal_writer(simulation.design, path.parent, force).check((path.name,))
+        SIGNAL.writer(simulation.design, path.parent, force).check((path.name,))
     with TemporaryFolder() as folder:
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
@@ -108,7 +107,7 @@ def simulate(
                 console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.progress(f"wrote {path}")
     if simulation.scene.sensing.bridge == "board":
-        console.progress(describe_force_curve(simulation.design))
+        console.progress(simulation.design.force_curve.describe())
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
         console.progress(f"wrote {plot}")

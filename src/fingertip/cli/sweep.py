@@ -69,7 +69,7 @@ def sweep(
     """
     from fingertip.sweep.engines import ProcessEngine, count_processors
     from fingertip.sweep.plan import SweepPlan
-    from fingertip.sweep.report import export
+    from fingertip.sweep.report import load_pyarrow
 
     idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
     refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
@@ -77,7 +77,7 @@ def sweep(
         _list_outputs(console)
         return
     if parquet is not None:
-        export.load_pyarrow()  # a missing package is reported before the sweep, not after it
+        load_pyarrow()  # a missing package is reported before the sweep, not after it
     if show:
         _show_report(console, _load_shown_plan(file, out, changes or ()), out, csv, parquet)
         return
@@ -130,7 +130,6 @@ def _open_database(console: Console, folder: Path, plan: SweepPlan, resume: bool
 
 
 def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
-    """Run the sweep, print its counts, and give the exit code."""
     from fingertip.sweep.run import run_sweep
 
     plan, folder = database.plan, database.folder
@@ -182,9 +181,9 @@ def _show_report(
 
 
 def _export(console: Console, database: SweepDatabase, csv: Path | None, parquet: Path | None) -> None:
-    from fingertip.sweep.report import export
+    from fingertip.sweep.report import write_csv, write_parquet
 
-    for path, write in ((csv, export.write_csv), (parquet, export.write_parquet)):
+    for path, write in ((csv, write_csv), (parquet, write_parquet)):
         if path is not None:
             write(database, path)
             console.progress(f"wrote {path}")

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, Self
 from pydantic import ValidationError
 
 from fingertip.design.all_rules import RULES
+from fingertip.design.files import list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import issues_from_pydantic
 from fingertip.design.remedies import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
@@ -45,8 +47,6 @@ class Design(DesignTables):
         DesignError
             If a file cannot be read, is not valid TOML or is of another kind, or if the design is refused.
         """
-        from fingertip.design.files import load_tables
-
         loaded = load_tables(files, changes)
         return cls.from_tables(loaded.tables, loaded.before, loaded.changed)
 
@@ -95,8 +95,6 @@ class Design(DesignTables):
 
     def changes(self) -> dict[str, Any]:
         """Return the parameters that differ from the default design, by dotted name."""
-        from fingertip.design.parameters import PARAMETERS
-
         values = {path: self.value(path) for path in PARAMETERS if path != "name"}
         return {path: value for path, value in values.items() if value != PARAMETERS[path].default}
 
@@ -110,8 +108,6 @@ class Design(DesignTables):
 
     def _repr_html_(self) -> str:
         """Table of the parameters that differ from the default design, for Jupyter."""
-        from fingertip.design.files import list_parameters
-
         changed = self.changes()
         rows = [
             (p.path, changed[p.path], p.default, p.unit, p.description) for p in list_parameters() if p.path in changed
@@ -138,8 +134,6 @@ class Design(DesignTables):
         MissingLibraryError
             If pandas is not installed.
         """
-        from fingertip.design.files import list_parameters
-
         listed = list(list_parameters())
         columns = {
             "name": [p.path for p in listed],

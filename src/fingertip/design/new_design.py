@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from fingertip.catalogues.bundled import PARAMS, list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
@@ -60,24 +61,8 @@ def _find_fault(path: Path, example: str) -> str:
     return ""
 
 
-@dataclass(frozen=True)
-class _Base:
-    """Bundled design that fits a sensor."""
-
-    design: str
-    changes: tuple[str, ...] = ()
-    """Further changes that the sensor needs."""
-
-
-_BASES: Mapping[str, _Base] = {
-    "fsr400": _Base("fsr400"),
-    "fsr400_short": _Base("fsr400"),
-    "fsr402": _Base("fsr402", ("bone.base_length_mm=37",)),  # its tail of 56 mm runs on through a longer base
-    "fsr402_short": _Base("fsr402"),
-    "custom": _Base("fsr400"),
-}
-"""Base design by sensor.model."""
-
+_SENSORS = (*CATALOGUE, "custom")
+"""Values of sensor.model."""
 _MAIN_PARAMETERS = (
     "sensor.model",
     "skin.width_mm",
@@ -145,18 +130,17 @@ def write_new_design(
         DesignTables(name=name)
     except ValidationError as error:
         issues += issues_from_pydantic(error, Design)
-    if sensor is not None and sensor not in _BASES:
-        issues.append(Issue("sensor", f"{sensor!r} is not known; {suggest_name(sensor, list(_BASES))}"))
+    if sensor is not None and sensor not in _SENSORS:
+        issues.append(Issue("sensor", f"{sensor!r} is not known; {suggest_name(sensor, _SENSORS)}"))
     if preset is not None and preset not in PRESETS:
         issues.append(Issue("preset", f"{preset!r} is not known; {suggest_name(preset, PRESETS)}"))
     if issues:
         raise DesignError(issues)
     if preset is None and hand is None:
-        base = _BASES[sensor or "fsr400"]
-        own = [f"sensor.model={sensor or 'fsr400'}", *base.changes, *changes]
-        tables = load_tables([list_bundled_files(DESIGN)[base.design]], own).tables
-        design = Design(**tables | {"name": name})
-        return NewDesign(_write(design, base.design), base.design, {}, {}, design)
+        fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
+        base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
+        design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
+        return NewDesign(_write(design, base), base, {}, {}, design)
     start = preset or "adult_finger"
     files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])

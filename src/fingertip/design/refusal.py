@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import Bounds, find_bounds, find_unit, format_unit
@@ -192,13 +193,6 @@ _MAX_ALTERNATIVES = 2
 _MAX_CHANGED = 3
 """Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
 which none stands out."""
-_BUNDLED_DESIGNS = {
-    "fsr400": "fsr400",
-    "fsr400_short": "fsr400",
-    "fsr402": "fsr402",
-    "fsr402_short": "fsr402",
-}
-"""Bundled design for each sensor of the catalogue."""
 
 Values = dict[str, Any]
 """Values of parameters by their dotted names."""
@@ -300,10 +294,10 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
 
 def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     """Name the bundled design for a sensor that the present design does not fit."""
-    present, before = refusal.tables.value(name), refusal.before.value(name)
-    design = _BUNDLED_DESIGNS.get(present) if name == "sensor.model" else None
-    is_other = design and _BUNDLED_DESIGNS.get(before) != design
-    return f", or start from the bundled design {design}" if is_other else ""
+    present, before = (CATALOGUE.get(tables.value(name)) for tables in (refusal.tables, refusal.before))
+    if name != "sensor.model" or present is None or (before and before.bundled_design == present.bundled_design):
+        return ""
+    return f", or start from the bundled design {present.bundled_design}"
 
 
 def _note(refusal: Refusal, name: str) -> str:

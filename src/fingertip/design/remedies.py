@@ -35,7 +35,9 @@ from fingertip.design.refusal import (
     cheapest_first,
     describe_refusal,
     find_parameter_bounds,
+    format_value,
     is_number,
+    round_digits,
     round_inwards,
 )
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
@@ -307,8 +309,6 @@ def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTab
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
     """Add to a violated bound the value that the rules require, if the bound itself would break them."""
-    from fingertip.design.refusal import Search, cheapest_first, format_value, round_digits
-
     name = issue.field
     table, _, key = name.partition(".")
     if name not in PARAMETERS or not key:

@@ -14,7 +14,6 @@ from functools import partial
 from pathlib import Path
 
 from fingertip.design import Design
-from fingertip.design.silicone import describe_force_curve
 from fingertip.detection.adaptation import (
     NOISELESS_REMEDY,
     adapt_detector,
@@ -309,7 +308,7 @@ def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str,
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
         voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
-        progress(describe_force_curve(design))
+        progress(design.force_curve.describe())
     progress(
         f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
         f"{columns.name_in_file('voltage_v')}"

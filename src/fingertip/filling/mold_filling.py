@@ -20,7 +20,6 @@ from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAP
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
-from fingertip.design.silicone import select_silicone
 from fingertip.filling.mouth import ConicalDuct, Duct, RectangularDuct, RoundDuct
 from fingertip.filling.predict import (
     AirPocket,
@@ -177,7 +176,7 @@ def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
 @lru_cache(maxsize=32)
 def predict_mold_filling(design: Design) -> FillingPrediction:
     """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
-    silicone, (vents, gaps) = select_silicone(design), _vent(design)
+    silicone, (vents, gaps) = design.silicone.material, _vent(design)
     viscosity, pressure = silicone.viscosity_pa_s.high, _pressure_pa(design, silicone)
     prediction = predict_filling(
         follow_design_front(design), [*_openings(vents), *gaps], list_ducts(design),

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from importlib import resources
 from typing import Any
 
-from fingertip.board.components.supplies import SUPPLIES
+from fingertip.board.components.values import SUPPLIES
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.foundation.version import __version__

@@ -6,8 +6,9 @@ escaped, so that a message stays one line that a terminal prints as it is.
 
 from __future__ import annotations
 
+import contextlib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,6 +84,15 @@ class FingertipError(Exception):
             issues = Issue("", issues)
         self.issues: tuple[Issue, ...] = (issues,) if isinstance(issues, Issue) else tuple(issues)
         super().__init__("\n".join(str(issue) for issue in self.issues))
+
+
+@contextlib.contextmanager
+def gather(issues: list[Issue], prefix: str = "") -> Iterator[None]:
+    """Add the issues of an error to others, each field after a prefix, so that all are reported at once."""
+    try:
+        yield
+    except FingertipError as error:
+        issues += (Issue(f"{prefix}{issue.field}", issue.message) for issue in error.issues)
 
 
 class InputFileError(FingertipError):

@@ -31,7 +31,7 @@ AREAS = (RED, ORANGE, BLUE, YELLOW, PURPLE, SKY, BROWN, PINK)
 SHADES = ("#9ecae1", "#4292c6", "#08519c")
 """Colours of a quantity in ascending steps."""
 TRUTH = "#8fc1b5"
-"""Colour of true slip, an area: lighter than every line."""
+"""Colour of what is true, an area: lighter than every line."""
 PALE_TEAL, PALE_RED, PALE_BLUE, PALE_GREY = "#cfe3d8", "#e2b6b1", "#a9bfd4", "#e9ebed"
 """Colours of areas and points in the background."""
 REFERENCE = "#98a1aa"

@@ -14,8 +14,8 @@ import numpy as np
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.tolerance import Spread, TolerancedFilter, component_tolerances, monte_carlo
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
-from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
 from fingertip.design import Design

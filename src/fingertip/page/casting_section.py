@@ -5,7 +5,6 @@ from __future__ import annotations
 from fingertip.catalogues.output_files import ACCEPTANCE, SHEET, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.design.silicone import describe_force_curve
 from fingertip.page.html import Markup, element, embed, figure, join, note, table
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.parameters_and_checks import link_parameters
@@ -63,7 +62,7 @@ def render_basis(design: Design) -> Markup:
     curve, printer = design.force_curve, design.printer
     is_weighed = curve.curve == "calibrated"
     is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
-    sensor = describe_force_curve(design)
+    sensor = design.force_curve.describe()
     rows = [
         ("Parts and checks", "computed", "Measured on the files themselves, read back. Nobody has printed and cast "
          "these files yet."),

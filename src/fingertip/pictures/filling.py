@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.silicone import select_silicone
 from fingertip.filling.mold_filling import build_grid, gate_opening, place_vents, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
 from fingertip.filling.surface_links import Layer, SkinGrid
@@ -57,7 +56,7 @@ class _Mark:
 
 def draw_mold_filling(design: Design) -> bytes:
     """Draw the filling of a design's mold as a PNG. Raises MissingLibraryError."""
-    silicone, prediction = select_silicone(design), predict_mold_filling(design)
+    silicone, prediction = design.silicone.material, predict_mold_filling(design)
     how = (
         f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
         if design.mold_layout.inlet

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL_FOLDER, TRACE
+from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL, TRACE
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.output_set.replacement import hash_content
 from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
@@ -194,16 +193,10 @@ DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 bytes."""
 
 
-def signal_writer(design: Design, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
-    """Writer of simulated traces of a design, and of what is made from them; `top` as for `SetWriter`."""
-    parameters = hash_parameters(design.model_dump(mode="json"))
-    return SetWriter(folder, SIGNAL_FOLDER, design.name, parameters, force=force, top=top)
-
-
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
     """Move a trace into a design's signals, and remove plot and detection of another one; return their names."""
     is_new = path.name == TRACE and not has_hash(path, hash_content(trace))
-    return signal_writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
+    return SIGNAL.writer(design, path.parent, force).write({path.name: trace}, (PLOT, DETECTION) if is_new else ())
 
 
 class CsvTraceWriter:

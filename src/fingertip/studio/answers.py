@@ -1,28 +1,38 @@
-"""Answers of the studio: what a design of the form gives, as plain data for its page."""
+"""Answers of the studio: what a design of the form gives, as plain data for its page and as files to save.
+
+The files are byte for byte those that `fingertip build` writes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import io
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.printing.print_files import FDM, SLA, PlateKind, make_print_files
+from fingertip.cad.report import DESIGN_HEADING
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.strength import assess_strength, strength_data
 from fingertip.cad.verification.verify import check_parts, verify
+from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid
+from fingertip.design.files import to_toml
+from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.foundation.errors import FingertipError
 from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
 from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict, shapes_of_parameters
-from fingertip.studio.form import make_pointer
 from fingertip.studio.worker import StillWanted
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
+
 
 VIEW_TOLERANCE_MM = 0.05
 """Tolerance of the meshes that are shown, and of the checks that follow each change [mm]: as fine as a screen shows."""
@@ -49,6 +59,12 @@ def read_design(tables: Mapping[str, Any], before: Design) -> Design:
     """Make the design of the form's values. Raises DesignError."""
     old = before.model_dump(mode="json")
     return Design.from_tables(tables, old, _list_changed(tables, old))
+
+
+def make_pointer(path: str) -> str:
+    """Make the JSON pointer of a dotted name; "" for a problem of the whole design."""
+    steps = path.split(".") if path else []
+    return "".join("/" + step.replace("~", "~0").replace("/", "~1") for step in steps)
 
 
 def describe_issues(error: FingertipError) -> list[dict[str, str]]:
@@ -123,7 +139,6 @@ def _make_mesh(solid: Solid) -> Mesh:
 
 
 def _list_changed(tables: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[str, ...]:
-    """List the parameters whose values differ."""
     changed: list[str] = []
     for name, value in tables.items():
         known = old.get(name)
@@ -135,3 +150,81 @@ def _list_changed(tables: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[st
 
 
 _MISSING = object()
+
+
+_FIRST_DATE = (1980, 1, 1, 0, 0, 0)
+"""Earliest date of a ZIP file: the files have none, so that the same design gives the same bytes."""
+
+
+class Download(NamedTuple):
+    """File for the browser to save."""
+
+    name: str
+    content_type: str
+    data: bytes
+
+
+def download_design(design: Design, still_wanted: StillWanted) -> Download:
+    """Write the design as commented TOML."""
+    return Download(f"{design.name}.toml", "application/toml", to_toml(design, DESIGN_HEADING).encode())
+
+
+def download_parts(design: Design, still_wanted: StillWanted) -> Download:
+    """Write a ZIP file of the STL files of all parts, in place and as they lie on the bed, and of the design."""
+    meshes = _make_meshes(design, still_wanted)
+    files = {f"{name}.stl": stl.to_bytes(mesh, name, PARTS[name].note) for name, mesh in meshes.items()}
+    prints = make_print_files(design, meshes, {}, with_stl=True)
+    files |= {f"{PRINT_FOLDER}/{name}": data for name, data in prints.contents.items()}
+    files[DESIGN] = download_design(design, still_wanted).data
+    return Download(f"{design.name}_stl.zip", "application/zip", _pack(files))
+
+
+def download_filament_plate(design: Design, still_wanted: StillWanted) -> Download:
+    """Write the plate of a filament printer as 3MF, or a ZIP file of several plates."""
+    return _download_plates(design, FDM, still_wanted)
+
+
+def download_resin_plate(design: Design, still_wanted: StillWanted) -> Download:
+    """Write the plate of a resin printer as 3MF, or a ZIP file of several plates."""
+    return _download_plates(design, SLA, still_wanted)
+
+
+DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
+    "design": ("design.toml", download_design),
+    "stl": ("parts.zip (STL)", download_parts),
+    "plate_fdm": ("filament plate (3MF)", download_filament_plate),
+    "plate_sla": ("resin plate (3MF)", download_resin_plate),
+}
+"""Name in the address -> label of its button, and function that makes the file."""
+
+
+def _download_plates(design: Design, kind: PlateKind, still_wanted: StillWanted) -> Download:
+    meshes = _make_meshes(design, still_wanted)
+    encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
+    still_wanted()
+    prints = make_print_files(design, meshes, encoded, with_stl=False)
+    count = sum(name.startswith(f"plate_{kind.name}") for name in prints.plates)
+    plates = {name: prints.contents[name] for name in kind.file_names(count)}
+    if len(plates) == 1:
+        ((name, data),) = plates.items()
+        return Download(f"{design.name}_{name}", "model/3mf", data)
+    return Download(f"{design.name}_plates_{kind.name}.zip", "application/zip", _pack(plates))
+
+
+def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:
+    evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
+    return {
+        name: evaluator.mesh(scaled(part.solid(design), print_scale(design, part)))
+        for name, part in parts_by_name(design).items()
+    }
+
+
+def _pack(files: Mapping[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, _FIRST_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, data)
+    return packed.getvalue()

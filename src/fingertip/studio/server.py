@@ -26,8 +26,14 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
 from fingertip.foundation.toml_files import UnusableTomlError, check_values
-from fingertip.studio.answers import answer_all_checks, answer_checks, answer_parts, describe_issues, read_design
-from fingertip.studio.downloads import DOWNLOADS
+from fingertip.studio.answers import (
+    DOWNLOADS,
+    answer_all_checks,
+    answer_checks,
+    answer_parts,
+    describe_issues,
+    read_design,
+)
 from fingertip.studio.page import render_locked, render_studio, render_way_in
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
 
@@ -123,16 +129,12 @@ class StudioServer(ThreadingHTTPServer):
 
 
 class _RefusedRequestError(Exception):
-    """A request that is answered with one sentence."""
-
     def __init__(self, status: HTTPStatus, sentence: str) -> None:
         super().__init__(sentence)
         self.status = status
 
 
 class _Reply(NamedTuple):
-    """Answer to a request."""
-
     status: HTTPStatus
     content_type: str
     data: bytes
@@ -140,8 +142,6 @@ class _Reply(NamedTuple):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers one connection."""
-
     server: StudioServer
     protocol_version = "HTTP/1.1"
     default_request_version = "HTTP/1.0"  # a request line that cannot be read gets a reply with a status
@@ -228,7 +228,6 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The address of the request is none.") from None
 
     def _read_content(self) -> tuple[dict[str, Any], str]:
-        """Read tables of a design and the name of the client that asks."""
         if self.headers.get_content_type() != "application/json":
             raise _RefusedRequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json.")
         length = self.headers.get("Content-Length", "")

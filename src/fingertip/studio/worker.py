@@ -67,8 +67,6 @@ class NewestWinsWorker:
 
 
 class _Job:
-    """Job that may be dropped."""
-
     result: Future[Any]
     is_dropped = False
 

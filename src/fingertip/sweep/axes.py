@@ -269,7 +269,6 @@ def _load_manipulation_model() -> type[BaseModel]:
 
 
 def _get_annotation(model: type[BaseModel], path: str) -> Any:
-    """Get the type of a parameter."""
     table, _, key = path.rpartition(".")
     section = model.model_fields[table].annotation if table else model
     assert isinstance(section, type)
@@ -278,7 +277,6 @@ def _get_annotation(model: type[BaseModel], path: str) -> Any:
 
 
 def _check_value(model: type[BaseModel], path: str, field: str, value: Value) -> list[Issue]:
-    """List what a parameter's own type and bounds refuse of a value."""
     table, _, key = path.rpartition(".")
     tables: dict[str, Any] = {table: {key: value}} if table else {key: value}
     try:

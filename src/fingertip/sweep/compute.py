@@ -222,10 +222,9 @@ def compute_mold(context: PointContext) -> OutputValues:
 def compute_casting(context: PointContext) -> OutputValues:
     """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
     from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes, skin_pull_off_n
-    from fingertip.design.silicone import select_silicone
 
     volumes = measure_volumes(context.design, context.evaluator())
-    silicone = select_silicone(context.design)
+    silicone = context.design.silicone.material
     batch = compute_batch(silicone, volumes.total_cm3, load_cm3(context.design))
     pull = skin_pull_off_n(context.design, silicone)
     return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull}

@@ -7,6 +7,7 @@ last axis varies fastest. The points of a sampler follow its sequence.
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -60,7 +61,7 @@ class SweepPlan:
     @classmethod
     def from_toml(cls, text: str) -> SweepPlan:
         """Parse the canonical text that `to_toml` wrote. Raises as `load` does."""
-        return cls.from_tables(sweep_file.parse_canonical_text(text))
+        return cls.from_tables(tomllib.loads(text))
 
     @classmethod
     def from_tables(cls, tables: Mapping[str, Any]) -> SweepPlan:
@@ -83,7 +84,12 @@ class SweepPlan:
         if file:
             issues += sweep_file.check_objectives(file)
             issues += _check_point_count(file, axes)
-            issues += _check_catalogue_names(file)
+            from fingertip.slip.detectors.registry import find_detector_type
+
+            try:
+                find_detector_type(file.detector)
+            except FingertipError as error:
+                issues += (Issue("detector", issue.message) for issue in error.issues)
         if file and design and not issues:
             plan = cls(file, tuple(axes), design, scene)
             issues += _check_consistency(plan)
@@ -218,17 +224,6 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
     return []
 
 
-def _check_catalogue_names(file: SweepFile) -> list[Issue]:
-    """Check the name of a detector, which another package lists."""
-    from fingertip.slip.detectors.registry import find_detector_type
-
-    try:
-        find_detector_type(file.detector)
-    except FingertipError as error:
-        return [Issue("detector", issue.message) for issue in error.issues]
-    return []
-
-
 def _check_consistency(plan: SweepPlan) -> list[Issue]:
     """Check what only several sections of a plan together can get wrong."""
     tables_read = frozenset().union(*(group.reads for group in plan.groups))
@@ -258,7 +253,6 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
 
 
 def _to_entry(axis: Axis) -> Any:
-    """Write an axis as a sweep file does."""
     if axis.listed:
         return list(axis.listed)
     table: dict[str, Any] = {"low": axis.low, "high": axis.high}

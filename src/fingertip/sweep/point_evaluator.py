@@ -17,7 +17,7 @@ from functools import lru_cache, partial
 from typing import IO, TYPE_CHECKING, Any
 
 from fingertip.design.model import Design
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
 from fingertip.sweep.axes import Value
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext, RecordedTrial
@@ -93,27 +93,19 @@ class PointEvaluator:
         return self._mesh_evaluator
 
     def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
-        """Build design and scene of a point; raise the issues of both."""
         issues: list[Issue] = []
         design, scene = None, None
-        try:
+        with gather(issues):
             design = self._designs.build(changes)
-        except FingertipError as error:
-            issues += error.issues
         if self._scene is not None:
-            try:
-                scene = self._build_scene(self._scene, changes)
-            except FingertipError as error:
-                issues += (Issue(f"scene.{issue.field}", issue.message) for issue in error.issues)
+            from fingertip.sim.files.scene import SceneFile
+
+            scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
+            with gather(issues, "scene."):
+                scene = SceneFile(**apply_changes(self._scene, scene_changes))
         if issues or design is None:
             raise FingertipError(issues)
         return design, scene
-
-    def _build_scene(self, tables: dict[str, Any], changes: Mapping[str, Value]) -> SceneFile:
-        from fingertip.sim.files.scene import SceneFile
-
-        scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
-        return SceneFile(**apply_changes(tables, scene_changes))
 
     def _compute_group(
         self,
@@ -122,7 +114,6 @@ class PointEvaluator:
         context: PointContext,
         changes: Mapping[str, Value],
     ) -> OutputValues:
-        """Compute the outputs of a group, or take them from the cache."""
         if cache_axes is None:
             return GROUP_FUNCTIONS[group.name](context)
         key = (group.name, *(changes[name] for name in cache_axes))
@@ -135,7 +126,6 @@ class PointEvaluator:
     def _load_trial(
         self, changes: Mapping[str, Value], seed: int, record: Callable[[], RecordedTrial]
     ) -> RecordedTrial:
-        """Record the trial of a seed, or take it from the cache."""
         if self._trace_axes is None:
             return record()
         key = (seed, *(changes[name] for name in self._trace_axes))
@@ -202,8 +192,6 @@ _one_chunk_at_a_time = threading.Lock()
 
 def evaluate_chunk(chunk: Chunk) -> ChunkResult:
     """Evaluate every point of a chunk; this is the task that engines send to workers."""
-    # Imported here, because a process that only submits tasks does not need the evaluator
-
     with _one_chunk_at_a_time:
         start = time.perf_counter()
         evaluator = load_evaluator(chunk.text)

@@ -193,7 +193,6 @@ class _Run:
         return self._executor.submit(self.evaluate, chunk)
 
     def _receive(self) -> None:
-        """Wait for results, and handle those that arrived."""
         done, _ = wait(self._in_flight, timeout=_POLL_INTERVAL_S, return_when=FIRST_COMPLETED)
         self._note_silence(bool(done))
         lost: list[Chunk] = []

@@ -6,7 +6,6 @@ needs no other file.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -20,7 +19,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters import quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
-from fingertip.foundation.errors import FingertipError, Issue, SweepError, quote_value
+from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather, quote_value
 
 if TYPE_CHECKING:
     from tomlkit.items import Item
@@ -85,10 +84,8 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
     for name, base_changes in (("design", design_changes), ("scene", scene_changes)):
         entry = tables.get(name, {} if name == "design" else None)
         folder = Path() if is_bundled and name in loaded.changed else path.parent
-        try:
+        with gather(issues):
             tables[name] = _load_base(folder, name, entry, base_changes)
-        except FingertipError as error:
-            issues += error.issues
     if issues:
         raise SweepError(issues)
     return {name: table for name, table in tables.items() if table is not None}
@@ -137,11 +134,6 @@ def to_canonical_text(tables: Mapping[str, Any]) -> str:
                 table.add(tomlkit.key(keys), _to_inline_item(inner))
             document.add(name, table)
     return tomlkit.dumps(document)
-
-
-def parse_canonical_text(text: str) -> dict[str, Any]:
-    """Parse the tables that `to_canonical_text` wrote."""
-    return tomllib.loads(text)
 
 
 def select_row_defining_lines(text: str) -> list[str]:
@@ -197,9 +189,7 @@ def _find_changed_axes(axes: Any, design_changes: list[str], scene_changes: list
 
 def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
     """Sort changes into those of the sweep file, of the base design and of the base scene."""
-    sweep: list[str] = []
-    design: list[str] = []
-    scene: list[str] = []
+    sweep, design, scene = list[str](), list[str](), list[str]()
     for change in changes:
         name = change.partition("=")[0].strip()
         first, dot, _ = name.partition(".")

@@ -14,7 +14,7 @@ from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
 from fingertip.board.bringup.wiring import wiring_diagram
-from fingertip.board.circuits.signal_paths import board_circuit
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
@@ -49,19 +49,12 @@ from fingertip.documents.board.readme import folder_readme
 from fingertip.foundation.errors import InputFileError, Issue, OutputError, escape_control, shorten
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_parameters
-from fingertip.tasks.edited_board import (
-    EditableNames,
-    EditedFiles,
-    find_edited,
-    refuse_other_circuit,
-    revise_edited,
-)
+from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
 """Names of the files of a board."""
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
-_EDITABLE = EditableNames(LAYOUT, SCHEMATIC, PROJECT, NETLIST)
 _MAX_DIFF_LENGTH = 300
 """Maximum length of a line of a difference [characters]."""
 _TAB = "\t"
@@ -116,7 +109,7 @@ def refuse_other_board(design: Design) -> None:
     folder, name = BOARD.folder(design), find_configuration(board_values(design)).name
     finish_interrupted(folder)
     netlist = kicad_netlist_file(board_circuit(board_values(design)))
-    refuse_other_circuit(folder, netlist, _EDITABLE, folder.with_name(f"board_{name}"))
+    refuse_other_circuit(folder, netlist, folder.with_name(f"board_{name}"))
 
 
 @dataclass(frozen=True)
@@ -152,7 +145,7 @@ def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: b
         return _make_layout(circuit, find_configuration(values))
 
     finish_interrupted(folder)
-    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, _EDITABLE, make_layout)
+    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, make_layout)
     if bring_up:
         files |= bring_up_files(design)
     writer, models = BOARD.writer(design, folder, force), model_sets(folder, force)
@@ -247,7 +240,7 @@ def _refuse_edited(folder: Path) -> None:
             "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
             "Outputs) and leave --fab out, or add --force to overwrite your edits.",
         )
-        for name in find_edited(folder, _EDITABLE)
+        for name in find_edited(folder)
         if name != PROJECT
     ]
     if issues:

@@ -43,7 +43,6 @@ from fingertip.catalogues.output_files import (
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.design.silicone import replace_silicone, select_silicone
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, InputFileError, Issue
@@ -122,7 +121,7 @@ def build(
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
-    design, evaluator = replace_silicone(design, material), MeshEvaluator(tolerance_mm)
+    design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
     writer = parts_writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
     print_writer = prints_writer(design, folder, force)
@@ -147,7 +146,7 @@ def build(
             casting = casting_sheet_data(
                 design,
                 measure_volumes(design, evaluator),
-                select_silicone(design),
+                design.silicone.material,
                 warnings=list_warnings(check_strength(design, strength)) if strength else (),
             )
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
@@ -222,7 +221,6 @@ def _replace_subset(
 
 
 def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
-    """Draw the pictures of the casting steps."""
     from fingertip.documents.casting.sheet import steps
     from fingertip.pictures.steps.pictures import draw_steps
 
@@ -230,7 +228,6 @@ def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
-    """Names of the files that a build writes."""
     names = [f"{part}.{file_format}" for part in parts for file_format in formats]
     names += [ASSEMBLY] if "step" in formats else []
     return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]

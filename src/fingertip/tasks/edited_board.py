@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.kicad.sexpr import Node, Word, read_expression, replace_words
+from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, read_manifest
@@ -53,38 +54,28 @@ class EditedFiles:
     """Sentence on each of them."""
 
 
-@dataclass(frozen=True)
-class EditableNames:
-    """Names of the files of a board that KiCad edits, and of the netlist that records their circuit."""
-
-    layout: str
-    schematic: str
-    project: str
-    netlist: str
-
-
-def find_edited(folder: Path, names: EditableNames) -> list[str]:
+def find_edited(folder: Path) -> list[str]:
     """Find the layout, the schematic and the project that were changed after they were written."""
     manifest = read_manifest(folder)
     if manifest is None or manifest.kind != "board":
         return []
     return [
         name
-        for name in (names.layout, names.schematic, names.project)
+        for name in (LAYOUT, SCHEMATIC, PROJECT)
         if name in manifest.files and (folder / name).is_file() and not has_hash(folder / name, manifest.files[name])
     ]
 
 
-def refuse_other_circuit(folder: Path, netlist: bytes, names: EditableNames, beside: Path) -> None:
+def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
     """Refuse a folder whose board has other parts, footprints or nets. Files that were edited are no concern here.
 
     Raises OutputError.
     """
-    manifest, path = read_manifest(folder), folder / names.netlist
+    manifest, path = read_manifest(folder), folder / NETLIST
     if manifest is None or manifest.kind != "board" or not has_hash(path, manifest.files.get(path.name)):
         return
     old = _read_circuit(path)
-    if not find_edited(folder, names) and (found := list(describe_structure_changes(old, read_netlist(netlist)))):
+    if not find_edited(folder) and (found := list(describe_structure_changes(old, read_netlist(netlist)))):
         message = (
             f"holds a board of {manifest.design!r} with another circuit, and this one changes more than values "
             f"({'; '.join(found)}); write it beside with --out {beside}, or add --force to replace the one there."
@@ -93,7 +84,7 @@ def refuse_other_circuit(folder: Path, netlist: bytes, names: EditableNames, bes
 
 
 def revise_edited(
-    folder: Path, contents: Mapping[str, bytes], names: EditableNames, make_layout: Callable[[Mapping[str, str]], bytes]
+    folder: Path, contents: Mapping[str, bytes], make_layout: Callable[[Mapping[str, str]], bytes]
 ) -> EditedFiles:
     """Revise the edited files of a folder for new contents of the board.
 
@@ -102,24 +93,24 @@ def revise_edited(
     Raises OutputError.
     """
     manifest = read_manifest(folder)
-    present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder, names)}
+    present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder)}
     present = {name: data for name, data in present.items() if data != contents[name]}
     revisions, notes, issues = {}, [], []
-    if names.project in present:
-        data = present.pop(names.project)
-        revisions[names.project] = Revision(data, data)
-        notes.append(f"{folder / names.project}: was changed in KiCad, and is kept as it is.")
+    if PROJECT in present:
+        data = present.pop(PROJECT)
+        revisions[PROJECT] = Revision(data, data)
+        notes.append(f"{folder / PROJECT}: was changed in KiCad, and is kept as it is.")
     if present and manifest is not None:
-        old_path = folder / names.netlist
-        if not has_hash(old_path, manifest.files.get(names.netlist)):
-            message = f"was edited, and {names.netlist}, which states its circuit, is missing or was changed; {_REMEDY}"
+        old_path = folder / NETLIST
+        if not has_hash(old_path, manifest.files.get(NETLIST)):
+            message = f"was edited, and {NETLIST}, which states its circuit, is missing or was changed; {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
-        old, new = _read_circuit(old_path), read_netlist(contents[names.netlist])
+        old, new = _read_circuit(old_path), read_netlist(contents[NETLIST])
         if found := list(describe_structure_changes(old, new)):
             message = f"was edited, and this design changes more than values ({'; '.join(found)}); {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
         for name, data in present.items():
-            is_layout = name == names.layout
+            is_layout = name == LAYOUT
             try:
                 after, changed, problems = enter_values(data, "footprint" if is_layout else "symbol", old, new)
                 if is_layout and changed:
@@ -236,7 +227,6 @@ def _printed_texts(root: Node) -> dict[str, Word]:
 
 
 def _identifier(item: Node) -> str:
-    """UUID of the symbol that a footprint or symbol belongs to."""
     return item.word("path").rpartition("/")[2] if item.head == "footprint" else item.word("uuid")
 
 
@@ -249,7 +239,6 @@ def _reference(item: Node) -> str:
 
 
 def _properties(item: Node) -> Iterator[tuple[str, list[Word]]]:
-    """Yield name and words of each property."""
     for entry in item.children("property"):
         words = [word for word in entry.items if isinstance(word, Word)]
         if len(words) > 2:

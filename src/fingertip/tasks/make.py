@@ -23,6 +23,7 @@ from fingertip.catalogues.output_files import (
     PAGE,
     PART_FILES,
     PLOT,
+    SIGNAL,
     SIGNAL_FOLDER,
     TRACE,
 )
@@ -31,7 +32,7 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
-from fingertip.sim.report import encode_trace, signal_writer
+from fingertip.sim.report import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer
 
@@ -90,7 +91,7 @@ def make(
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
     folder = PART_FILES.folder(design) if out is None else Path(out)
-    board_folder, signal = folder / BOARD_FOLDER, signal_writer(design, folder / SIGNAL_FOLDER, force, folder)
+    board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
     formats = None if formats is None else tuple(formats)
     draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
@@ -128,7 +129,6 @@ def make(
 
 
 def _can_draw(progress: Callable[[str], None]) -> bool:
-    """Return whether the packages of the drawings are there, and say so if not."""
     if extras.is_installed("reportlab"):
         return True
     progress(f"{PDF} is left out: it needs {extras.describe_missing('reportlab')}")
@@ -136,7 +136,6 @@ def _can_draw(progress: Callable[[str], None]) -> bool:
 
 
 def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:
-    """Make the page from the files that were written."""
     if not all("stl" in part.files for part in parts.parts):
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
         return None

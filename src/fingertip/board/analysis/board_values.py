@@ -40,8 +40,8 @@ from fingertip.board.analysis.thresholds import (
     compute_output_offset,
     compute_threshold_spread,
 )
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
-from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.components.selection import FilterSelection, select_filter
 from fingertip.board.components.values import SUPPLIES, ComponentValues, select_components
 from fingertip.board.parts.circuit import GND, VCC, VEE

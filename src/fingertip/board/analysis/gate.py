@@ -130,7 +130,6 @@ def check_gate(
 
 
 def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffset | None) -> Iterator[GateCondition]:
-    """Compare the levels at the converter's pins with its range."""
     yield at_most(
         IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
         "the converter is saturated just where contacts are light: set detector.adc_range_v to that, or divide the "
@@ -254,7 +253,6 @@ def _check_stability(circuit: Circuit, amplifier: Amplifier, passband_gain: floa
 
 
 def _count_odd_capacitors(circuit: Circuit) -> int:
-    """Count the capacitors whose value nobody makes."""
     values = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
     return sum(below != above for below, above in map(find_preferred_neighbours, values))
 

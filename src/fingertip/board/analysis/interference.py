@@ -28,7 +28,6 @@ from fingertip.board.parts.circuit import (
 )
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
-from fingertip.foundation.files import format_figure
 
 _POINTS = 40
 
@@ -190,14 +189,3 @@ def _find_largest_gain(
 def describe_sensor(ripple: SupplyRipple) -> str:
     """Describe the sensor in the worst case."""
     return f"with {ripple.force_n:g} N on the sensor" if ripple.force_n else "with the sensor open"
-
-
-def describe_supply_ripple(ripple: SupplyRipple, has_diode: bool) -> str:
-    """Describe the requirement on the supply's ripple."""
-    effect = "makes the diode conduct" if has_diode else "brings the envelope to the threshold"
-    return (
-        f"ripple on the positive supply reaches the rectifier multiplied by {format_figure(ripple.gain, 2)} at most "
-        f"(at {format_figure(ripple.worst_hz, 2)} Hz; searched from {ripple.low_hz:.3g} Hz to "
-        f"{ripple.high_hz / 1e3:g} kHz {describe_sensor(ripple)}): a peak of "
-        f"{format_figure(1e3 * ripple.max_v, 2)} mV alone {effect}"
-    )

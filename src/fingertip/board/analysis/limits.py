@@ -155,7 +155,6 @@ def compute_voltage_limits(
 
 
 def _operating_point(circuit: Circuit, supply: Supply, supply_v: float, force_n: float) -> dict[str, float]:
-    """Constant voltages [V] of bridge, its amplifier and the signal ground at a force [N]."""
     network = build_network(circuit, sensor_s=sensor_conductance_s(force_n))
     return network.restrict(TACTILE, supply.signal_ground).operating_point({GND: 0.0, VCC: supply_v, VEE: -supply_v})
 

@@ -175,7 +175,6 @@ def compute_phase_margins_deg(circuit: Circuit, network: Network) -> dict[str, f
 
 
 def _voltage(network: Network, f: Array, net: str, driven: str) -> Spectrum:
-    """Voltage of a net for 1 V at a driven one."""
     if net == driven:
         return np.ones(len(f), dtype=np.complex128)
     opened = network.drive(driven).restrict(net)

@@ -216,16 +216,7 @@ def compare_noise_alternatives(
 ) -> tuple[NoiseAlternative, ...]:
     """Compute the noise of this variant, with and without the first stage's band limit, and with a low-noise amplifier.
 
-    Parameters
-    ----------
-    circuit
-        Circuit of this variant.
-    gain_bandwidth_hz
-        Gain-bandwidth product of the filter's amplifier [Hz].
-    band_limit_hz
-        Band limit of the first stage [Hz].
-    envelope_gain
-        Constant gain of rectifier and envelope; None for variant article, which has no band limit either.
+    `envelope_gain` is the constant gain of rectifier and envelope; None for variant article, which has no band limit.
     """
     if envelope_gain is None:
         other, preposition = _with_limiter(circuit, band_limit_hz), "with"
@@ -245,7 +236,6 @@ def compare_noise_alternatives(
 
 
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    """Add `LIMITING_CAPACITOR` to a circuit that lacks it."""
     farad = nearest_value(
         compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz),
         "E6",

@@ -222,7 +222,6 @@ def search_band_hz(model: FilterModel, values: Mapping[str, Value]) -> tuple[flo
 
 
 def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
-    """First point, step and number of steps of a grid over the logarithm of the angular frequency."""
     first, last = (math.log(math.tau * f_hz) for f_hz in band_hz)
     count = math.ceil((last - first) / math.log(10.0) * _STEPS_PER_DECADE)
     return first, (last - first) / count, count

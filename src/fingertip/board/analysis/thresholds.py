@@ -8,16 +8,14 @@ from dataclasses import dataclass
 
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
-from fingertip.board.circuits.signal_paths import MEAN, SLIP, THRESHOLD
 from fingertip.board.circuits.transfer_function import find_stages
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, Circuit
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD, Circuit
 from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design.formulas.filter import (
     BIAS_A,
     COMPARATOR_DRIFT_V_PER_K,
-    COMPARATOR_OFFSET_V,
     DATA_SHEET_C,
     HOT_BIAS_A,
     MAX_BIAS_A,
@@ -74,18 +72,6 @@ def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_
     )
 
 
-def describe_comparator_levels(levels: ComparatorLevels) -> list[str]:
-    """Describe thresholds and errors of the comparator, as sentences."""
-    return [
-        f"slip is ON above {1e3 * levels.on_v:.1f} mV and OFF below {1e3 * levels.off_v:.1f} mV with the trimmer at "
-        f"its midpoint; the trimmer reaches {1e3 * levels.max_on_v:.1f} mV",
-        f"the comparator's input bias current raises the mean by {1e3 * levels.bias_v:.2f} mV (at most "
-        f"{1e3 * levels.max_bias_v:.2f} mV) in R18; the same current in the other input would raise the threshold by "
-        f"{1e3 * levels.threshold_bias_v:.2f} mV; its offset is {1e3 * COMPARATOR_OFFSET_V:g} mV (at most "
-        f"{1e3 * MAX_COMPARATOR_OFFSET_V:g} mV)",
-    ]
-
-
 # Envelope offset: the output offset after a precision rectifier, due to the offset voltages of the amplifiers.
 #
 # Without a signal the offsets decide which diode of the rectifier conducts. While the positive one (D1) does, the
@@ -140,16 +126,6 @@ def _offset_gains(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str
     ground = {} if signal_ground in network.inputs else network.constant_transfers(signal_ground)
     outputs = (output.net for output in list_amplifiers(circuit) if output.reference in _FILTER_AND_RECTIFIER)
     return [envelope.get(net, 0.0) - ground.get(net, 0.0) for net in outputs]
-
-
-def describe_output_offset(offset: OutputOffset, threshold_v: float) -> str:
-    """Describe the envelope offset in relation to the threshold."""
-    return (
-        f"offsets of U1 and U3 cause an envelope offset between {1e3 * offset.min_v:.1f} and "
-        f"{1e3 * offset.max_v:.1f} mV (typical offsets: {1e3 * offset.typical_v:.1f} mV; with "
-        f"{offset.low_offset_amplifier} below {1e3 * offset.max_low_offset_v:.1f} mV), and the threshold is "
-        f"{1e3 * threshold_v:g} mV: measure the envelope offset and add it to the threshold"
-    )
 
 
 # Mean and worst case of the comparator's threshold: offsets, currents and tolerances from 0 to 50 degrees Celsius.

@@ -15,8 +15,8 @@ import numpy as np
 
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import FilterModel, find_passband, find_passbands, model_filter, search_band_hz
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network
-from fingertip.board.circuits.signal_paths import board_circuit
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
@@ -123,7 +123,6 @@ def draw_deviations(board: TolerancedFilter, tolerances: Mapping[str, float], bo
 
 
 def _limits(board: TolerancedFilter, tolerances: Mapping[str, float]) -> Array:
-    """Largest relative deviation of each component."""
     return np.array([tolerances[name] / 100.0 for name in board.names])
 
 

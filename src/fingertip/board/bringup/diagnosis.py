@@ -14,9 +14,8 @@ from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import AMPLIFIERS
-from fingertip.board.parts.circuit import ENVELOPE, STAGE1_OUT, VMID
+from fingertip.board.parts.circuit import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
 
 # Mistakes of the person with the meter: readings that were taken between other points than the sheet says.
 #
@@ -65,7 +64,6 @@ def is_above_signal_ground(name: str) -> bool:
 
 
 def _is_at_host(name: str) -> bool:
-    """Return whether a reading is a direct voltage at a pin of the output connector, against supply ground."""
     return name.startswith(f"{HOST.lower()}_") and is_direct(name)
 
 
@@ -250,12 +248,10 @@ def _explains_one(
 
 
 def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
-    """Mean squared difference per reading, in units of the expected spread."""
     return sum(_difference(name, predicted[name], v, limits) ** 2 for name, v in readings.items()) / len(readings)
 
 
 def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
-    """Difference of a reading from its prediction, in units of the expected spread."""
     spread = (limits[name].high_v - limits[name].low_v) / 4.0
     if is_tone(name) and limits[name].low_v > 0.0:
         # What is left of a tone has the same relative spread, and the meter's own error.
@@ -294,7 +290,6 @@ def list_unsimulated(plan: BringUp) -> list[str]:
 
 
 def _list_wrong_resistances(plan: BringUp, fault: Fault) -> Iterator[str]:
-    """Yield the readings of the ohmmeter that a fault takes out of their limits."""
     found = resistance_limits(replace(plan.board, circuit=fault.circuit))
     for name, limits in plan.before_power.items():
         if not limits.low_v <= found[name].expected_v <= limits.high_v:

@@ -34,7 +34,6 @@ from fingertip.board.bringup.prediction import (
 )
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import (
     AD623_OFFSET_V,
     AD623_SUPPLY_A,
@@ -47,6 +46,7 @@ from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
+    RECT_OUT,
     SENSOR,
     TACTILE,
     VCC,
@@ -134,7 +134,6 @@ def _limit_pins(
     tone_v: float,
     random: np.random.Generator,
 ) -> dict[str, Limits]:
-    """Limits of the readings at J3, against supply ground."""
     found = {}
     for pin in list_output_pins(board.circuit):
         if pin.source == ENVELOPE:
@@ -158,7 +157,6 @@ def _limit_pins(
 
 
 def _widen(expected_v: float, drawn_v: Array, meter: tuple[float, float]) -> Limits:
-    """Limits of a reading: the extremes of the boards, and the meter's error."""
     ratio, constant_v = meter
     low, high = min(expected_v, float(drawn_v.min())), max(expected_v, float(drawn_v.max()))
     error_v = ratio * max(abs(low), abs(high)) + constant_v
@@ -192,7 +190,6 @@ def _limit_envelope(
 
 
 def _draw(path: Network, board: Board, random: np.random.Generator) -> dict[str, Value]:
-    """Draw the values of a network's parts within their tolerances."""
     drawn: dict[str, Value] = {}
     for name in sorted({term.quantity for term in path.terms}):
         ratio = _TEST_PART_RATIO.get(name) or _find_tolerance(name, board)
@@ -204,13 +201,11 @@ def _draw(path: Network, board: Board, random: np.random.Generator) -> dict[str,
 
 
 def _change(board: Board, reference: str, sign: float) -> Circuit:
-    """Change a part's value by its tolerance."""
     value = parse_component_value(board.circuit.component(reference).value)
     return board.circuit.replace(reference, f"{value * (1.0 + sign * _find_tolerance(reference, board)):.10g}")
 
 
 def _find_tolerance(reference: str, board: Board) -> float:
-    """Relative tolerance of a part; 0 of what is none."""
     parts = {part.reference: part for part in board.circuit.components}
     requirement = parts[reference].requirement if reference in parts else None
     return requirement.tolerance_percent / 100.0 if requirement else 0.0

@@ -29,13 +29,13 @@ from fingertip.board.bringup.bench import (
 )
 from fingertip.board.bringup.rectifier import Drive, mean_voltages
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
+    RECT_OUT,
     REFERENCE,
     SENSOR,
     STAGE1_OUT,
@@ -234,7 +234,6 @@ def solve_constant(
 
 
 def _rank(net: str) -> int:
-    """Place of an output along the signal path."""
     return _PATH.index(net) if net in _PATH else len(_PATH)
 
 

@@ -12,8 +12,7 @@ from fingertip.board.bringup.bench import HOST, TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
 from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
-from fingertip.board.circuits.signal_paths import RECT_OUT
-from fingertip.board.parts.circuit import VCC, VMID
+from fingertip.board.parts.circuit import RECT_OUT, VCC, VMID
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.toml_files import read_toml
@@ -265,7 +264,6 @@ def _note_idle_level(plan: BringUp, volts: float, threshold_v: float) -> list[st
 
 
 def _explain_reading(row: dict[str, Any]) -> str:
-    """Say what a reading that fails means."""
     if row["name"] == SUPPLY_MA and abs(row["measured"]) <= _NO_CURRENT * row["limits"][0]:
         return "no current: the supply is reversed or not connected, or the meter is not in series with it"
     return _HINTS[row["name"]]
@@ -305,7 +303,6 @@ def _verdict(diagnosis: Diagnosis, count: int, rows: list[dict[str, Any]], sourc
 
 
 def _name_likely(diagnosis: Diagnosis, count: int) -> str:
-    """Name the likely faults, or the mistake of the measurement."""
     names = [each.fault.sentence for each in diagnosis.likely if each.fault.reference]
     again = f"measure {', '.join(diagnosis.failed)} again"
     if not diagnosis.likely and count >= MIN_READINGS:

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.circuits.signal_paths import RECT_OUT
 from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
-from fingertip.board.parts.circuit import ENVELOPE, FILTERED, RAILS, Circuit
+from fingertip.board.parts.circuit import ENVELOPE, FILTERED, RAILS, RECT_OUT, Circuit
 from fingertip.foundation.numerics import Array
 
 Indices = NDArray[np.int_]
@@ -156,7 +155,6 @@ def has_diode(circuit: Circuit, reference: str) -> bool:
 
 
 def _find_ends(circuit: Circuit, reference: str, column: Mapping[str, int]) -> tuple[int, int]:
-    """Columns of a diode's anode and cathode; of nothing if it is not fitted."""
     if not has_diode(circuit, reference):
         return 0, 0
     return column[circuit.net_by_pin[reference, "2"]], column[circuit.net_by_pin[reference, "1"]]

@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
-from fingertip.board.circuits.signal_paths import SLIP
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_FILTERED,
     ADC_TACTILE,
     GND,
     POWER_IN,
+    SLIP,
     VCC,
     VEE,
     VMID,

@@ -202,7 +202,6 @@ _LOW_LEAKAGE_MODEL = """\
 
 
 def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Iterator[str]:
-    """Yield a model for each type of amplifier in the circuit, then the other models."""
     for name in sorted({component.symbol.name for component in circuit.components} & set(AMPLIFIERS)):
         yield _amplifier_model(name, gain_bandwidth_hz, worst_case)
     gain_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)

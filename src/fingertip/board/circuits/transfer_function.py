@@ -176,7 +176,6 @@ def _convolve(a: Coefficients, b: Coefficients) -> Coefficients:
 
 
 def _alternate(coefficients: Coefficients) -> Coefficients:
-    """Coefficients with alternating signs, from the highest power downwards."""
     signed = [c if i % 2 == 0 else -c for i, c in enumerate(coefficients)]
     return signed[::-1]
 

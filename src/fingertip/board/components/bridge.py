@@ -218,7 +218,6 @@ def article_error_v(
 
 
 def _slope(points: list[tuple[float, float]]) -> float:
-    """Slope of the least-squares line through points (x, y)."""
     x0, y0 = (sum(p[i] for p in points) / len(points) for i in (0, 1))
     return sum((x - x0) * (y - y0) for x, y in points) / sum((x - x0) ** 2 for x, _ in points)
 

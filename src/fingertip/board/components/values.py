@@ -32,7 +32,7 @@ from fingertip.design.parameters import Board
 # Supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
 #
 # On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply
-# of 5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.formulas.supply`). Bridge, filters, rectifier,
+# of 5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.formulas.filter`). Bridge, filters, rectifier,
 # envelope and threshold refer to it, and the amplifiers need rail-to-rail inputs and outputs. The board for 3.3 V is
 # made for the controller of a hand: its outputs stay within the supply, its connectors are keyed and lock, a reversed
 # supply does no harm, and the bridge is fed from VREF, a buffered ratio of the supply without its ripple.

@@ -90,7 +90,6 @@ def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> byt
 
 
 def _format_source(selection: Selection) -> str:
-    """Titles of the documents from which the numbers of part and alternate were copied."""
     parts = (selection.part, selection.alternate)
     titles = [load_sources()[part.source].title for part in parts if part]
     return "; alternate: ".join(dict.fromkeys(titles))

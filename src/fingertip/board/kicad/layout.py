@@ -88,17 +88,14 @@ def kicad_pcb_file(circuit: Circuit, placement: Placement, template: Template, h
 
 
 def _xy(head: str, x: float, y: float) -> Expression:
-    """Point on KiCad's page."""
     return (head, number(PAGE_OFFSET_MM[0] + x), number(PAGE_OFFSET_MM[1] + y))
 
 
 def _at(x: float, y: float, *angle: int) -> Expression:
-    """Position on KiCad's page, with an optional angle [degree]."""
     return (*_xy("at", x, y), *(str(a) for a in angle))
 
 
 def _text_effects(height_mm: float, *justify: str) -> Expression:
-    """Font size, line thickness and alignment of a text."""
     thickness_mm = round(height_mm * SILK_LINE_MM / TEXT_HEIGHT_MM, 3)
     font = ("font", ("size", number(height_mm), number(height_mm)), ("thickness", number(thickness_mm)))
     return ("effects", font, *((("justify", *justify),) if justify else ()))
@@ -153,7 +150,6 @@ def _back_texts(circuit: Circuit, placement: Placement, heading: Sequence[str]) 
 
 
 def _footprint(circuit: Circuit, component: Component, placement: Placement, net_codes: dict[str, int]) -> Expression:
-    """Footprint of a component with its fields, outlines and pads."""
     position = placement.positions[component.reference]
     footprint = FOOTPRINTS[component.footprint]
     nets = {
@@ -201,7 +197,6 @@ def _footprint(circuit: Circuit, component: Component, placement: Placement, net
 
 
 def _model(component: Component) -> Iterator[Expression]:
-    """Yield the reference to a component's 3D model, in the folder that a variable of the project names."""
     if has_model(component.footprint):
         origin, unit = ("xyz", "0", "0", "0"), ("xyz", "1", "1", "1")
         path = f"${{{MODEL_VARIABLE}}}/{model_path(component.footprint)}"
@@ -278,7 +273,6 @@ def _property(
 
 
 def _outlines(footprint: Footprint, identifier: Callable[[str], str]) -> Iterator[Expression]:
-    """Courtyard, body outline, silkscreen lines and the dot beside pin 1."""
 
     def stroke(width_mm: float) -> Expression:
         return ("stroke", ("width", number(width_mm)), ("type", "solid"))

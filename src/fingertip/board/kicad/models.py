@@ -43,8 +43,6 @@ end of x, y and z where i, j and k are 1."""
 
 
 class _Entities:
-    """Numbered entities of a STEP file."""
-
     def __init__(self) -> None:
         self.lines: list[str] = []
 
@@ -75,7 +73,6 @@ def step_file(name: str, blocks: Sequence[Block]) -> bytes:
 
 
 def _add_product(entities: _Entities, name: str) -> str:
-    """Add the product and return the shape that stands for it."""
     add = entities.add
     application = add("APPLICATION_CONTEXT('automotive design')")
     add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{application})")
@@ -89,7 +86,6 @@ def _add_product(entities: _Entities, name: str) -> str:
 
 
 def _add_context(entities: _Entities) -> str:
-    """Add the units, millimetre and radian, and the context that refers to them."""
     add = entities.add
     length = add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
     angle = add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
@@ -102,7 +98,6 @@ def _add_context(entities: _Entities) -> str:
 
 
 def _add_block(entities: _Entities, block: Block) -> str:
-    """Add a box and return its solid."""
     ends = zip(block.low, block.high, strict=True)
     corners: list[Corner] = [(x, y, z) for x, y, z in product(*ends)]
     points = [_add_point(entities, corner) for corner in corners]

@@ -144,7 +144,6 @@ def courtyard_overlaps(circuit: Circuit, placement: Placement) -> Iterator[tuple
 
 
 def _overlap(one: str, a: Box, other: str, b: Box) -> bool:
-    """Return whether the courtyards of two components, given with their references, overlap."""
     if min(a[2], b[2]) - max(a[0], b[0]) <= 1e-9 or min(a[3], b[3]) - max(a[1], b[1]) <= 1e-9:
         return False
     # The courtyard of a mounting hole is round: it may not reach into the corner of its box.
@@ -156,7 +155,6 @@ def _overlap(one: str, a: Box, other: str, b: Box) -> bool:
 
 
 def _circle_overlaps(circle: Box, box: Box) -> bool:
-    """Return whether the circle inscribed in one box overlaps another box."""
     x, y = (circle[0] + circle[2]) / 2, (circle[1] + circle[3]) / 2
     nearest = (min(max(x, box[0]), box[2]), min(max(y, box[1]), box[3]))
     return math.dist((x, y), nearest) < (circle[2] - circle[0]) / 2

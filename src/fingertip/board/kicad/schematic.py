@@ -269,7 +269,6 @@ def _title_block(title: str) -> Expression:
 
 
 def _at(x: float, y: float, *angle: int) -> Expression:
-    """Position on the sheet, given in units, with an optional angle [degree]."""
     return ("at", number(x * UNIT_MM), number(y * UNIT_MM), *(str(a) for a in angle))
 
 

@@ -124,7 +124,6 @@ def apply_supply(sheet: Sheet, supply: Supply) -> Sheet:
 
 
 def _lies_between(a: Point, c: Point, b: Point) -> bool:
-    """Return whether c lies inside the horizontal or vertical segment from a to b."""
     if a[0] == b[0] == c[0]:
         return min(a[1], b[1]) < c[1] < max(a[1], b[1])
     return a[1] == b[1] == c[1] and min(a[0], b[0]) < c[0] < max(a[0], b[0])
@@ -171,7 +170,6 @@ def _read_unit(unit: dict[str, Any]) -> UnitGraphic:
 
 
 def _freeze(value: Any) -> Any:
-    """Turn lists into tuples."""
     return tuple(map(_freeze, value)) if isinstance(value, list) else value
 
 

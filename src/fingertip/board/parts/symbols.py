@@ -1,120 +1,52 @@
 """Symbols and footprints used, by their long-standing names in KiCad's own libraries.
 
-Pins are copied here so that writing a netlist does not need KiCad. A test compares them with those of KiCad 9.
+`symbols.json` is a copy of the pins, so that writing a netlist does not need KiCad. A test compares it with KiCad 9.
 """
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 from fingertip.board.parts.circuit import Pin, Symbol
 
 
-def _passive(*names: str) -> tuple[Pin, ...]:
-    return tuple(Pin(str(number), name, "passive") for number, name in enumerate(names, start=1))
+def _load_symbols() -> dict[str, Symbol]:
+    rows = json.loads((Path(__file__).parent / "symbols.json").read_text("utf-8"))
+    return {
+        row["name"]: Symbol(row["library"], row["name"], row["description"], tuple(Pin(*pin) for pin in row["pins"]))
+        for row in rows
+    }
 
 
-RESISTOR = Symbol("Device", "R", "Resistor", _passive("~", "~"))
-CAPACITOR = Symbol("Device", "C", "Unpolarized capacitor", _passive("~", "~"))
-DIODE_1N4148W = Symbol("Diode", "1N4148W", "Fast switching diode, SOD-123", _passive("K", "A"))
-BAT54S = Symbol("Diode", "BAT54S", "Dual Schottky diode in series, SOT-23", _passive("A", "K", "COM"))
-AO3401A = Symbol(
-    "Transistor_FET",
-    "AO3401A",
-    "P-channel MOSFET, SOT-23",
-    (Pin("1", "G", "input"), Pin("2", "S", "passive"), Pin("3", "D", "passive")),
-)
-TEST_POINT = Symbol("Connector", "TestPoint", "test point", _passive("1"))
-MOUNTING_HOLE = Symbol("Mechanical", "MountingHole", "Mounting Hole without connection", ())
-CONNECTOR_2 = Symbol("Connector_Generic", "Conn_01x02", "Generic connector, 1x2", _passive("Pin_1", "Pin_2"))
-CONNECTOR_3 = Symbol("Connector_Generic", "Conn_01x03", "Generic connector, 1x3", _passive("Pin_1", "Pin_2", "Pin_3"))
-CONNECTOR_4 = Symbol(
-    "Connector_Generic", "Conn_01x04", "Generic connector, 1x4", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4")
-)
-CONNECTOR_5 = Symbol(
-    "Connector_Generic", "Conn_01x05", "Generic connector, 1x5", _passive("Pin_1", "Pin_2", "Pin_3", "Pin_4", "Pin_5")
-)
-
-
-def _locking_connector(pins: int) -> Symbol:
-    """Connector with a mounting pin, as the footprints of surface-mount connectors require."""
-    contacts = _passive(*(f"Pin_{i}" for i in range(1, pins + 1)))
-    return Symbol(
-        "Connector_Generic_MountingPin",
-        f"Conn_01x{pins:02}_MountingPin",
-        f"Generic connector with mounting pin, 1x{pins}",
-        (*contacts, Pin("MP", "MountPin", "passive")),
-    )
-
-
-LOCKING_CONNECTOR_2, LOCKING_CONNECTOR_10 = _locking_connector(2), _locking_connector(10)
-_DUAL_PINS = (
-    Pin("1", "~", "output"),
-    Pin("2", "-", "input"),
-    Pin("3", "+", "input"),
-    Pin("4", "V-", "power_in"),
-    Pin("5", "+", "input"),
-    Pin("6", "-", "input"),
-    Pin("7", "~", "output"),
-    Pin("8", "V+", "power_in"),
-)
-TL082 = Symbol("Amplifier_Operational", "TL082", "Dual JFET-input operational amplifier, SOIC-8", _DUAL_PINS)
-
-
-def _rail_to_rail(name: str) -> Symbol:
-    description = "Dual operational amplifier, inputs and outputs to both rails, SOIC-8"
-    return Symbol("Amplifier_Operational", name, description, _DUAL_PINS)
-
-
-TLV2372 = _rail_to_rail("TLV2372")
+SYMBOLS = _load_symbols()
+RESISTOR = SYMBOLS["R"]
+CAPACITOR = SYMBOLS["C"]
+DIODE_1N4148W = SYMBOLS["1N4148W"]
+BAT54S = SYMBOLS["BAT54S"]
+AO3401A = SYMBOLS["AO3401A"]
+TEST_POINT = SYMBOLS["TestPoint"]
+MOUNTING_HOLE = SYMBOLS["MountingHole"]
+CONNECTOR_2 = SYMBOLS["Conn_01x02"]
+CONNECTOR_3 = SYMBOLS["Conn_01x03"]
+CONNECTOR_4 = SYMBOLS["Conn_01x04"]
+CONNECTOR_5 = SYMBOLS["Conn_01x05"]
+LOCKING_CONNECTOR_2 = SYMBOLS["Conn_01x02_MountingPin"]
+LOCKING_CONNECTOR_10 = SYMBOLS["Conn_01x10_MountingPin"]
+TL082 = SYMBOLS["TL082"]
+TLV2372 = SYMBOLS["TLV2372"]
+TLV2371 = SYMBOLS["TLV2371DBV"]
+AD623 = SYMBOLS["AD623ARMZ"]
+TRIMMER = SYMBOLS["R_Potentiometer"]
+LMV331 = SYMBOLS["LMV331"]
 DUAL_AMPLIFIERS = {
-    "TL082": TL082,
-    "TLV2372": TLV2372,
-    "MCP6022": _rail_to_rail("MCP6022"),
-    "OPA2376": _rail_to_rail("OPA2376xxD"),
-    "OPA2197": _rail_to_rail("LM2904"),
+    "TL082": SYMBOLS["TL082"],
+    "TLV2372": SYMBOLS["TLV2372"],
+    "MCP6022": SYMBOLS["MCP6022"],
+    "OPA2376": SYMBOLS["OPA2376xxD"],
+    "OPA2197": SYMBOLS["LM2904"],
 }
 """Dual amplifiers for the filter and the rectifier, by name."""
-TLV2371 = Symbol(
-    "Amplifier_Operational",
-    "TLV2371DBV",
-    "Operational amplifier, inputs and output to both rails, SOT-23-5",
-    (
-        Pin("1", "~", "output"),
-        Pin("2", "V-", "power_in"),
-        Pin("3", "+", "input"),
-        Pin("4", "-", "input"),
-        Pin("5", "V+", "power_in"),
-    ),
-)
-AD623 = Symbol(
-    "Amplifier_Instrumentation",
-    "AD623ARMZ",
-    "Rail to rail instrumentation amplifier, MSOP-8",
-    (
-        Pin("1", "Rg", "passive"),
-        Pin("2", "-", "input"),
-        Pin("3", "+", "input"),
-        Pin("4", "Vs-", "power_in"),
-        Pin("5", "Ref", "passive"),
-        Pin("6", "~", "output"),
-        Pin("7", "Vs+", "power_in"),
-        Pin("8", "Rg", "passive"),
-    ),
-)
-TRIMMER = Symbol("Device", "R_Potentiometer", "Potentiometer", (
-    Pin("1", "1", "passive"), Pin("2", "2", "passive"), Pin("3", "3", "passive"),
-))  # fmt: skip
-LMV331 = Symbol(
-    "Comparator",
-    "LMV331",
-    "Comparator with open collector, SOT-23-5",
-    (
-        Pin("1", "+", "input"),
-        Pin("2", "V-", "power_in"),
-        Pin("3", "-", "input"),
-        Pin("4", "~", "open_collector"),
-        Pin("5", "V+", "power_in"),
-    ),
-)
 
 SOT_23_5 = "Package_TO_SOT_SMD:SOT-23-5"
 TC33X = "Potentiometer_SMD:Potentiometer_Bourns_TC33X_Vertical"

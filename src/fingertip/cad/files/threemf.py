@@ -11,6 +11,7 @@ import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -124,8 +125,6 @@ def _transform(item: Item) -> str:
 
 def from_bytes(data: bytes) -> Mesh:
     """Read the single object of a 3MF archive that `to_bytes` wrote."""
-    from xml.etree import ElementTree
-
     root = ElementTree.fromstring(read_items(data)[0].mesh)
     vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in root.iter("vertex")]
     triangles = [[int(t.attrib[corner]) for corner in ("v1", "v2", "v3")] for t in root.iter("triangle")]
@@ -134,8 +133,6 @@ def from_bytes(data: bytes) -> Mesh:
 
 def read_items(data: bytes) -> list[Item]:
     """Read the objects of a 3MF archive that `write_items` wrote; their meshes stay text."""
-    from xml.etree import ElementTree
-
     with zipfile.ZipFile(io.BytesIO(data)) as bundle:
         first, *others = bundle.read("3D/3dmodel.model").decode().split("<mesh>")
     meshes, between = zip(*(other.split("</mesh>") for other in others), strict=True)

@@ -39,13 +39,13 @@ try:
     import cadquery as cq
     from OCP.BinTools import BinTools
     from OCP.BRep import BRep_Tool
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
     from OCP.BRepGProp import BRepGProp
-    from OCP.Geom import Geom_BezierSurface
+    from OCP.Geom import Geom_BezierCurve, Geom_BezierSurface
     from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
-    from OCP.TColgp import TColgp_Array2OfPnt
-    from OCP.TColStd import TColStd_Array2OfReal
+    from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
+    from OCP.TColStd import TColStd_Array1OfReal, TColStd_Array2OfReal
     from OCP.TopoDS import TopoDS_Shape
 except ImportError as error:
     extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
@@ -297,11 +297,6 @@ def _end(section: CrossSection, z: float, scale: float) -> Any:
 
 def _arc(row: Any, z: float) -> Any:
     """Create an edge in the plane at height `z` [mm] from control points (x, y, weight)."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
-    from OCP.Geom import Geom_BezierCurve
-    from OCP.TColgp import TColgp_Array1OfPnt
-    from OCP.TColStd import TColStd_Array1OfReal
-
     poles, weights = TColgp_Array1OfPnt(1, len(row)), TColStd_Array1OfReal(1, len(row))
     for i, (x, y, w) in enumerate(row, 1):
         poles.SetValue(i, gp_Pnt(x, y, z))

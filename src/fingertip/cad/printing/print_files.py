@@ -10,7 +10,7 @@ from fingertip.cad.files import stl
 from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
-from fingertip.cad.printing.overhang import OVERHANG_DEG, Pose, bed_pose
+from fingertip.cad.printing.overhang import OVERHANG_DEG, bed_pose
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
 
@@ -218,16 +218,11 @@ def make_print_files(
             for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
                 items = []
                 for part in plate:
-                    stands, pose = supports[part.name], _place(part, poses[part.name], meshes[part.name])
-                    lies = orientations[part.name]
+                    stands, lies, pose = supports[part.name], orientations[part.name], poses[part.name]
+                    pose = (pose.turned() if part.is_turned else pose).on_bed(meshes[part.name], part.x, part.y)
                     settings = slicer_settings(part.name, lies, stands) if kind is FDM else ()
                     note = describe_part(kind, part.name, lies, stands, material)
                     items.append(Item(part.name, encoded[part.name], note, pose.rotation, pose.shift, settings))
                 contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
                 plates[file] = tuple(part.name for part in plate)
     return PrintFiles(contents, plates)
-
-
-def _place(part: Placed, pose: Pose, mesh: Mesh) -> Pose:
-    """Move a part to its place on the plate."""
-    return (pose.turned() if part.is_turned else pose).on_bed(mesh, part.x, part.y)

@@ -122,7 +122,8 @@ def lay_out(design: Design) -> Layout:
     )
     middle_top = _top(first) + GAP_MM
     walls_y = _top(second) + GAP_MM
-    ends = max(_end(first) + _WINDOW_MM, _end(second) + _WINDOW_MM, _end_of_walls() + _WINDOW_MM)
+    end_of_walls = RIB_MM + _WALL_GAP_MM + sum(WALLS_MM) + _WALL_GAP_MM * len(WALLS_MM)
+    ends = max(_end(first) + _WINDOW_MM, _end(second) + _WINDOW_MM, end_of_walls + _WINDOW_MM)
     width = max(MIN_SIZE_MM, ends + RIB_MM)
     depth = max(MIN_SIZE_MM, walls_y + _WALL_LENGTH_MM + RIB_MM)
     inner = width - 2 * RIB_MM
@@ -163,11 +164,6 @@ def _top(spots: Mapping[str, Spot]) -> float:
 
 def _end(spots: Mapping[str, Spot]) -> float:
     return max(spot.high[0] for spot in spots.values())
-
-
-def _end_of_walls() -> float:
-    """End of the row of thin walls, across the frame [mm]."""
-    return RIB_MM + _WALL_GAP_MM + sum(WALLS_MM) + _WALL_GAP_MM * len(WALLS_MM)
 
 
 def has_key(design: Design) -> bool:

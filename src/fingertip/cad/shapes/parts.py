@@ -41,10 +41,6 @@ class Part:
         return "" if self.is_printed else "cast in silicone, not to be printed"
 
 
-def _bolt_hole_count(design: Design) -> int:
-    return len(design.mold_layout.bolts)
-
-
 def _dorsal_hole_count(design: Design) -> int:
     """Count the bolt holes, the vents through the dorsal half, its inlet, and the hole of the chaplet's screw."""
     layout = design.mold_layout
@@ -61,7 +57,7 @@ PARTS: dict[str, Part] = {
             exists_in=lambda design: design.dimensions.fold is not None,
         ),
         Part("skin", skin.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False),
-        Part("mold_palmar", mold.mold_palmar, _bolt_hole_count, (0.45, 0.58, 0.70), True),
+        Part("mold_palmar", mold.mold_palmar, lambda design: len(design.mold_layout.bolts), (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, _dorsal_hole_count, (0.62, 0.72, 0.80), True),
         Part(
             "core", insert.core, lambda design: 0, (0.70, 0.78, 0.62), True,

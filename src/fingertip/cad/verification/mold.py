@@ -34,7 +34,6 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.geometry.solids import Solid, difference, intersection, union
-from fingertip.design.silicone import select_silicone
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, largest_pocket, place_vents, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, head_pressure_pa
 
@@ -276,7 +275,7 @@ _GRAVITY_M_S2 = 9.81
 
 def check_filling(design: Design) -> Iterator[Check]:
     """Check the filling of a mold with the silicone of its design."""
-    prediction, silicone = predict_mold_filling(design), select_silicone(design)
+    prediction, silicone = predict_mold_filling(design), design.silicone.material
     allowed_s = silicone.filling_limit_s
     syringe = design.mold_layout.inlet.syringe if design.mold_layout.inlet else None
     yield Check("mold.fill_time", prediction.fill_s, allowed_s, "s")
@@ -368,7 +367,7 @@ def leak_mm(design: Design) -> float:
     During the filling the gate's pressure drives it, of which the integral over the viscosity is that of the cavity's
     resistance; later the head of the silicone does.
     """
-    silicone, prediction, dims = select_silicone(design), predict_mold_filling(design), design.dimensions
+    silicone, prediction, dims = design.silicone.material, predict_mold_filling(design), design.dimensions
     section = dims.collar.section
     widening = add_draft(section, dims.draft_slope).half_width - section.half_width if dims.draft_slope else 0.0
     gap_mm = design.printed_fit_mm + widening

@@ -110,7 +110,8 @@ class Clevis(JointInterface):
             yield LocalStress(
                 "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_shock=False
             )
-            length = _anchor_length(design.dimensions, anchor)
+            # The length of the anchor's hole in both cheeks together.
+            length = 2 * (design.dimensions.collar.section.half_width_at(anchor.y) - anchor.inner_half_width)
             yield LocalStress("bearing of the anchor", anchor.z, force / (length * 2 * anchor.radius), at_shock=False)
             shear = force / (2 * length * design.bone.wall_mm)
             yield LocalStress("wall at the anchor", anchor.z, VON_MISES_SHEAR * shear, at_shock=False)
@@ -259,8 +260,3 @@ def _eye_thickness(dims: Dimensions, joint: Joint) -> float:
     section = dims.bone_outline.section
     edges = (joint.axis_y - joint.pin_radius, joint.axis_y + joint.pin_radius)
     return 2 * (min(section.half_width_at(y) for y in edges) - joint.half_width)
-
-
-def _anchor_length(dims: Dimensions, anchor: TendonAnchor) -> float:
-    """Length [mm] of the anchor's hole in both cheeks together."""
-    return 2 * (dims.collar.section.half_width_at(anchor.y) - anchor.inner_half_width)

@@ -12,11 +12,13 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
+from fingertip.catalogues.silicones import SILICONES
 from fingertip.design.parameters.bone import Bone, Hand, Strength
-from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
+from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, suggest_name, text
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
+from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
+from fingertip.foundation.errors import DesignError, Issue
 
 __all__ = [
     "ELECTRONIC_TABLES",
@@ -83,6 +85,14 @@ class Tables(BaseModel):
             else:
                 update[key] = value
         return self.model_copy(update=update)
+
+    def with_silicone(self, name: str | None, field: str = "--material") -> Self:
+        """Copy the tables with another silicone; the tables themselves if no name is given. Raises DesignError."""
+        if name is None or name == self.silicone.product:
+            return self
+        if name not in SILICONES and name != OWN:
+            raise DesignError(Issue(field, f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
+        return self.with_values({"silicone.product": name})
 
 
 def _list_fields() -> Mapping[str, FieldInfo]:

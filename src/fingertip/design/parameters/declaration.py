@@ -182,7 +182,7 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{shown} is not known; choose {context['expected']}.{suggestion}")
         case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
             return Issue(field, f"{shown} holds several changes; give --set once for each of them.")
-        case "float_type" | "int_type" if isinstance(value, str) and _starts_with_number(value):
+        case "float_type" | "int_type" if isinstance(value, str) and re.match(r"\s*[-+]?\.?\d", value):
             number = f"the number{unit and ' in' + unit}"
             return Issue(field, f"{shown} is not a number; write {number}, without its unit.")
         case "float_type" | "int_type":
@@ -197,7 +197,7 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
         case "list_type":
             text = shorten(str(value), MAX_VALUE_LENGTH).strip("[]").split(",")
-            items = ",".join(_quote(item.strip()) for item in text)
+            items = ",".join(json.dumps(item.strip(), ensure_ascii=False) for item in text)
             return Issue(field, f"{shown} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
         case "dict_type":
             return Issue(field, f"{shown} is not a table; write [{field}] and its entries below it.")
@@ -217,15 +217,6 @@ def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseMod
         if info and isinstance(info.annotation, type) and issubclass(info.annotation, BaseModel):
             model = info.annotation
     return model
-
-
-def _starts_with_number(text: str) -> bool:
-    return re.match(r"\s*[-+]?\.?\d", text) is not None
-
-
-def _quote(value: Any) -> str:
-    """Write a value as TOML does: text in double quotes, true and false in lower case."""
-    return json.dumps(value, ensure_ascii=False, default=str)
 
 
 def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Literal
 
-from fingertip.catalogues.silicones import SiliconeName
+from fingertip.catalogues.sensors import PART_TO_PART, SensorName
+from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone, SiliconeName
 from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
 
 
 class Sensor(ParameterTable):
     """Force-sensing resistor, and its pocket in the bone."""
 
-    model: Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom"] = choice(
+    model: Literal[SensorName, "custom"] = choice(
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(
@@ -118,6 +119,17 @@ class Skin(ParameterTable):
     )
 
 
+OWN = "own"
+"""Name that stands for the user's own silicone."""
+_COMPONENTS = {"addition": ("part A", "part B"), "condensation": ("base", "catalyst")}
+"""Names of the components of a silicone of one's own, by its cure system."""
+_STATED = (
+    "parts_a", "parts_b", "viscosity_pa_s", "density_g_cm3", "shore_a", "modulus_mpa", "shrinkage_percent",
+    "pot_life_min", "cure_h", "elongation_percent",
+)  # fmt: skip
+"""Properties of a silicone of one's own, which the table states by the same names."""
+
+
 class ChosenSilicone(ParameterTable):
     """Silicone of the skin. All figures below product are used only if it is "own"; copy them from your data sheet."""
 
@@ -165,6 +177,14 @@ class ChosenSilicone(ParameterTable):
     elongation_percent: float = quantity(300.0, "%", "Elongation at break.", minimum=10, maximum=2000)
     shrinkage_percent: float = quantity(0.2, "%", "Linear shrinkage; 0.001 in/in are 0.1 %.", minimum=0, maximum=5)
 
+    @property
+    def material(self) -> Silicone:
+        """Silicone of the catalogue, or the one that the user's own figures describe."""
+        if self.product != OWN:
+            return SILICONES[self.product]
+        stated = {name: MaterialProperty(value := getattr(self, name), value, "design") for name in _STATED}
+        return Silicone(OWN, self.label, self.cure, _COMPONENTS[self.cure], self.ratio_by, **stated)
+
 
 TURN_ON_N = 0.2
 """Force [N] below which a typical sensor is open: 20 gram force (Interlink; light contact in the article)."""
@@ -194,3 +214,16 @@ class ForceCurve(ParameterTable):
         minimum=1,
         maximum=1000,
     )
+
+    def describe(self) -> str:
+        """Describe in a sentence how far forces can be trusted, for wherever a force is shown."""
+        if self.curve == "calibrated":
+            return (
+                f"forces hold for the calibrated sensor, within a factor of {self.interval_factor:.3g} (95 %) between "
+                f"{self.min_force_n:g} and {self.max_force_n:g} N"
+            )
+        usual, bad = PART_TO_PART
+        return (
+            f"forces hold for a typical sensor; the readings of real ones differ by a factor of {usual:g} to {bad:g} "
+            "at the same force, so calibrate yours: fingertip calibrate sensor"
+        )

@@ -36,7 +36,6 @@ from fingertip.board.bringup.plan import (
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
 from fingertip.board.bringup.readings import IDLE_SHARE
 from fingertip.board.bringup.wiring import list_pins
-from fingertip.board.circuits.signal_paths import RECT_OUT, SLIP, THRESHOLD
 from fingertip.board.kicad.placement import PlacedPad, Placement, place_pads
 from fingertip.board.kicad.project import find_configuration
 from fingertip.board.parts.circuit import (
@@ -46,11 +45,14 @@ from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
+    RECT_OUT,
     REFERENCE,
     SENSOR,
+    SLIP,
     STAGE1_OUT,
     STAGE2_MID,
     TACTILE,
+    THRESHOLD,
     VCC,
     VMID,
     VMID_OUT,

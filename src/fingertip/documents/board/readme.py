@@ -12,7 +12,7 @@ from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.bringup.wiring import NEEDED_PINS
-from fingertip.board.circuits.blocks import CABLE_OHM
+from fingertip.board.circuits.board_circuit import CABLE_OHM
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import POWER_UP_S, VREF_RATIO
 from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES

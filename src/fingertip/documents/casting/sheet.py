@@ -43,11 +43,11 @@ from fingertip.design import Design
 from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
-from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces import INTERFACES, interface_of
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
-Data = dict[str, Any]
+Data = Mapping[str, Any]
 
 _SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
@@ -328,9 +328,10 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
 
 def steps(data: Data) -> list[Step]:
     """List the steps of the procedure, in order."""
-    _, *pages = render("casting/procedure.md", **_add_uses(data)).split("## ")
+    weakest = INTERFACES[data["interface"]].weakest
+    _, *pages = render("casting/procedure.md", **_add_uses(data), weakest=weakest).split("## ")
     return [Step(name, " ".join(text.split())) for name, _, text in (page.partition("\n") for page in pages)]
 
 
 def _add_uses(data: Data) -> Data:
-    return data | {"uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}
+    return {**data, "uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}

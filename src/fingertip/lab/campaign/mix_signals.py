@@ -122,7 +122,7 @@ def filter_as_board(design: Design, volts: Array) -> Array | None:
     return np.asarray(np.clip(filtered_v, -range_v, range_v))
 
 
-def _sample(design: Design, rng: np.random.Generator, signal: LabelledSignal) -> LabelledSignal:
+def _record(design: Design, rng: np.random.Generator, signal: LabelledSignal) -> LabelledSignal:
     """Sample the tactile voltage of a signal, and what an ideal board filters of it."""
     voltage_v, filtered_v = sample(design, rng, signal.voltage_v), filter_as_board(design, signal.voltage_v)
     return replace(
@@ -162,7 +162,7 @@ def _burst(
     volts[first : first + length] += burst
     kind = "burst above 60 Hz" if high_ratio(burst, rate) <= MAX_HIGH_RATIO else "burst below 60 Hz"
     slide = Slide(first / rate, first / rate, (first + length) / rate)
-    return _sample(design, rng, LabelledSignal(kind, rate, volts, (slide,), strength_v=strength_v))
+    return _record(design, rng, LabelledSignal(kind, rate, volts, (slide,), strength_v=strength_v))
 
 
 def ringing_knock(design: Design, seed: int, low_v: float = 0.05, high_v: float = 0.5) -> LabelledSignal:
@@ -177,7 +177,7 @@ def ringing_knock(design: Design, seed: int, low_v: float = 0.05, high_v: float 
         since_s = np.clip(times_s - start_s, 0.0, None)
         volts -= height_v * np.sin(2 * math.pi * ring_hz * since_s) * np.exp(-since_s / decay_s)
         events.append(Interval(start_s, start_s + 5 * decay_s))
-    return _sample(design, rng, LabelledSignal("ringing knock", rate, volts, (), tuple(events)))
+    return _record(design, rng, LabelledSignal("ringing knock", rate, volts, (), tuple(events)))
 
 
 def long_slide(design: Design, seed: int, strength_v: float, duration_s: float = 8.0) -> LabelledSignal:
@@ -189,7 +189,7 @@ def long_slide(design: Design, seed: int, strength_v: float, duration_s: float =
     volts = np.full(first + length + round(0.5 * rate), draw_rest_v(design, rng))
     volts[first : first + length] += slide_v
     slide = Slide(start_s, start_s, start_s + duration_s)
-    return _sample(design, rng, LabelledSignal("long slide", rate, volts, (slide,), strength_v=strength_v))
+    return _record(design, rng, LabelledSignal("long slide", rate, volts, (slide,), strength_v=strength_v))
 
 
 def simulate_scene(

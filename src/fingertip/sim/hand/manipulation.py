@@ -233,7 +233,7 @@ def _collect_result(stepper: ManipulationStepper) -> ManipulationResult:
 
 
 def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Issue]:
-    issues = list(scene.find_design_issues(design, seed))
+    issues = []
     needed, available = thumb_force_n(scene, scene.grasp.max_margin), scene.hand.max_force_n
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
     if needed > strongest:
@@ -243,4 +243,5 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     elif needed > available:
         message = f"{available:g} N is less than the thumb needs for {mass_kg:g} kg; at least {round_up(needed):g} N."
         issues.append(Issue("hand.max_force_n", message))
-    return issues
+    found, after_seed = list(scene.find_design_issues(design, seed)), int(seed < 0)
+    return [*found[:after_seed], *issues, *found[after_seed:]]

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
-from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL
 
@@ -187,6 +186,7 @@ def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
 
 def find_second_column(design: Design, name: str) -> str | None:
     """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
+    from fingertip.design.formulas.filter import filtered_range_v
 
     second = find_detector_type(name).second_column
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None

@@ -1,20 +1,24 @@
-"""Report on a sweep: summary, plots and best design, made from its rows."""
+"""Report on a sweep: summary, plots and best design, and its rows as CSV and Parquet."""
 
 from __future__ import annotations
 
 import csv
 import io
+import itertools
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from fingertip.foundation import extras
+from fingertip.foundation.files import open_atomic
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report.summary import SweepSummary
+    from fingertip.sweep.rows import SweepRow
 
 
 def write_report(
@@ -32,8 +36,7 @@ def write_report(
     Raises OutputError or SweepError.
     """
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.sweep.report.best_design import format_best_design
-    from fingertip.sweep.report.summary import describe_best, format_text, summarise, to_json_data
+    from fingertip.sweep.report.summary import describe_best, format_best_design, format_text, summarise, to_json_data
 
     progress("reading the rows")
     if plan is not None:
@@ -63,7 +66,6 @@ def write_report(
 
 
 def _format_front(summary: SweepSummary) -> bytes:
-    """Format the Pareto front as CSV: one line with parameters and outputs for each point."""
     table = summary.table
     columns = [table.point, *table.axes.values(), *table.outputs.values()]
     out = io.StringIO()
@@ -73,3 +75,97 @@ def _format_front(summary: SweepSummary) -> bytes:
         values = [column[row].item() if column.dtype != object else column[row] for column in columns]
         lines.writerow(["" if value != value else value for value in values])  # only NaN differs from itself
     return out.getvalue().encode()
+
+
+# Export of the rows, in order of the points, with few rows in memory at a time.
+
+
+_GROUP_ROWS = 65_536
+"""Number of rows of a Parquet row group."""
+
+
+class RowSource(Protocol):
+    """Source of the exported rows, such as a `database.SweepDatabase`."""
+
+    @property
+    def plan(self) -> SweepPlan:
+        """Plan of the sweep."""
+
+    def rows(self) -> Iterator[SweepRow]:
+        """Read every row in order of the points."""
+
+
+def write_csv(source: RowSource, path: Path) -> None:
+    """Write one line for each row: point, parameters, outputs (with the unit in their name), status, field, reason.
+
+    Numbers read back exactly. An output that was not computed is empty; an unbounded one is inf. The same rows give
+    the same bytes.
+
+    Raises OutputError.
+    """
+    with open_atomic(path, "--csv") as raw:
+        text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
+        lines = csv.writer(text, lineterminator="\n")
+        lines.writerow(list_columns(source.plan))
+        for row in source.rows():
+            numbers = ("" if math.isnan(value) else value for value in row.outputs.values())
+            lines.writerow([row.point, *row.axes.values(), *numbers, row.status, row.field, row.reason])
+        text.flush()
+        text.detach()
+
+
+def write_parquet(source: RowSource, path: Path) -> None:
+    """Write the columns of `write_csv` with their types, in row groups; an output that was not computed is null.
+
+    Raises MissingLibraryError or OutputError.
+    """
+    pyarrow, parquet = load_pyarrow()
+    types = {"point": pyarrow.int64()}
+    types |= {axis.name: _choose_axis_type(pyarrow, axis.values, axis.integer) for axis in source.plan.axes}
+    types |= dict.fromkeys(source.plan.outputs, pyarrow.float64())
+    category = pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
+    texts = [("status", category), ("field", category), ("reason", pyarrow.string())]
+    schema = pyarrow.schema([*types.items(), *texts])
+    rows = source.rows()
+    with open_atomic(path, "--parquet") as raw, parquet.ParquetWriter(raw, schema) as writer:
+        while group := list(itertools.islice(rows, _GROUP_ROWS)):
+            columns = [_build_column(pyarrow, field, group) for field in schema]
+            writer.write_table(pyarrow.Table.from_arrays(columns, schema=schema), row_group_size=_GROUP_ROWS)
+
+
+def load_pyarrow() -> tuple[Any, Any]:
+    """Load the modules pyarrow and pyarrow.parquet; call this before a long sweep, not after it.
+
+    Raises MissingLibraryError.
+    """
+    remedy = "write CSV with --csv"
+    pyarrow = extras.load("pyarrow", "--parquet", alternative=remedy)
+    return pyarrow, extras.load("pyarrow.parquet", "--parquet", alternative=remedy)
+
+
+def list_columns(plan: SweepPlan) -> list[str]:
+    """List the column names of an export."""
+    return ["point", *(axis.name for axis in plan.axes), *plan.outputs, "status", "field", "reason"]
+
+
+def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> Any:
+    kinds = {type(value) for value in values}
+    if str in kinds:
+        return pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
+    if kinds == {bool}:
+        return pyarrow.bool_()
+    return pyarrow.int64() if integer or kinds == {int} else pyarrow.float64()
+
+
+def _build_column(pyarrow: Any, field: Any, group: list[SweepRow]) -> Any:
+    name, categorical = field.name, pyarrow.types.is_dictionary(field.type)
+    values: list[Any]
+    if name in ("point", "status", "field", "reason"):
+        values = [getattr(row, name) for row in group]
+    elif name in group[0].axes:
+        values = [str(row.axes[name]) if categorical else row.axes[name] for row in group]
+    else:
+        values = [None if math.isnan(row.outputs[name]) else row.outputs[name] for row in group]
+    if categorical:
+        return pyarrow.array(values, pyarrow.string()).dictionary_encode()
+    return pyarrow.array(values, field.type)

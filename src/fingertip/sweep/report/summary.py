@@ -1,15 +1,22 @@
-"""Summary of a sweep: counts, limiting rules, output ranges, sensitivities and best design, as JSON and as text."""
+"""Summary of a sweep: counts, limiting rules, output ranges, sensitivities and best design, as JSON and as text.
+
+The best design is the feasible one that the sweep's objectives prefer, of those of the Pareto front.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fingertip.sweep.report.best_design import Selection, explain_refusal, list_objectives, select_best
+from fingertip.design.files import to_toml
+from fingertip.design.model import Design
+from fingertip.foundation.errors import DesignError
+from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.report.feasibility import (
     AxisSensitivity,
     LimitingRule,
@@ -20,12 +27,13 @@ from fingertip.sweep.report.feasibility import (
     find_feasible,
     find_limiting_rules,
 )
-from fingertip.sweep.report.statistics import Column
+from fingertip.sweep.report.statistics import Column, find_nearest_to_ideal, find_pareto_front
 from fingertip.sweep.rows import STATUSES
 
 if TYPE_CHECKING:
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.rows import SweepTable
+
 
 _MAX_RULES = 12
 """Number of limiting rules in the text."""
@@ -136,7 +144,7 @@ def describe_best(summary: SweepSummary) -> str:
             example = f" Message of the first point: {_explain_first_point(summary, rule)}"
         return (
             f"None of {len(table.point)} points is feasible; the most frequent limiting rule is {rule.rule} "
-            f"({_format_percent(rule.share)}).{remedy}{example}"
+            f"({format_percent(rule.share)}).{remedy}{example}"
         )
     if not selection.objectives:
         return "The sweep has no objective; add minimise or maximise to its file to get a best design."
@@ -152,21 +160,18 @@ def describe_best(summary: SweepSummary) -> str:
 
 
 def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
-    """Return the message of the first point that a rule makes infeasible, with a remedy if there is one."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
     parameters = summary.plan.point(int(summary.table.point[row]))
     return explain_refusal(summary.plan, parameters, rule.rule, rule.example)
 
 
 def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
-    """Return the number, the parameters and the outputs of a row."""
     point = int(summary.table.point[row])
     outputs = {name: _to_json_number(float(column[row])) for name, column in summary.table.outputs.items()}
     return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}
 
 
 def _describe_output(column: Column) -> dict[str, Any]:
-    """Count the finite and the infinite values of an output; give minimum, median and maximum of the finite ones."""
     finite = column[np.isfinite(column)]
     known = len(finite) > 0
     return {
@@ -188,7 +193,7 @@ def _format_counts(summary: SweepSummary) -> str:
     feasible = int(find_feasible(table).sum())
     counts = {status: int(np.sum(table.status == status)) for status in STATUSES}
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
-    share = f" ({_format_percent(feasible / len(table.point))})" if len(table.point) else ""
+    share = f" ({format_percent(feasible / len(table.point))})" if len(table.point) else ""
     total = f"{len(table.point)} of {summary.plan.size} points"
     return f"{summary.plan.file.name}: {total}: {statuses}; {feasible} feasible{share}"
 
@@ -205,8 +210,8 @@ def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
         influence = ""
         if axis and axis.explained > 0:
             ranges = ", ".join(_format_range(*ends) for ends in axis.limiting_ranges)
-            influence = f"{axis.axis} ({_format_percent(axis.explained)})" + (f": {ranges}" if ranges else "")
-        lines.append(f"{rule.rule:34} {rule.points:8} {_format_percent(rule.share):>7}   {influence}".rstrip())
+            influence = f"{axis.axis} ({format_percent(axis.explained)})" + (f": {ranges}" if ranges else "")
+        lines.append(f"{rule.rule:34} {rule.points:8} {format_percent(rule.share):>7}   {influence}".rstrip())
     if len(rules) > _MAX_RULES:
         lines.append(f"and {len(rules) - _MAX_RULES} less frequent")
     return lines
@@ -233,7 +238,7 @@ def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[st
     ]
     for sensitivity in sensitivities:
         axes = [
-            f"{axis.axis} {_format_percent(axis.first_order_index)}{_format_direction(axis)}"
+            f"{axis.axis} {format_percent(axis.first_order_index)}{_format_direction(axis)}"
             for axis in sensitivity.axes
             if axis.first_order_index > 0
         ]
@@ -268,5 +273,98 @@ def _format_count(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def _format_percent(share: float) -> str:
+def format_percent(share: float) -> str:
+    """Format a share in percent."""
     return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else "< 1 %"
+
+
+@dataclass(frozen=True)
+class Objective:
+    """Output to minimise or to maximise."""
+
+    output: str
+    sign: int
+    """1 to minimise, -1 to maximise."""
+
+    @property
+    def goal(self) -> str:
+        """`minimise` or `maximise`, as in a sweep file."""
+        return "minimise" if self.sign > 0 else "maximise"
+
+    def __str__(self) -> str:
+        return f"{self.goal} {self.output}"
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Best design, Pareto front and candidates, as rows of the table."""
+
+    objectives: tuple[Objective, ...]
+    candidates: NDArray[np.intp]
+    """Feasible rows with a finite value of every objective, ascending."""
+    excluded: int
+    """Number of feasible rows without one."""
+    front: NDArray[np.intp]
+    """Rows of the Pareto front: no candidate dominates them. Ascending."""
+    best: int | None
+    """Row of the front nearest to the ideal point (see `statistics.find_nearest_to_ideal`); None without a
+    candidate or an objective."""
+
+
+def list_objectives(plan: SweepPlan) -> tuple[Objective, ...]:
+    """List the objectives of a sweep: what it minimises, then what it maximises."""
+    minimise = [Objective(name, 1) for name in plan.file.minimise]
+    return (*minimise, *(Objective(name, -1) for name in plan.file.maximise))
+
+
+def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
+    """Select the Pareto front of a table and its best row; of equal rows the first is the best."""
+    rows = np.flatnonzero(find_feasible(table))
+    if not objectives:
+        return Selection(objectives, rows, 0, rows[:0], None)
+    costs = np.stack([o.sign * table.outputs[o.output][rows] for o in objectives], axis=1)
+    finite = np.isfinite(costs).all(axis=1)
+    candidates, costs = rows[finite], costs[finite]
+    if not len(candidates):
+        return Selection(objectives, candidates, len(rows), candidates, None)
+    front = find_pareto_front(costs)
+    best = int(candidates[find_nearest_to_ideal(costs, front)])
+    return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
+
+
+def build_design(plan: SweepPlan, parameters: Mapping[str, Any]) -> Design:
+    """Build the design of a point from the sweep's base design; parameters of the scene are ignored."""
+    design_parameters = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
+    return Design(**apply_changes(plan.design.model_dump(), design_parameters))
+
+
+def explain_refusal(plan: SweepPlan, parameters: Mapping[str, Any], field: str, problem: str) -> str:
+    """Explain why a point is refused, with a remedy, which the rows of a sweep leave out."""
+    base = plan.design.model_dump()
+    changes = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
+    try:
+        Design.from_tables(apply_changes(base, changes), base, list(changes))
+    except DesignError as error:
+        for issue in error.issues:
+            if issue.field == field and issue.message.startswith(problem.partition(" (and ")[0].rstrip(".")):
+                return issue.message
+    return problem
+
+
+def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
+    """Write the best design as a design file; its heading names the sweep, the point and the outputs."""
+    row = selection.best
+    assert row is not None
+    point = int(table.point[row])
+    parameters = plan.point(point)
+    goals = " and ".join(map(str, selection.objectives))
+    method = (
+        f"Best of {len(selection.candidates)} feasible designs to {goals}."
+        if len(selection.objectives) == 1
+        else f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, the "
+        "design nearest to the ideal point."
+    )
+    lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
+    lines += [f"  {name} = {value}" for name, value in parameters.items()]
+    lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
+    return to_toml(build_design(plan, parameters), "\n".join(lines))

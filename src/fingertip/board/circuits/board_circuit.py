@@ -1,0 +1,166 @@
+"""Circuit of a board from the table of its components, `components.csv`, with the values that are selected.
+
+A row of the table holds for the boards whose properties (`_list_properties`) it names. Its pins lead to nets, of which
+SGND, VNEG and VBRIDGE stand for the signal ground, the amplifiers' negative rail and the bridge's supply.
+
+Variant `article` is the article's circuit (figure 3) with its references, except that R_LP and C_LP are R6 and C4,
+because KiCad requires references that end in a digit: a first-order high-pass with gain 1 + R5/R4 (eqs. 1, 2), a
+unity-gain Sallen-Key high-pass (eqs. 3, 4), a diode, and R_LP parallel to C_LP (eq. 11).
+
+`precision` equals `article` up to FILTERED except for two capacitors. C14 couples R4 to signal ground for AC only, so
+that the first stage does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations,
+where the bridge's amplifier contributes only noise. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which
+inverts, drives an inverting first-order low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the
+article's 36.17 Hz whether a diode conducts or not. After two inversions the envelope is positive and follows the
+positive half waves. For a sine its mean is 1/pi of the peak.
+
+`comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
+an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC) otherwise.
+
+On a single supply U5 buffers VMID. Its output has no capacitor, because it could not drive one, and R24 isolates it
+from the cable's capacitance. It carries the bridge's 2 mA. On a board for a controller Q1 blocks a reversed supply: its
+body diode lets the first current through, and its channel then bridges the diode, because its gate is at ground. With
+a reversed supply the gate is at the positive end, and both block.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+from pathlib import Path
+
+from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F, VREF_BOTTOM_OHM, VREF_TOP_OHM
+from fingertip.board.components.values import (
+    CLAMP,
+    LOW_LEAKAGE_CLAMP,
+    MAX_LOW_LEAKAGE_A,
+    SUPPLIES,
+    ComponentValues,
+    Supply,
+)
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import (
+    VEE,
+    CapacitorRequirement,
+    Circuit,
+    Component,
+    ResistorRequirement,
+    build_circuit,
+    format_component_value,
+)
+from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
+from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design.formulas.filter import DIVIDERS_OHM
+from fingertip.foundation.errors import BoardError
+
+NAME = "slip_filter"
+
+# Values that do not depend on parameters of the design.
+DECOUPLING_F = 100e-9
+"""Decoupling capacitor at each supply pin [F]."""
+BULK_F = 10e-6
+"""Capacitor where the supply enters [F]."""
+CABLE_OHM = 1e3
+"""Resistor between an amplifier's output and a pin without a filter [ohm]."""
+
+_PRECISION = ResistorRequirement(0.1, 0.1, 25.0)
+"""Requirement for resistors whose value determines a voltage."""
+_POWER_W = 0.1
+_RATINGS = {
+    "header": "pin header 2.54 mm, one row; or solder the wires",
+    "locking": "keyed and locking, with its plug and crimped wires",
+    "trimmer": "trimmer 3 mm, one turn, top",
+    CLAMP: symbols.BAT54S.description,
+    LOW_LEAKAGE_CLAMP: f"Dual diode in series, SOT-23, leakage {1e9 * MAX_LOW_LEAKAGE_A:g} nA at most",
+}
+_SIZES = {"filter": symbols.C_1206, "small": symbols.C_0603, "supply": symbols.C_0603, "bulk": symbols.C_0805}
+"""Sizes of the capacitors by kind. Above what size 1206 offers for 16 V, a filter's has no direct voltage across it."""
+
+
+@functools.cache
+def load_rows() -> tuple[dict[str, str], ...]:
+    """Load the rows of the table."""
+    with (Path(__file__).parent / "components.csv").open(encoding="utf-8", newline="") as file:
+        return tuple(csv.DictReader(file))
+
+
+def board_circuit(values: ComponentValues) -> Circuit:
+    """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent."""
+    supply = SUPPLIES[values.supply]
+    properties = _list_properties(values.variant, supply)
+    nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail, "VBRIDGE": supply.bridge_supply}
+    wiring = {}
+    for row in load_rows():
+        if properties.issuperset(row["boards"].split()):
+            pins = (pin.split("=") for pin in row["pins"].split())
+            wiring[_make_component(row, values, supply)] = {number: nets.get(net, net) for number, net in pins}
+    return build_circuit(NAME, wiring)
+
+
+def _list_properties(variant: str, supply: Supply) -> frozenset[str]:
+    """Properties of a board by which rows of the table hold for it."""
+    return frozenset(
+        (
+            "article" if variant == "article" else "rectifier",
+            "slip" if variant == "comparator" else "silent",
+            "split" if supply.negative_rail == VEE else "midpoint",
+            "controller" if supply.is_for_controller else "header",
+        )
+    )
+
+
+def _make_component(row: dict[str, str], values: ComponentValues, supply: Supply) -> Component:
+    """Make the component of a row, with footprint and rating for purchase."""
+    reference, kind, role = row["reference"], row["kind"], row["role"]
+    match kind:
+        case "resistor" | "precision":
+            ohm = _find_value(row, values)
+            requirement = ResistorRequirement(values.tolerance.resistor_percent, _POWER_W)
+            required = _PRECISION if kind == "precision" else requirement
+            return _make_passive(reference, ohm, role, symbols.R_0603, required)
+        case "filter" | "small" | "supply" | "bulk":
+            farad, footprint = _find_value(row, values), _SIZES[kind]
+            capacitor = SUPPLY_CAPACITOR if kind == "supply" else BULK_CAPACITOR
+            if kind in ("filter", "small"):
+                capacitor = require_capacitor(farad, find_package(footprint), values.tolerance.capacitor_percent)
+            return _make_passive(reference, farad, role, footprint, capacitor)
+        case "amplifier":
+            data, symbol = CATALOGUE[values.amplifier], symbols.DUAL_AMPLIFIERS[values.amplifier]
+            rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
+            return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
+        case "clamp":
+            name = LOW_LEAKAGE_CLAMP if supply.is_for_controller else CLAMP
+            return Component(reference, name, symbols.BAT54S, symbols.SOT_23, role, _RATINGS[name])
+        case "point":
+            return Component(reference, row["value"], symbols.TEST_POINT, symbols.TEST_PAD, role)
+        case "hole":
+            return Component(reference, row["value"], symbols.MOUNTING_HOLE, symbols.M2_HOLE, role)
+    symbol, footprint, value = symbols.SYMBOLS[row["symbol"]], getattr(symbols, row["footprint"]), row["value"]
+    rating = symbol.description
+    if reference.startswith("J"):
+        rating = _RATINGS["locking" if footprint in symbols.LOCKING_CONNECTORS else "header"]
+    elif kind == "trimmer":
+        rating, value = _RATINGS[kind], format_component_value(_find_value(row, values))
+    return Component(reference, value, symbol, footprint, role, rating)
+
+
+def _find_value(row: dict[str, str], values: ComponentValues) -> float:
+    """Find a component's value [ohm, F]: the one that is selected, or one that does not depend on parameters."""
+    upper_ohm, lower_ohm = DIVIDERS_OHM[values.supply] or (0.0, 0.0)
+    fixed = {
+        "C7": SENSOR_FILTER_F, "C10": BULK_F, "C11": BULK_F, "C21": DIVIDER_F, "C23": DIVIDER_F,
+        "R22": upper_ohm, "R23": lower_ohm, "R24": CABLE_OHM, "R25": VREF_TOP_OHM, "R26": VREF_BOTTOM_OHM,
+    }  # fmt: skip
+    found = values.by_reference.get(row["reference"], fixed.get(row["reference"]))
+    if found is None and row["kind"] == "supply":
+        found = DECOUPLING_F
+    if found is None:
+        raise BoardError(f"no value is selected for {row['reference']}; this is a fault of the program.")
+    return found
+
+
+def _make_passive(
+    reference: str, value: float, role: str, footprint: str, requirement: ResistorRequirement | CapacitorRequirement
+) -> Component:
+    symbol = symbols.RESISTOR if reference.startswith("R") else symbols.CAPACITOR
+    return Component(reference, format_component_value(value), symbol, footprint, role, requirement.rating, requirement)

@@ -1,0 +1,64 @@
+"""Data of the analysis of a board as tables for a terminal, whose text is `analysis.txt`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
+from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
+from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, NOISE_FORCE_N
+from fingertip.board.analysis.report import BRIDGE_TOLERANCE, Analysis
+from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
+from fingertip.board.components.bridge import LOW_NOISE_NAME
+from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
+from fingertip.documents.template import render
+
+_LABELS = {
+    "cutoff_hz": "lower -3 dB [Hz]",
+    "section_quality": "Sallen-Key Q",
+    "passband_gain": "maximum gain",
+    "first_pole_hz": "first pole [Hz]",
+    "section_hz": "Sallen-Key f0 [Hz]",
+}
+
+
+def analysis_text(analysis: Analysis) -> str:
+    """Format the analysis as tables for a terminal."""
+    text = render(
+        "board/analysis.txt",
+        analysis=analysis,
+        nets=NETS,
+        labels=_LABELS,
+        noise_band_hz=NOISE_BAND_HZ,
+        noise_force_n=NOISE_FORCE_N,
+        low_noise_name=LOW_NOISE_NAME,
+        dead_zone_v=DEAD_ZONE_V,
+        offset=analysis.output_offset,
+        levels=analysis.comparator_levels,
+        comparator_offset_v=COMPARATOR_OFFSET_V,
+        max_comparator_offset_v=MAX_COMPARATOR_OFFSET_V,
+        ripple=analysis.supply_ripple,
+        ripple_sensor=describe_sensor(analysis.supply_ripple),
+        aliasing=analysis.aliasing,
+        limits=analysis.voltage_limits,
+        filter_swing=describe_filter_swing(analysis.voltage_limits),
+        adc_range=describe_adc_range(analysis.voltage_limits),
+        amplifier=CATALOGUE[analysis.amplifier],
+        bridge_percent=100 * BRIDGE_TOLERANCE,
+        tolerances=_group_tolerances(analysis.component_percent),
+        cutoff_percent=max(analysis.component_percent[name] for name in CUTOFF_CAPACITORS),
+        article_percent=ARTICLE_CAPACITOR_PERCENT,
+    )
+    return text.rstrip("\n")
+
+
+def _group_tolerances(percent: Mapping[str, float]) -> str:
+    """List the tolerances: the resistors' in one, the capacitors' one by one where they differ."""
+    groups: dict[tuple[str, float], list[str]] = {}
+    for name, value in percent.items():
+        groups.setdefault(("filter resistors" if name.startswith("R") else "capacitors", value), []).append(name)
+    kinds = [kind for kind, _ in groups]
+    return ", ".join(
+        f"{kind if kinds.count(kind) == 1 else ' '.join(names)} {value:g} %" for (kind, value), names in groups.items()
+    )

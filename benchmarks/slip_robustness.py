@@ -22,7 +22,7 @@ from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
 from fingertip.lab.campaign.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
-from fingertip.sim.article import article_trials
+from fingertip.sim.simulation import article_trials
 
 WORST_GOAL_S = 0.045
 """Goal for the longest delay from gross slip [s]."""

@@ -132,7 +132,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
 
     The long call runs in a fresh process without a `compiled()` block: the policy decides.
     """
-    from fingertip.slip.detectors import analog, digital, fast_loop
+    from fingertip.slip.detectors import fast_loop, window_mean
 
     loads = [json.loads(run_python(_LOAD)) for _ in range(COLD_ROUNDS)]
     imported, first, second = (round(statistics.median(column), 3) for column in zip(*loads, strict=True))
@@ -142,7 +142,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
         "detector = make_detector('{name}', Design()); start = time.process_time(); "
         "detector.process(volts); print(time.process_time() - start)"
     )
-    loops = {"digital": digital._LOOP, "fast": fast_loop.LOOP, "analog": analog._LOOP}
+    loops = {"digital": window_mean._CHAIN, "fast": fast_loop.LOOP, "analog": window_mean._AVERAGE}
     return {
         "load_s": {"import_numba": imported, "first_loop": first, "next_loop": second, "policy": jit.LOAD_S},
         "break_even_samples": {name: loop.break_even for name, loop in loops.items()},

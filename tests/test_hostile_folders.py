@@ -38,7 +38,7 @@ from fingertip.foundation import files as output_files
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import write_file
 from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters
-from fingertip.slip.traces.origin import Origin, read_origin
+from fingertip.slip.traces.truth import Origin, read_origin
 from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, write_board
 from fingertip.tasks.build import parts_writer, prints_writer, steps_writer

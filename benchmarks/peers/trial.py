@@ -12,10 +12,10 @@ import numpy as np
 from benchmarks.peers.trial_reference import AFTER_S, BEFORE_S, solve_with_scipy
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.sim.article import Trial
-from fingertip.sim.scene.run import SceneRun, run_scene
+from fingertip.sim.runs.scene import SceneRun, run_scene
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid
+from fingertip.sim.simulation import Trial
 
 QUANTITIES = ("force_n", "tactile_v", "envelope_v")
 VARIANTS = ("article", "precision", "comparator")

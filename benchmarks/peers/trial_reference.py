@@ -18,8 +18,8 @@ from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import DAMPING_RATIO
 from fingertip.sim.contact.surfaces import LOAD_SCALE_N
-from fingertip.sim.scene.run import SceneRun
-from fingertip.sim.scene.timeline import mount_pad
+from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space
 from fingertip.sim.signal.bridge import HYSTERESIS, LOAD_SHIFT_PER_M, TURN_ON_WIDTH_N, Bridge
 

@@ -19,7 +19,7 @@ from fingertip.lab.studies.article import (
     study_article_protocol,
 )
 from fingertip.lab.studies.boards import study_article_board, with_article_board
-from fingertip.sim.scene.timeline import TrapezoidalMove
+from fingertip.sim.runs.timeline import TrapezoidalMove
 
 SLIDE = TrapezoidalMove.with_speed(1.2345, 0.04, 0.04)
 

@@ -26,9 +26,9 @@ from fingertip.lab.studies.sensitivity import (
 )
 from fingertip.lab.studies.steps import StepSensitivity
 from fingertip.sim import run_scene
-from fingertip.sim.article import article_trials
+from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
-from fingertip.slip.detectors.digital import noise_level
+from fingertip.slip.detectors.window_mean import noise_level
 from tests.designs import ARTICLE
 
 SLIDE = next(article_trials())[0]

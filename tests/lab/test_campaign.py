@@ -29,7 +29,7 @@ from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection
 from fingertip.lab.studies.sensitivity import VARIATIONS, study_accelerations
 from fingertip.lab.studies.steps import study_sampling_rates
 from fingertip.lab.validation import RequirementLimits, check_detection
-from fingertip.sim.article import article_trials
+from fingertip.sim.simulation import article_trials
 from fingertip.slip import DETECTORS, Trace
 from tests.designs import ARTICLE, article_design
 from tools.onsets import measure_onsets_ms
@@ -119,7 +119,7 @@ def test_fast_has_no_alarms_with_less_noise_than_the_default(noise_v):
 @pytest.mark.parametrize(("detector", "scale"), [("digital", 3.0), ("fft", 3.0), ("fast", 1.2)])
 def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale):
     from fingertip.slip import make_detector
-    from fingertip.slip.traces.intervals import intervals
+    from fingertip.slip.traces.truth import intervals
 
     trace = trace_with([(1.5, 2.0)], [])
     (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [scale])

@@ -29,7 +29,7 @@ from fingertip.lab.campaign.run import (
 )
 from fingertip.lab.report import tables
 from fingertip.sim import SceneFile
-from fingertip.sim.article import article_trials
+from fingertip.sim.simulation import article_trials
 
 SCENES = [scene for scene, _ in itertools.islice(article_trials(), 200)]
 SLIDE = SCENES[0]

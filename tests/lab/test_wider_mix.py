@@ -15,8 +15,8 @@ from fingertip.lab.campaign.mix import MixSize, assess, run_detector
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.lab.report import robustness
-from fingertip.sim.article import article_trials
-from fingertip.slip.traces.intervals import Interval
+from fingertip.sim.simulation import article_trials
+from fingertip.slip.traces.truth import Interval
 from tests.designs import ARTICLE
 
 DESIGN = ARTICLE

@@ -24,7 +24,7 @@ from fingertip.page import MAX_BYTES
 from fingertip.page.parameters_and_checks import render_verdict
 from fingertip.page.render import ARTICLE_DOI, render_page
 from fingertip.page.sources import read_sources
-from fingertip.slip.traces.origin import BAND_LABEL, format_delay_band
+from fingertip.slip.traces.truth import BAND_LABEL, format_delay_band
 from fingertip.tasks.page import write_page
 from tests.conftest import ROOT, run_fingertip, some_of
 from tests.page.conftest import DRAWING, Page

@@ -8,8 +8,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.article import article_trials
 from fingertip.sim.signal.grid import Grid
+from fingertip.sim.simulation import article_trials
 from tests.conftest import ROOT
 
 SCENES = [path for path in sorted((ROOT / "params/scenes").glob("*.toml")) if path.stem != "real_manipulation"]

@@ -12,8 +12,8 @@ import pytest
 from fingertip.foundation.errors import TraceError
 from fingertip.sim import SURFACES, SceneFile, Trial, run_scene, simulate
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.scene.run import SceneRun
-from fingertip.sim.scene.timeline import build_timeline
+from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import detect
 from tests.designs import ARTICLE, article_design

@@ -22,9 +22,9 @@ from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.sim import run_scene
-from fingertip.sim.article import article_trials
 from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
+from fingertip.sim.simulation import article_trials
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool

@@ -16,7 +16,7 @@ from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalC
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount, drag
-from fingertip.sim.scene.timeline import TrapezoidalMove
+from fingertip.sim.runs.timeline import TrapezoidalMove
 from tests.oracles import coupled_rates
 from tests.oracles.steady_friction import steady_coefficient
 

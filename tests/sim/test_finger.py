@@ -19,9 +19,9 @@ from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
-from fingertip.sim.files.schema import Cable, Drift, Noise
 from fingertip.sim.report import encode_trace, open_trace
-from fingertip.sim.scene.run import SceneRun, stream_scene
+from fingertip.sim.runs.scene import SceneRun, stream_scene
+from fingertip.sim.schema import Cable, Drift, Noise
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
@@ -182,7 +182,7 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
 def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
     entered = []
     monkeypatch.setattr(
-        "fingertip.sim.scene.run.jit.compiled", lambda progress: entered.append(1) or compiled(progress)
+        "fingertip.sim.runs.scene.jit.compiled", lambda progress: entered.append(1) or compiled(progress)
     )
     run_scene(Design(), Trial().scene, 0)
     assert not entered

@@ -15,8 +15,8 @@ from fingertip.foundation.errors import TraceError
 from fingertip.sim import FixedGrip, ManipulationFile, article_manipulations, compiled, run_manipulation
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import ELASTO_PLASTIC
-from fingertip.sim.hand.motion import plan_motion
-from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
+from fingertip.sim.runs.motion import plan_motion
+from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.bridge import LOAD_SHIFT_PER_M
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid

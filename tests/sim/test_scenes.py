@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.foundation.errors import TraceError
 from fingertip.sim import SceneFile, Trial, run_scene, simulate
-from fingertip.sim.scene.run import SceneRun
+from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.slip import detect

@@ -13,8 +13,8 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
 from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene, simulate
 from fingertip.sim import report as summary
-from fingertip.sim.scene.run import SceneRecord
-from fingertip.slip.traces.intervals import SlipCollector, intervals
+from fingertip.sim.runs.scene import SceneRecord
+from fingertip.slip.traces.truth import SlipCollector, intervals
 from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE
 

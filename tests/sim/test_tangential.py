@@ -13,11 +13,11 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim.article import Trial
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s, drag
-from fingertip.sim.scene.timeline import TrapezoidalMove, build_timeline
+from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
+from fingertip.sim.simulation import Trial
 from tests.oracles.steady_friction import steady_coefficient, stribeck_coefficient
 
 FRICTION = Friction(0.6, 0.48)

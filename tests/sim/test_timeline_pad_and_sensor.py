@@ -10,12 +10,12 @@ import pytest
 
 from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design import Design
-from fingertip.sim.article import MAX_FORCE_N, Trial
 from fingertip.sim.contact.pad import ContactResonance, Pad, high_pass
 from fingertip.sim.contact.surfaces import generate_profile
-from fingertip.sim.scene.timeline import LIFT_M, TrapezoidalMove, build_timeline
+from fingertip.sim.runs.timeline import LIFT_M, TrapezoidalMove, build_timeline
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ForceSensor, fit_conductance_curve, turn_on_power
 from fingertip.sim.signal.converter import AdcRange
+from fingertip.sim.simulation import MAX_FORCE_N, Trial
 
 PAD = Pad.from_design(Design())
 

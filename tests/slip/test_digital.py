@@ -13,14 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.design import Design
-from fingertip.slip.detectors.digital import ChainOutput, ChainSettings, SlipChain, noise_level
-from fingertip.slip.detectors.noise import (
-    NoiseLevel,
-    mean_quantised_noise_v,
-    quantised_noise_v,
-    settings_warnings,
-    threshold_warnings,
-)
+from fingertip.detection.warnings import settings_warnings, threshold_warnings
+from fingertip.slip.detectors.registry import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
+from fingertip.slip.detectors.window_mean import ChainOutput, ChainSettings, SlipChain, noise_level
 from tests.designs import ARTICLE
 from tests.oracles.chain_response import analog_response, digital_response
 

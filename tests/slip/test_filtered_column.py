@@ -15,7 +15,7 @@ from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.slip import make_detector
 from fingertip.slip.report import as_data, as_text
-from fingertip.slip.traces.intervals import intervals
+from fingertip.slip.traces.truth import intervals
 from tests.slip.test_fast_filtered import CONTROLLER, board, quantise, slip_from
 
 ARTICLE = Design(

@@ -10,7 +10,7 @@ from fingertip.foundation.errors import TraceError
 from fingertip.slip import Interval, Trace, detect
 from fingertip.slip.detection import UsedThreshold
 from fingertip.slip.report import format_delay
-from fingertip.slip.traces.intervals import SlipCollector, intervals, measure_false_on_s, merge, score
+from fingertip.slip.traces.truth import SlipCollector, intervals, measure_false_on_s, merge, score
 
 TIME = np.arange(10) / 10
 

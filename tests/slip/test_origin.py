@@ -10,7 +10,7 @@ import pytest
 from fingertip import Design, Trace, detect, detect_file, simulate
 from fingertip.catalogues.output_files import SIGNAL
 from fingertip.slip.report import as_data, as_text
-from fingertip.slip.traces.origin import Origin, encoder_band_s, encoder_delay_band_s, format_delay_band, read_origin
+from fingertip.slip.traces.truth import Origin, encoder_band_s, encoder_delay_band_s, format_delay_band, read_origin
 from fingertip.tasks.make import simulate_and_detect
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip import Design, Trace, detect, simulate
 from fingertip.slip import report as plot
-from fingertip.slip.traces.origin import BAND_LABEL, Origin
+from fingertip.slip.traces.truth import BAND_LABEL, Origin
 from tests.tools import require_module
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.slip.detectors.fast import TICK_S
-from fingertip.slip.traces.intervals import Interval
+from fingertip.slip.traces.truth import Interval
 from tools.detector_training import rows
 
 MOTION_S, ONSET_S, END_S = 0.99, 1.0, 1.4

@@ -220,9 +220,9 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     yield from gate_warnings(values.gate)
     if values.comparator_levels:
         # The comparator is the detector here, so the warnings on detector settings apply. They need numpy.
-        from fingertip.slip.detectors import noise
+        from fingertip.detection.warnings import settings_warnings
 
-        yield from noise.settings_warnings(design)
+        yield from settings_warnings(design)
 
 
 def _table_lines(design: Design, values: BoardValues) -> list[str]:

@@ -31,10 +31,11 @@ def validate(
     from fingertip import lab as campaign
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.limits import adc_range_warnings
+    from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras, jit
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.lab.campaign.plan import check_first_seed
-    from fingertip.slip.detectors import noise, registry
+    from fingertip.slip.detectors import registry
 
     loaded = load_design(design, changes)
     registry.find_detector_type(detector)
@@ -47,7 +48,7 @@ def validate(
     with_plots = extras.is_installed("matplotlib")
     if not with_plots:
         console.progress(f"the plots (*.png) are left out: they need {extras.describe_missing('matplotlib')}")
-    warnings = [*noise.settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
+    warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
     console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
     parameters = hash_parameters(loaded.model_dump(mode="json"))

@@ -24,24 +24,31 @@ from fingertip.detection.adaptation import (
 )
 from fingertip.detection.live import NAME as STREAM_NAME
 from fingertip.detection.live import CsvStream, Transition, follow, open_stream
-from fingertip.detection.warnings import StepWatch, envelope_warnings, filtered_warnings, step_warnings
+from fingertip.detection.warnings import (
+    StepWatch,
+    envelope_warnings,
+    filtered_warnings,
+    settings_warnings,
+    step_warnings,
+    threshold_warnings,
+)
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
-from fingertip.slip.detectors.analog import measure_noise_level
-from fingertip.slip.detectors.noise import NoiseLevel, settings_warnings, threshold_warnings
 from fingertip.slip.detectors.registry import (
     DEFAULT,
     Detector,
+    NoiseLevel,
     UsedSignals,
     find_detector_type,
     find_second_column,
     find_signals,
     make_detector,
 )
-from fingertip.slip.traces.origin import Origin, read_origin
+from fingertip.slip.detectors.window_mean import measure_noise_level
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
+from fingertip.slip.traces.truth import Origin, read_origin
 
 Progress = Callable[[str], None]
 

@@ -17,9 +17,8 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.digital import noise_level
-from fingertip.slip.detectors.noise import COARSE_RATIO
-from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.detectors.registry import DEFAULT, NoiseLevel, find_detector_type
+from fingertip.slip.detectors.window_mean import noise_level
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
@@ -141,3 +140,64 @@ def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 def _find_ground_v(design: Design) -> float:
     return signal_ground_ratio(design.board.supply) * design.board.supply_v
+
+
+# Warnings of thresholds and settings that are permitted but degrade a detector.
+
+HIGH_RATIO = 3.0
+"""Ratio of the threshold to the noise-derived threshold above which a warning recommends a lower one."""
+CLEAR_DEVIATIONS = 4.0
+"""Standard deviations above the mean noise level below which noise crosses a threshold within minutes."""
+
+
+def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool = True) -> Iterator[str]:
+    """Warn of a threshold that lies within the noise, or far above it."""
+    if threshold_v < level.mean_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is below the mean noise level ({level.mean_v:.3g} V); the "
+            f"noise-derived threshold is {level.threshold_v:.3g} V."
+        )
+    elif threshold_v < level.mean_v + CLEAR_DEVIATIONS * level.deviation_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is within the noise, which crosses it repeatedly (mean level "
+            f"{level.mean_v:.3g} V, standard deviation {level.deviation_v:.2g} V); the noise-derived threshold is "
+            f"{level.threshold_v:.3g} V."
+        )
+    elif may_be_lower and threshold_v > HIGH_RATIO * level.threshold_v:
+        yield (
+            f"detector.threshold_v of {threshold_v:g} V is {threshold_v / level.rounded_threshold_v:.0f} times the "
+            f"noise-derived threshold: --set detector.threshold_v={level.rounded_threshold_v:g} detects weaker slip."
+        )
+
+
+MIN_CUTOFF_HZ = 45.0
+"""Cutoff below which every detector reports contacts as slip in the negative tuning scenes [Hz] (article, section
+III.A: contacts lie below 30 Hz)."""
+MIN_WINDOW_S = 0.02
+"""Window length below which contacts are reported as slip [s] (article, section III.C)."""
+COARSE_RATIO = 2.0
+"""Ratio of the ADC's step to the noise above which the step hides the noise."""
+
+
+def settings_warnings(design: Design, detector: str = DEFAULT) -> Iterator[str]:
+    """Warn of settings of the filter, the ADC or the window that are permitted but degrade a detector."""
+    d, cutoff = design.detector, design.board.cutoff_hz
+    if cutoff < MIN_CUTOFF_HZ:
+        yield (
+            f"board.cutoff_hz of {cutoff:g} Hz passes contacts and changes of grip, which are then reported as slip; "
+            f"choose at least {MIN_CUTOFF_HZ:g} Hz (article: 67 Hz)."
+        )
+    step = d.adc_step_v
+    if step > COARSE_RATIO * d.noise_v > 0.0:
+        yield (
+            f"detector.adc_bits of {d.adc_bits} over {d.adc_range_text} gives steps of {1000 * step:.3g} mV, which "
+            f"hide the noise of {1000 * d.noise_v:.3g} mV: weak slip is not detected, and single steps resemble slip. "
+            "Choose more bits or a smaller detector.adc_range_v."
+        )
+    window_s = d.window_samples / d.sample_rate_hz
+    if find_detector_type(detector).has_design_threshold and window_s < MIN_WINDOW_S:
+        yield (
+            f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz is {1000 * window_s:.3g} ms; "
+            f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip. Choose {round(0.03 * d.sample_rate_hz)} "
+            "samples for 30 ms."
+        )

@@ -19,9 +19,8 @@ from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line, text
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, describe_detector, format_delay, format_motion_delay
-from fingertip.slip.traces.intervals import Interval
-from fingertip.slip.traces.origin import BAND_LABEL, encoder_band_s, parse_origin
 from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.truth import BAND_LABEL, Interval, encoder_band_s, parse_origin
 
 _WIDTH, _HEIGHT = 760.0, 420.0
 _BEFORE_S, _AFTER_S = 0.06, 0.12

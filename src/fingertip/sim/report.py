@@ -20,10 +20,10 @@ from fingertip.foundation.output_set.replacement import hash_content
 from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.files.schema import OUTPUTS
-from fingertip.sim.hand.manipulation import ManipulationResult
-from fingertip.sim.scene.run import SceneRecord, SceneResult
-from fingertip.slip.traces.intervals import STICK_S, intervals, merge
+from fingertip.sim.runs.manipulation import ManipulationResult
+from fingertip.sim.runs.scene import SceneRecord, SceneResult
+from fingertip.sim.schema import OUTPUTS
+from fingertip.slip.traces.truth import STICK_S, intervals, merge
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,12 +22,19 @@ from fingertip.foundation.plot_style import (
     to_png,
 )
 from fingertip.slip.detection import Detection
-from fingertip.slip.detectors.digital import ChainOutput
-from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.detectors.registry import DETECTORS
-from fingertip.slip.traces.intervals import INCIPIENT_S, Interval, intervals, measure_false_on_s
-from fingertip.slip.traces.origin import BAND_LABEL, ENCODER_HZ, encoder_band_s, format_delay_band
+from fingertip.slip.detectors.registry import DETECTORS, NoiseLevel
+from fingertip.slip.detectors.window_mean import ChainOutput
 from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.truth import (
+    BAND_LABEL,
+    ENCODER_HZ,
+    INCIPIENT_S,
+    Interval,
+    encoder_band_s,
+    format_delay_band,
+    intervals,
+    measure_false_on_s,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,7 +18,7 @@ from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
-    from fingertip.sim.files.scene import SceneFile
+    from fingertip.sim.scene_files import SceneFile
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.designs import CachedEvaluator
 
@@ -121,7 +121,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
 
 def compute_noise(context: PointContext) -> OutputValues:
     """Compute what the article's signal chain shows in noise alone."""
-    from fingertip.slip.detectors.digital import noise_level
+    from fingertip.slip.detectors.window_mean import noise_level
 
     level = noise_level(context.design)
     return {"noise_level_v": level.mean_v, "min_threshold_v": level.threshold_v}

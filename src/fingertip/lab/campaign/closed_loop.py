@@ -40,7 +40,7 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type, select_inputs
-from fingertip.slip.traces.intervals import INCIPIENT_S
+from fingertip.slip.traces.truth import INCIPIENT_S
 
 _MIN_PRESENT_N = 0.1
 """Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""

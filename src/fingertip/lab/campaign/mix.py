@@ -17,11 +17,11 @@ from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES
 from fingertip.lab.campaign.run import needs_board, quantile_s, separate_events
 from fingertip.sim import SceneFile
-from fingertip.sim.article import article_trials
 from fingertip.sim.signal.converter import SimulatedBoardDetector
+from fingertip.sim.simulation import article_trials
 from fingertip.slip import make_detector
 from fingertip.slip.detectors.registry import select_inputs
-from fingertip.slip.traces.intervals import intervals
+from fingertip.slip.traces.truth import intervals
 
 EARLY_S = 0.005
 """Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""

@@ -19,13 +19,13 @@ from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import GripController, GripSettings
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.article import MANIPULATED_OBJECTS
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.scene.timeline import build_timeline
+from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
-from fingertip.slip.detectors.digital import ChainSettings, SlipChain
-from fingertip.slip.traces.intervals import STICK_S, Interval, intervals, merge
+from fingertip.sim.simulation import MANIPULATED_OBJECTS
+from fingertip.slip.detectors.window_mean import ChainSettings, SlipChain
+from fingertip.slip.traces.truth import STICK_S, Interval, intervals, merge
 
 REACTION_S = 0.2
 """Time after the end of an event in which an alarm counts as caused by it [s]."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.sim import SceneFile
-from fingertip.sim.article import article_trials
+from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000

@@ -14,10 +14,10 @@ from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
-from fingertip.sim.scene.run import SceneRun
+from fingertip.sim.runs.scene import SceneRun
 from fingertip.slip import DETECTORS, Trace, make_detector
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
-from fingertip.slip.traces.intervals import INCIPIENT_S, Interval, intervals, score
+from fingertip.slip.traces.truth import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
 """Alarms closer together than this count as one: a hand would react to one event once. Assumption."""
@@ -49,7 +49,7 @@ class TrialResult:
     """Causes of the false alarms, one for each."""
     creep_s: float = 0.0
     """Time from the start of the robot's motion to the onset of the first slip [s]: the article counts delays from a
-    robot's motion, which its encoders show late (`fingertip.slip.traces.origin`)."""
+    robot's motion, which its encoders show late (`fingertip.slip.traces.truth`)."""
     motion_s: float | None = None
     """Start of the robot's motion in the recording [s]; None if it does not move."""
 

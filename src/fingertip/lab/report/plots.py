@@ -20,7 +20,7 @@ from fingertip.foundation.plot_style import (
 from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.lab.studies.article import Spectrum, WindowResult
 from fingertip.slip.detectors.registry import DETECTORS
-from fingertip.slip.traces.origin import ENCODER_HZ, encoder_delay_band_s
+from fingertip.slip.traces.truth import ENCODER_HZ, encoder_delay_band_s
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

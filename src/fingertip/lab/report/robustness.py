@@ -17,7 +17,7 @@ from fingertip.lab.studies.sensitivity import (
     VariationResult,
 )
 from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
-from fingertip.slip.traces.origin import ENCODER_NOTE
+from fingertip.slip.traces.truth import ENCODER_NOTE
 
 LEVELS_ARE_ASSUMED = (
     "Levels of pink noise, hum, vibration of the hand and stick-slip are assumptions that nobody has verified."

@@ -20,8 +20,7 @@ from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
 from fingertip.lab.studies.steps import SamplingRateResult, StepSensitivity
-from fingertip.slip.traces.intervals import INCIPIENT_S
-from fingertip.slip.traces.origin import ENCODER_HZ, ENCODER_NOTE, encoder_delay_band_s, format_delay_band
+from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE, INCIPIENT_S, encoder_delay_band_s, format_delay_band
 
 BOUND_LABEL = (
     "estimate for the energy of one band alone (asymptotic); a detector that sees the slow force may be sooner"

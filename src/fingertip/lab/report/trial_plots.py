@@ -32,11 +32,11 @@ from fingertip.lab.campaign.run import scene_surface, simulate_trace
 from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
 from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
-from fingertip.sim.article import article_trials
+from fingertip.sim.simulation import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.report import shade_encoder_band
-from fingertip.slip.traces.intervals import Interval, intervals
+from fingertip.slip.traces.truth import Interval, intervals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,12 +22,12 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_ca
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_detector_on, simulate_trace, surface
 from fingertip.lab.studies.boards import with_article_board, with_variant
 from fingertip.sim import run_scene
-from fingertip.sim.article import article_trials
-from fingertip.sim.scene.timeline import TrapezoidalMove
+from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream
-from fingertip.slip.detectors.digital import noise_level
-from fingertip.slip.traces.origin import ENCODER_HZ, encoder_band_s
+from fingertip.sim.simulation import article_trials
+from fingertip.slip.detectors.window_mean import noise_level
+from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 
 MOVED_M = (0.0, 1e-5, 1e-4)
 """Motions from which on the robot counts as moving [m]: none, and the steps of a good and a common encoder. Assumption:

@@ -31,7 +31,7 @@ from fingertip.lab.campaign.plan import (
 from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneResult, run_scene
-from fingertip.sim.scene.run import SceneRun
+from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
 from fingertip.slip import DETECTORS
 

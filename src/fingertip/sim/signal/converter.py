@@ -24,7 +24,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.files.schema import ConverterInput
+from fingertip.sim.schema import ConverterInput
 from fingertip.sim.signal.analog_circuit import AnalogBoard, augment, exponentials
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
@@ -39,9 +39,8 @@ from fingertip.sim.signal.grid import (
     draw_noise,
     open_stream,
 )
-from fingertip.slip.detectors.analog import AnalogDetector, measure_noise_level
-from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v
-from fingertip.slip.detectors.registry import Detector, DetectorOutput
+from fingertip.slip.detectors.registry import Detector, DetectorOutput, NoiseLevel, input_noise_v
+from fingertip.slip.detectors.window_mean import AnalogDetector, measure_noise_level
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""

@@ -21,7 +21,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive, raise_issues
-from fingertip.sim.files.schema import describe_missing_comparator
+from fingertip.sim.schema import describe_missing_comparator
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS

@@ -9,7 +9,7 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.files.schema import Cable, Drift, Noise
+from fingertip.sim.schema import Cable, Drift, Noise
 from fingertip.sim.signal.grid import BASE_HZ, Grid, OpenStream, Stream
 
 HAND_BAND_HZ = (30.0, 90.0)

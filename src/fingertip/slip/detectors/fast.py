@@ -46,8 +46,7 @@ from fingertip.slip.detectors.fast_coefficients import (
     noise_energies,
 )
 from fingertip.slip.detectors.fast_loop import COUNT, LOOP
-from fingertip.slip.detectors.noise import input_noise_v
-from fingertip.slip.detectors.registry import Detector, DetectorOutput
+from fingertip.slip.detectors.registry import Detector, DetectorOutput, input_noise_v
 
 SHORT_S, LONG_S = 0.006, 0.02
 """Time constants of the energies and movements [s]."""

@@ -17,8 +17,8 @@ from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import InputFileError, Issue, TraceError
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces.origin import UNKNOWN, Origin
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
+from fingertip.slip.traces.truth import UNKNOWN, Origin
 
 if TYPE_CHECKING:
     import pandas

@@ -18,8 +18,8 @@ from fingertip.sim.contact import coupled
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.files.scene import Motor, SceneFile, Tap
-from fingertip.sim.files.schema import ACCELERATION_M_S2
+from fingertip.sim.scene_files import Motor, SceneFile, Tap
+from fingertip.sim.schema import ACCELERATION_M_S2
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
 

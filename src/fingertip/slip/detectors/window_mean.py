@@ -1,13 +1,18 @@
-"""Detector `digital`: the article's signal chain in software.
+"""Detectors `digital` and `analog`: the mean of an envelope over a window against a threshold (article, eq. 12).
 
-The chain is high-pass filter, half-wave rectifier, envelope filter, window mean and threshold. The article implements
-the first three as analog circuits (see `fingertip.slip.detectors.analog`); its predecessor implemented all of them in
-software. The input is the raw tactile voltage. The filters are the board's ideal filters by the bilinear transform,
-the rectifier is an ideal diode without a dead zone, and the envelope filter is a one-pole follower without the faster
-attack of the board's.
+The article's chain is high-pass filter, half-wave rectifier, envelope filter, window mean and threshold. The article
+implements the first three as analog circuits; its predecessor implemented all of them in software.
+
+`digital` does all in software, from the raw tactile voltage. The filters are the board's ideal filters by the bilinear
+transform, the rectifier is an ideal diode without a dead zone, and the envelope filter is a one-pole follower without
+the faster attack of the board's.
+
+`analog` takes the envelope voltage as the ADC samples it (article, section III.A). Its threshold is the design's. It
+does not depend on the board's noise: a rectifier without bias passes next to no noise, while a precision rectifier
+passes as much as the detector `digital` sees.
 
 Every sample undergoes the same scalar operations in the same order, so the output has the same bits however the input
-is divided into chunks. The chain is causal, and its state can be pickled between chunks.
+is divided into chunks. The detectors are causal, and their state can be pickled between chunks.
 """
 
 from __future__ import annotations
@@ -21,10 +26,10 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import SECTION_QUALITY as Q
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v
-from fingertip.slip.detectors.registry import Detector, DetectorOutput
+from fingertip.slip.detectors.registry import DEVIATIONS, Detector, DetectorOutput, NoiseLevel, input_noise_v
 
 
 @dataclass(frozen=True)
@@ -129,7 +134,7 @@ class SlipChain(Detector):
         if len(samples):
             self._start(float(samples[0]))
         filtered, envelope, mean = np.zeros((3, len(samples)))
-        _LOOP(self._coefficients, samples, self._state, self._ring_buffer, filtered, envelope, mean)
+        _CHAIN(self._coefficients, samples, self._state, self._ring_buffer, filtered, envelope, mean)
         threshold_v = self.settings.threshold_v
         return ChainOutput(mean, np.full(len(mean), threshold_v), mean > threshold_v, filtered, envelope)
 
@@ -137,7 +142,7 @@ class SlipChain(Detector):
         """Process one sample [V] and return whether slip is ON."""
         self._start(voltage_v)
         mean = [0.0]
-        _LOOP.plain(self._coefficients, (voltage_v,), self._state, self._ring_buffer, [0.0], [0.0], mean)
+        _CHAIN.plain(self._coefficients, (voltage_v,), self._state, self._ring_buffer, [0.0], [0.0], mean)
         return mean[0] > self.settings.threshold_v
 
     def _start(self, voltage_v: float) -> None:
@@ -147,13 +152,8 @@ class SlipChain(Detector):
             self._state[FIRST_ORDER] = -self._coefficients[0] * voltage_v
 
 
-# Indices into the loop's state.
-FIRST_ORDER = 0
-SECOND_ORDER_1 = 1
-SECOND_ORDER_2 = 2
-ENVELOPE = 3
-SUM = 4
-POSITION = 5
+FIRST_ORDER, SECOND_ORDER_1, SECOND_ORDER_2, ENVELOPE, SUM, POSITION = range(6)
+"""Indices into the loop's state."""
 STATES = 6
 
 
@@ -200,7 +200,7 @@ def _chain_loop(
     state[ENVELOPE], state[SUM], state[POSITION] = envelope, total, float(position)
 
 
-_LOOP = CompiledLoop(_chain_loop, outputs=5, samples="samples", plain_us=0.55)
+_CHAIN = CompiledLoop(_chain_loop, outputs=5, samples="samples", plain_us=0.55)
 
 
 def high_pass(settings: ChainSettings) -> tuple[FirstOrder, SecondOrder]:
@@ -238,3 +238,100 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
     weights = np.convolve(envelope, np.full(settings.window_samples, 1 / settings.window_samples))
     deviation = sigma * math.sqrt((1 - 2 / math.pi) / 4 * float(weights @ weights))
     return NoiseLevel(sigma / math.sqrt(2 * math.pi), deviation)
+
+
+class AnalogDetector(Detector):
+    """Moving average of the board's envelope, compared with a threshold.
+
+    Before the first sample the board's output is taken as 0 V.
+
+    Units: `window_samples` [samples].
+    """
+
+    def __init__(self, sample_rate_hz: float, window_samples: int, threshold_v: float) -> None:
+        self.sample_rate_hz = sample_rate_hz
+        self._threshold_v = threshold_v
+        self._ring_buffer = [0.0] * window_samples
+        self._state = [0.0, 0.0]
+
+    @classmethod
+    def from_design(cls, design: Design, threshold_scale: float = 1.0) -> AnalogDetector:
+        """Create the detector with a design's window and threshold, the threshold times a factor."""
+        detector = design.detector
+        return cls(detector.sample_rate_hz, detector.window_samples, detector.threshold_v * threshold_scale)
+
+    @classmethod
+    def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> AnalogDetector:
+        """Create the detector for a design. Raises TraceError."""
+        if noise_v is not None:
+            message = (
+                f"{noise_v:g} V of input noise does not determine the threshold of the detector analog, which applies "
+                "to the board's output; set detector.threshold_v instead."
+            )
+            raise TraceError(Issue("noise_v", message))
+        return cls.from_design(design, threshold_scale)
+
+    @property
+    def threshold_v(self) -> float:
+        """Window mean above which slip is ON [V]."""
+        return self._threshold_v
+
+    @property
+    def memory_s(self) -> float:
+        """Window length [s]."""
+        return len(self._ring_buffer) / self.sample_rate_hz
+
+    def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
+        """Process the next samples of the envelope [V], any number of them, and return one output per sample."""
+        samples = as_samples(voltage_v)
+        mean = np.zeros(len(samples))
+        _AVERAGE(samples, self._state, self._ring_buffer, mean)
+        return DetectorOutput(mean, np.full(len(mean), self.threshold_v), mean > self.threshold_v)
+
+    def step(self, voltage_v: float) -> bool:
+        """Process one sample of the envelope [V] and return whether slip is ON."""
+        mean = [0.0]
+        _AVERAGE.plain((voltage_v,), self._state, self._ring_buffer, mean)
+        return mean[0] > self.threshold_v
+
+
+_TOTAL, _PLACE = range(2)
+"""Indices into the state of the moving average."""
+
+
+def _moving_average_loop(
+    samples: Sequence[float],
+    state: MutableSequence[float],
+    ring_buffer: MutableSequence[float],
+    means: MutableSequence[float],
+) -> None:
+    total, position, length = state[_TOTAL], int(state[_PLACE]), len(ring_buffer)
+    for i in range(len(samples)):
+        # Replace the oldest sample in the window by the newest, in the buffer and in the running sum.
+        x = samples[i]
+        total += x - ring_buffer[position]
+        ring_buffer[position] = x
+        position += 1
+        # Sum the whole buffer once per revolution, so that rounding errors of the running sum do not accumulate.
+        if position == length:
+            position, total = 0, 0.0
+            for j in range(length):
+                total += ring_buffer[j]
+        means[i] = total / length
+    state[_TOTAL], state[_PLACE] = total, float(position)
+
+
+_AVERAGE = CompiledLoop(_moving_average_loop, outputs=3, samples="samples", plain_us=0.2)
+
+
+def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLevel:
+    """Measure the noise level of a board's quiescent output, after the design's window. Raises TraceError."""
+    d = design.detector
+    minimum = 11 * d.window_samples
+    if len(envelope_v) < minimum:
+        samples = f"{len(envelope_v)} sample{'s' * (len(envelope_v) != 1)}"
+        min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
+        raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {min_s:g} s."))
+    means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
+    step = d.adc_step_v
+    return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))

@@ -25,8 +25,7 @@ from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.files.scene import SceneFile
-from fingertip.sim.scene.timeline import (
+from fingertip.sim.runs.timeline import (
     CoupledPad,
     ErrorControlledPad,
     SlidingPad,
@@ -39,6 +38,7 @@ from fingertip.sim.scene.timeline import (
     motor_force_n,
     mount_pad,
 )
+from fingertip.sim.scene_files import SceneFile
 from fingertip.sim.signal.finger import (
     OF_BOARD,
     OF_BRIDGE,
@@ -49,9 +49,8 @@ from fingertip.sim.signal.finger import (
     needs_contact,
 )
 from fingertip.sim.signal.grid import CostMeter, Grid, ShareDone, StageCost, count_samples
-from fingertip.slip.traces.intervals import Interval, SlipCollector
-from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.truth import Interval, Origin, SlipCollector
 
 COMPILE_FROM_S = 3.0
 """Time in plain Python from which a scene runs compiled [s]. Loading numba and the loops takes 0.8 s."""

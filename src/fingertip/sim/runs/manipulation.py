@@ -27,13 +27,12 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.files.manipulation import Hand, ManipulationFile
-from fingertip.sim.hand.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
-from fingertip.sim.hand.stepper import HandSignals, ManipulationStepper
+from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
+from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
+from fingertip.sim.scene_files import Hand, ManipulationFile
 from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
-from fingertip.slip.traces.intervals import Interval, intervals
-from fingertip.slip.traces.origin import Origin
 from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.truth import Interval, Origin, intervals
 
 MAX_CLOSING_M = 0.5
 """Largest closing that a controller may command, of either sign [m]. No finger closes so far: 30 means millimetres."""

@@ -1,1 +1,0 @@
-"""Scenes of one finger: strict files, their timeline, and the disturbances they contain."""

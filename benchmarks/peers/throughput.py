@@ -18,10 +18,10 @@ from benchmarks.peers.cvode import CvodeLibrary
 from benchmarks.peers.spice import Spice
 from fingertip.design import Design
 from fingertip.foundation.files import TemporaryFolder
+from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.motion import FixedGrip
 from fingertip.sim.runs.scene import run_scene
-from fingertip.sim.scene_files import SceneFile
 from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_boards
 from fingertip.sim.simulation import article_manipulations, article_trials

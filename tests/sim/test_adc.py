@@ -7,8 +7,8 @@ from fingertip.board import board_values
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
+from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.scene import run_scene
-from fingertip.sim.scene_files import SceneFile
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer

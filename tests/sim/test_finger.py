@@ -21,7 +21,6 @@ from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.report import encode_trace, open_trace
 from fingertip.sim.runs.scene import SceneRun, stream_scene
-from fingertip.sim.schema import Cable, Drift, Noise
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
@@ -32,6 +31,7 @@ from fingertip.sim.signal.interference import (
     compute_cable_v,
     compute_hum_v,
 )
+from fingertip.sim.signal.schema import Cable, Drift, Noise
 from tests.conftest import ROOT
 
 DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})

@@ -13,8 +13,8 @@ from fingertip.sim import ManipulationFile, run_manipulation
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.runs import grasp_loop
+from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.motion import Motors
-from fingertip.sim.scene_files import Hand
 
 PAD = Pad.from_design(Design())
 FIVE = ("thumb", "index", "middle", "ring", "little")

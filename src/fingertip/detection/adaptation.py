@@ -57,9 +57,7 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     """Compute the white RMS noise for which a detector's threshold exceeds this signal as its rule requires.
 
     The detector's own output for the signal decides. The white noise of the signal's second differences is the lower
-    bound; drift and a constant load do not contribute to it.
-
-    Raises TraceError.
+    bound; drift and a constant load do not contribute to it. Raises TraceError.
     """
     minimum = math.ceil(MIN_S * design.detector.sample_rate_hz)
     if len(quiet_v) < minimum:
@@ -110,9 +108,7 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
     """Adapt a design's filters, window and threshold to another sampling rate.
 
     The window keeps its duration. The threshold keeps its ratio to the noise-derived threshold: white noise of the same
-    RMS value leaves less behind the filters at a higher sampling rate.
-
-    Raises DesignError.
+    RMS value leaves less behind the filters at a higher sampling rate. Raises DesignError.
     """
     old = design.detector
     if rate_hz == old.sample_rate_hz:

@@ -24,12 +24,12 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.report import open_trace
+from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.runs.timeline import SLIDE_M
-from fingertip.sim.scene_files import ManipulationFile, SceneFile
-from fingertip.sim.schema import find_converter_warnings
+from fingertip.sim.signal.schema import find_converter_warnings
 from fingertip.slip.traces.trace import Trace
 
 

@@ -133,13 +133,7 @@ class Detection:
         return "false" if interval in self.score.false_intervals else "true"
 
     def plot(self, title: str = "") -> Picture:
-        """Draw voltage, statistic with threshold, and ON/OFF over time.
-
-        Raises
-        ------
-        MissingLibraryError
-            If matplotlib is not installed.
-        """
+        """Draw voltage, statistic with threshold, and ON/OFF over time. Raises MissingLibraryError."""
         return plot("fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}")
 
     def to_dataframe(self) -> pandas.DataFrame:

@@ -29,7 +29,7 @@ from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
-    from fingertip.sim.scene_files import SceneFile
+    from fingertip.sim.runs.files import SceneFile
 
 PointNumbers = NDArray[np.int64]
 
@@ -192,7 +192,7 @@ def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], l
 def _read_scene(tables: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Issue]]:
     if tables is None:
         return None, []
-    from fingertip.sim.scene_files import SceneFile
+    from fingertip.sim.runs.files import SceneFile
 
     try:
         return SceneFile(**tables), []

@@ -28,7 +28,7 @@ from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.rows import Chunk, ChunkResult, PointResult
 
 if TYPE_CHECKING:
-    from fingertip.sim.scene_files import SceneFile
+    from fingertip.sim.runs.files import SceneFile
     from fingertip.sweep.designs import CachedEvaluator
 
 
@@ -98,7 +98,7 @@ class PointEvaluator:
         with gather(issues):
             design = self._designs.build(changes)
         if self._scene is not None:
-            from fingertip.sim.scene_files import SceneFile
+            from fingertip.sim.runs.files import SceneFile
 
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):

@@ -79,9 +79,7 @@ class CoupledMotion:
 class CoupledContact:
     """A pad under a drive that comes in chunks; any chunks give the bits of `integrate`.
 
-    It begins at standstill, in balance with the pressing force of the first sample.
-
-    Raises TraceError.
+    It begins at standstill, in balance with the pressing force of the first sample. Raises TraceError.
     """
 
     def __init__(

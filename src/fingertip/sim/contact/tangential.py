@@ -90,9 +90,7 @@ class DraggedPad:
 
     The method is ROS2 with the analytic Jacobian: linearly implicit, second order, L-stable, two linear solves per step
     and no iteration (J. G. Verwer, E. J. Spee, J. G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20(4), 1999,
-    doi:10.1137/S1064827597326651). At v = 0 the right-hand side has a kink.
-
-    Raises TraceError.
+    doi:10.1137/S1064827597326651). At v = 0 the right-hand side has a kink. Raises TraceError.
     """
 
     def __init__(self, friction: Friction, mount: Mount, step_s: float) -> None:

@@ -27,9 +27,9 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.sim.contact.pad import Pad
+from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.scene_files import Hand, ManipulationFile
 from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, intervals

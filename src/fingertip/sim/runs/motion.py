@@ -14,9 +14,9 @@ from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.contact.surfaces import SURFACES, Friction
+from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, smoothstep
-from fingertip.sim.scene_files import Hand, ManipulationFile
-from fingertip.sim.schema import ACCELERATION_M_S2
+from fingertip.sim.signal.schema import ACCELERATION_M_S2
 
 GRAVITY_M_S2 = 9.80665
 CLEARANCE_M = 2e-3

@@ -25,6 +25,7 @@ from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
+from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.timeline import (
     CoupledPad,
     ErrorControlledPad,
@@ -38,7 +39,6 @@ from fingertip.sim.runs.timeline import (
     motor_force_n,
     mount_pad,
 )
-from fingertip.sim.scene_files import SceneFile
 from fingertip.sim.signal.finger import (
     OF_BOARD,
     OF_BRIDGE,
@@ -332,7 +332,6 @@ def stream_scene(
     """Simulate a scene and hand its signals on, chunk by chunk, so that memory does not grow with its length.
 
     Loops run compiled where the scene would take longer than `COMPILE_FROM_S` in plain Python. The bits are the same.
-
     Raises TraceError.
     """
     run, slips = SceneRun(design, scene, seed, grid), SlipCollector()

@@ -18,8 +18,8 @@ from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, SURFACES
 from fingertip.sim.contact.tangential import MAX_PHASE
 from fingertip.sim.runs import grasp_loop
+from fingertip.sim.runs.files import ManipulationFile
 from fingertip.sim.runs.motion import MotionPlan, Motors
-from fingertip.sim.scene_files import ManipulationFile
 from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
 

@@ -18,10 +18,10 @@ from fingertip.sim.contact import coupled
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.scene_files import Motor, SceneFile, Tap
-from fingertip.sim.schema import ACCELERATION_M_S2
+from fingertip.sim.runs.files import Motor, SceneFile, Tap
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
+from fingertip.sim.signal.schema import ACCELERATION_M_S2
 
 SLIDE_M = 0.04
 LIFT_M = 0.05

@@ -24,7 +24,6 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.schema import ConverterInput
 from fingertip.sim.signal.analog_circuit import AnalogBoard, augment, exponentials
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
@@ -39,6 +38,7 @@ from fingertip.sim.signal.grid import (
     draw_noise,
     open_stream,
 )
+from fingertip.sim.signal.schema import ConverterInput
 from fingertip.slip.detectors.registry import Detector, DetectorOutput, NoiseLevel, input_noise_v
 from fingertip.slip.detectors.window_mean import AnalogDetector, measure_noise_level
 
@@ -226,9 +226,7 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     """Simulate the board's sampled envelope [V] for a sampled input [V] that is linear between samples.
 
     A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.signal.converter`), which the
-    real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz.
-
-    Raises TraceError.
+    real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz. Raises TraceError.
     """
     board = AnalogBoard.from_design(design)
     envelope_v = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v

@@ -21,10 +21,10 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive, raise_issues
-from fingertip.sim.schema import describe_missing_comparator
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
+from fingertip.sim.signal.schema import describe_missing_comparator
 
 MAX_V = 1e4
 """Largest input voltage [V], of either sign. A diode that is driven harder has no current that a number can hold."""

@@ -19,7 +19,6 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import Friction, Surface, SurfaceProfile, generate_profile
-from fingertip.sim.schema import PathTables
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
@@ -35,6 +34,7 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
+from fingertip.sim.signal.schema import PathTables
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
@@ -74,7 +74,7 @@ class FingerDrive:
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at the instants of its converter, named as the outputs in `sim.schema`.
+    """Signals of one finger at the instants of its converter, named as the outputs in `sim.signal.schema`.
 
     A signal that no output needs is None.
     """

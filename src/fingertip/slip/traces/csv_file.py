@@ -57,9 +57,7 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1.
 
     With another delimiter than the comma, numbers may have a decimal comma. LabVIEW's measurement files (LVM) are read
-    by their own names of the columns.
-
-    Raises TraceError.
+    by their own names of the columns. Raises TraceError.
     """
     name = str(path)
     try:

@@ -76,9 +76,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
 
     Empty lines, a spreadsheet's `sep=;` and any other lines above are skipped, and up to `MAX_SAMPLES_ABOVE` lines from
     the first line of numbers on. The header may be a comment. Where all required columns are given by number, the
-    first line that has numbers there, or times, is the first sample.
-
-    Raises TraceError.
+    first line that has numbers there, or times, is the first sample. Raises TraceError.
     """
     skipped: list[tuple[int, str]] = []
     above = 0

@@ -61,23 +61,11 @@ class Trace:
         return html_table(repr(self), ("column", "smallest", "largest"), rows)
 
     def plot(self) -> Picture:
-        """Draw the columns over time, with the true slips shaded.
-
-        Raises
-        ------
-        MissingLibraryError
-            If matplotlib is not installed.
-        """
+        """Draw the columns over time, with the true slips shaded. Raises MissingLibraryError."""
         return plot("fingertip.slip.report:draw_trace", self)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the columns as a data frame.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return the columns as a data frame. Raises MissingLibraryError."""
         return to_dataframe(dict(self._columns()), "Trace.to_dataframe")
 
     def _columns(self) -> Iterator[tuple[str, NDArray[Any]]]:

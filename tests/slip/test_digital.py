@@ -23,15 +23,11 @@ SETTINGS = ChainSettings.from_design(ARTICLE)
 FIELDS = ("filtered_v", "envelope_v", "mean_v", "on")
 
 
-def test_response_at_the_cutoff_equals_the_analog_filters():
-    assert cmath.isclose(digital_response(SETTINGS, 67.0), analog_response(SETTINGS, 67.0), rel_tol=1e-12)
-    assert abs(digital_response(SETTINGS, 67.0)) == pytest.approx((1 + 100 / 1.5) / math.sqrt(2), rel=1e-12)
-
-
 @pytest.mark.parametrize("cutoff", [5.0, 67.0, 200.0, 499.0])
 def test_response_at_the_cutoff_is_exact_for_any_cutoff(cutoff):
     settings = replace(SETTINGS, cutoff_hz=cutoff)
     assert cmath.isclose(digital_response(settings, cutoff), analog_response(settings, cutoff), rel_tol=1e-11)
+    assert abs(digital_response(settings, cutoff)) == pytest.approx((1 + 100 / 1.5) / math.sqrt(2), rel=1e-11)
 
 
 def test_response_is_close_to_the_analog_filters_from_10_to_150_hz():
@@ -99,16 +95,6 @@ def test_any_division_into_chunks_gives_the_same_bits(samples, sizes, length):
     single = SlipChain(settings)
     if samples:
         assert join([single.process([x]) for x in samples]) == join([whole])
-
-
-@given(st.integers(1, 299))
-def test_output_is_causal(cut):
-    rng = np.random.default_rng(1)
-    one, other = rng.normal(size=300), rng.normal(size=300)
-    other[:cut] = one[:cut]
-    a, b = SlipChain(SETTINGS).process(one), SlipChain(SETTINGS).process(other)
-    for name in FIELDS:
-        assert np.array_equal(getattr(a, name)[:cut], getattr(b, name)[:cut])
 
 
 def test_running_sum_does_not_accumulate_rounding_errors():

@@ -11,7 +11,6 @@ from fingertip.design import Design
 from fingertip.detection.warnings import filtered_warnings
 from fingertip.foundation import jit
 from fingertip.slip import Trace, detect, make_detector
-from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
 
@@ -107,7 +106,7 @@ def test_a_stage_at_its_limit_is_not_believed():
     during = (t > 1.005) & (t < 1.02)
     assert np.corrcoef(output.filtered_v[during], alone.filtered_v[during])[0, 1] > 0.99
     limit_v = LIMIT_SHARE * FilteredSignal.from_design(CONTROLLER).range_v / CONTROLLER.board.passband_gain
-    assert detector._coefficients.filtered_limit == pytest.approx(limit_v)
+    assert detector.coefficients.filtered_limit == pytest.approx(limit_v)
     assert 0.015 < limit_v < 0.022
 
 
@@ -188,7 +187,3 @@ def test_a_board_without_a_filtered_output_ignores_the_column():
     without = detect(replace(trace, filtered_v=None), article, "fast").output
     assert with_zeros.on.any()
     assert np.array_equal(with_zeros.on, without.on)
-
-
-def test_the_state_has_room_for_both():
-    assert 4 * fast_loop.STATES <= 512

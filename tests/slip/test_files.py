@@ -17,9 +17,6 @@ import pytest
 
 import fingertip
 from fingertip.design import Design
-from fingertip.foundation.errors import MissingLibraryError
-from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.trace import ColumnMap
 from tests.conftest import ROOT
 from tests.slip.recordings import ONSET, T, V, burst, csv, run, single_onset
 
@@ -165,13 +162,6 @@ def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 
-def test_tdms_without_nptdms_names_the_extra_to_install(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "nptdms", None)
-    (tmp_path / "t.tdms").write_bytes(b"TDSm")
-    with pytest.raises(MissingLibraryError, match='pip install "fingertip\\[tdms\\]"'):
-        read_raw_trace(tmp_path / "t.tdms", ColumnMap())
-
-
 SHORT = slice(0, 10)
 OUTSIDE_GAP = (np.arange(2000) < 300) | (np.arange(2000) >= 400)
 
@@ -260,15 +250,6 @@ def test_invalid_rates_in_an_archive_give_an_error(tmp_path, name):
     assert "give an array of numbers" in second
     np.savez(tmp_path / "t.npz", voltage_v=np.round(V, 6), sample_rate_hz=stated)
     assert single_onset(run("detect", tmp_path / "t.npz", "--rate-hz", 2000, "--json")) == ONSET
-
-
-@pytest.mark.parametrize("name", ["t.npz", "t.npy", "t.tdms"])
-def test_files_with_a_wrong_suffix_give_an_error(tmp_path, name, monkeypatch):
-    (tmp_path / name).write_bytes(b"hello world, this is not an archive at all")
-    done = run("detect", tmp_path / name)
-    assert done.exit_code == 2
-    assert done.stderr.startswith("error: ")
-    assert run("detect", tmp_path / "none" / name).exit_code == 2
 
 
 def test_read_trace_in_python(tmp_path):

@@ -332,12 +332,13 @@ def test_files_of_arrays_are_read(tmp_path: Path, name: str) -> None:
     assert ("dates are read as seconds since" in done.stderr) == ("dates" in name)
 
 
-@pytest.mark.parametrize("module", ["scipy", "pyarrow"])
+@pytest.mark.parametrize("module", ["scipy", "pyarrow", "nptdms"])
 def test_a_missing_package_is_named_with_its_extra(
     tmp_path: Path, module: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, module, None)
-    name, extra = {"scipy": ("t.mat", "sweep"), "pyarrow": ("t.parquet", "parquet")}[module]
+    files = {"scipy": ("t.mat", "sweep"), "pyarrow": ("t.parquet", "parquet"), "nptdms": ("t.tdms", "tdms")}
+    name, extra = files[module]
     (tmp_path / name).write_bytes(b"x")
     with pytest.raises(MissingLibraryError, match=rf'pip install "fingertip\[{extra}\]", or save the recording as CSV'):
         read_raw_trace(tmp_path / name, ColumnMap())
@@ -466,6 +467,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
         "sample_rate_hz: contains 0",
     ),
     "damaged.tdms": (lambda: b"TDSm" + b"\xff" * 60, "contains no arrays; save time_s and voltage_v."),
+    "text.npy": (lambda: PLAIN.encode(), "is not a NumPy file that can be read"),
     "text.npz": (lambda: PLAIN.encode(), "is not a NumPy archive that can be read"),
 }  # fmt: skip
 

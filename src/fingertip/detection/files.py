@@ -150,7 +150,6 @@ def detect_file(
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
-        _check_finite(rate_hz)
         design = adapt(design, rate_hz)
     column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
@@ -239,7 +238,6 @@ def detect_stream(
     design = design or Design()
     kind = find_detector_type(detector)
     if rate_hz is not None:
-        _check_finite(rate_hz)
         keep_threshold = _keeps_threshold(design, keep_threshold)
         design = _adapt(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
@@ -266,13 +264,6 @@ def _map_envelope(voltage: ColumnMap) -> ColumnMap:
     return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
 
 
-def _check_finite(rate_hz: float) -> None:
-    """Raise TraceError for NaN and infinity, with which no design can be computed; others have its own messages."""
-    if not math.isfinite(rate_hz):
-        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
-        raise TraceError(Issue("--rate-hz", message))
-
-
 def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
     return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
 
@@ -288,6 +279,9 @@ def _adapt(
     prefix: str = "",
 ) -> Design:
     """Adapt a design to a sampling rate for one detector, and report what changes."""
+    if not math.isfinite(rate_hz):  # no design can be computed with it; other rates have its own messages
+        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
+        raise TraceError(Issue("--rate-hz", message))
     result = adapt_detector(design, rate_hz, detector, keep_threshold, keep_window, noise_is_measured)
     progress(f"{prefix}{result.adapted} adapted to {rate_hz:g} Hz; {result.values}")
     return result.design

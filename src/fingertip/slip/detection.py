@@ -22,19 +22,16 @@ from fingertip.slip.detectors.registry import (
     select_inputs,
 )
 from fingertip.slip.detectors.window_mean import SlipChain, noise_level
-from fingertip.slip.traces.trace import Trace, find_issues
+from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import Interval, Score, intervals, score
 
 if TYPE_CHECKING:
     import pandas
 
 
-# Threshold that a detector used on a trace: of what quantity, and how far it moved. One source for every output.
-
-
 @dataclass(frozen=True)
 class UsedThreshold:
-    """Threshold in use, by the detector and over time."""
+    """Threshold that a detector used on a trace: of what quantity, and how far it moved."""
 
     quantity: str
     first_on_v: float | None
@@ -175,7 +172,7 @@ def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float
         With all issues of the trace. They include another sampling rate than the design's, and a missing envelope for
         a detector that takes it.
     """
-    issues = find_issues(trace, design.detector, in_volts=noise_v is None)
+    issues = RawTrace("trace", trace, in_volts=noise_v is None).find_issues(design.detector)
     inputs = select_inputs(trace, detector)
     if not inputs:
         remedy = f"record it, or use --detector {DEFAULT}, which works without a board"

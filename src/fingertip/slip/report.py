@@ -105,32 +105,28 @@ def as_data(detection: Detection, noise: NoiseLevel | None) -> dict[str, Any]:
         ],
         "incipient": None if detection.incipient is None else [_interval_data(i) for i in detection.incipient],
         "slips": None if score is None else [_interval_data(i) for i in score.slips],
-        "delays_s": None if score is None else [_round_s(delay) for delay in score.delays_s],
-        "motion_s": _round_s(detection.trace.origin.motion_s),
-        "delays_since_motion_s": None if moved is None else [_round_s(delay) for delay in moved],
+        "delays_s": None if score is None else [_round(delay) for delay in score.delays_s],
+        "motion_s": _round(detection.trace.origin.motion_s),
+        "delays_since_motion_s": None if moved is None else [_round(delay) for delay in moved],
         "missed_slips": None if score is None else [_interval_data(i) for i in score.missed],
         "false_intervals": None if score is None else [_interval_data(i) for i in score.false_intervals],
         "detector": detection.detector,
         "signals": list(detection.signals.columns),
-        "threshold_v": _round_v(detection.threshold_v),
-        "threshold_range_v": [_round_v(detection.threshold.lowest_v), _round_v(detection.threshold.highest_v)],
+        "threshold_v": _round(detection.threshold_v),
+        "threshold_range_v": [_round(detection.threshold.lowest_v), _round(detection.threshold.highest_v)],
         "threshold_of": detection.threshold.quantity,
-        "learned_noise_v": None if detection.learned_noise_v is None else round(detection.learned_noise_v, 7),
+        "learned_noise_v": _round(detection.learned_noise_v),
         "noise_threshold_v": round(noise.threshold_v, 6) if noise else None,
     }
 
 
-def _round_v(voltage_v: float) -> float:
-    """Round to 0.1 uV: thresholds of `fast` lie below a millivolt."""
-    return round(voltage_v, 7)
+def _round(value: float | None) -> float | None:
+    """Round to 0.1 us, or to 0.1 uV: thresholds of `fast` lie below a millivolt."""
+    return None if value is None else round(value, 7)
 
 
-def _round_s(time_s: float | None) -> float | None:
-    return None if time_s is None else round(time_s, 7)
-
-
-def _interval_data(interval: Interval) -> dict[str, float]:
-    return {"onset_s": round(interval.onset_s, 7), "end_s": round(interval.end_s, 7)}
+def _interval_data(interval: Interval) -> dict[str, float | None]:
+    return {"onset_s": _round(interval.onset_s), "end_s": _round(interval.end_s)}
 
 
 # Plot of a detection. This is the only module of `slip` that draws.

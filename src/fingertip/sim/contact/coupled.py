@@ -120,9 +120,6 @@ class CoupledContact:
     def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         """Return the motion at the next samples; the very first sample is the start. Raises TraceError."""
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n))
-        return self._advance(carriage_m, carriage_m_s, pressing_n)
-
-    def _advance(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
         drive: tuple[Array, ...] = (carriage_m, carriage_m_s, pressing_n)
@@ -168,7 +165,7 @@ def integrate(
     raise_issues(issues)
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
     contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
-    return contact._advance(carriage_m, carriage_m_s, pressing_n)  # the columns are checked above
+    return contact.process(carriage_m, carriage_m_s, pressing_n)
 
 
 def _find_setting_issues(step_s: float, max_pressing_n: float, tolerance_n: float) -> list[Issue]:

@@ -1,13 +1,14 @@
 """Run a scene: its events drive one finger, chunk by chunk.
 
-A scene without a slide has no friction. A scene without vibration sources has no  Parts that no recorded
-output depends on do not run (`fingertip.sim.signal.finger`).
+A scene without a slide has no friction. Parts that no recorded output depends on do not run
+(`fingertip.sim.signal.finger`).
 """
 
 from __future__ import annotations
 
 import contextlib
 import functools
+import math
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -23,7 +24,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surfaces import SURFACES, Friction, SurfaceProfile
+from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, SURFACES, Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.timeline import (
@@ -33,9 +34,7 @@ from fingertip.sim.runs.timeline import (
     SteppedPad,
     Timeline,
     build_timeline,
-    draw_motor_phases,
     knock_force_n,
-    make_elasto_plastic,
     motor_force_n,
     mount_pad,
 )
@@ -180,7 +179,7 @@ class SceneRun:
         friction = SURFACES[contact.surface].friction
         if contact.stick_slip:
             friction = friction.with_stick_slip()
-        return make_elasto_plastic(friction) if contact.bristles == "elasto_plastic" else friction
+        return replace(friction, elastic=ELASTO_PLASTIC) if contact.bristles == "elasto_plastic" else friction
 
     @functools.cached_property
     def timeline(self) -> Timeline:
@@ -222,7 +221,8 @@ class SceneRun:
         setup, feedback = self._set_up(), slides and self.scene.contact.feedback
         pad = self._build_pad(setup, self.grid) if slides else None
         finger = Finger(setup, self.grid, outputs, self.meter, feedback)
-        phases = draw_motor_phases(self._open_random("motor"))
+        rng = self._open_random("motor")
+        phases = 2 * math.pi * rng.random(), 2 * math.pi * rng.random()
         for first in range(0, count, size):
             time_s = self.grid.time_s(first, min(size, count - first))
             with self.meter.stage("load"):

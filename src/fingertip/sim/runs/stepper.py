@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import astuple, dataclass, field, fields, replace
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
+from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, SURFACES
 from fingertip.sim.contact.tangential import MAX_PHASE
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import ManipulationFile
 from fingertip.sim.runs.motion import MotionPlan, Motors
+from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
 
@@ -84,11 +85,7 @@ class ManipulationStepper:
     def __post_init__(self) -> None:
         scene, plan, count = self.scene, self.plan, len(self.scene.fingers)
         self.motors = Motors(scene.hand, self.pad, scene.fingers, plan.reach_m, self.grid.step_s)
-        mounts = []
-        for force in plan.force_n.tolist():
-            k = self.pad.tangential_stiffness_n_per_m(force)
-            mounts += [self.pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * self.pad.mass_kg)]
-        self._mounts = np.array(mounts)
+        self._mounts = np.array([astuple(mount_pad(self.pad, force)) for force in plan.force_n.tolist()]).ravel()
         self._state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
         self._scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
         self._last_load_n = np.zeros(count)

@@ -8,7 +8,6 @@ that every processor gives the same bits.
 from __future__ import annotations
 
 import math
-import random
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
-from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, Friction, SurfaceProfile
+from fingertip.sim.contact.surfaces import Friction, SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.runs.files import Motor, SceneFile, Tap
 from fingertip.sim.signal.finger import FingerDrive
@@ -180,11 +179,6 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
     return Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
 
 
-def make_elasto_plastic(friction: Friction) -> Friction:
-    """Return the same friction with bristles that do not creep below breakaway."""
-    return replace(friction, elastic=ELASTO_PLASTIC)
-
-
 class SteppedPad:
     """Pad with plain bristles, integrated with the steps of the grid. The contact force follows elsewhere."""
 
@@ -285,13 +279,8 @@ def knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
     return tap.force_n * total
 
 
-def draw_motor_phases(rng: random.Random) -> tuple[float, float]:
-    """Draw the phases of fundamental and second harmonic [rad]."""
-    return 2 * math.pi * rng.random(), 2 * math.pi * rng.random()
-
-
 def motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array) -> Array:
-    """Force of the motors' vibration [N]. Units: `phases` [rad]."""
+    """Force of the motors' vibration [N]. Units: `phases` of fundamental and second harmonic [rad]."""
     w = 2 * math.pi * motor.frequency_hz
     t = time_s - held_s - motor.at_s
     envelope = smoothstep(t / MOTOR_RAMP_S) - smoothstep((t - motor.duration_s) / MOTOR_RAMP_S + 1)

@@ -182,9 +182,6 @@ def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
     return AdcRange.from_design(design).above_signal_ground(design).quantise_v(noisy)
 
 
-# Sampled envelope of the design's simulated board: the place where the envelope meets the ADC. The board is driven by
-# simulated traces, by recorded voltages, by a stream, or by noise alone (quiescent output).
-
 # Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
 #
 # Nearly all of this noise arises ahead of the filter, in the bridge's amplifier, and much of that lies beyond what the
@@ -215,6 +212,8 @@ def compute_noise_gain(design: Design) -> float:
     h = simulate_board(AnalogBoard.from_design(design), 1 / BASE_HZ, impulse).filtered_v / _SMALL_V
     return math.sqrt(float(h @ h))
 
+
+# Sampled envelope of the design's simulated board, driven by recorded voltages, by a stream, or by noise alone.
 
 _WINDOWS = 133
 """Number of detector windows of simulated noise: the standard deviation is known to 6 %."""
@@ -259,7 +258,7 @@ class SimulatedBoardDetector(Detector):
     """
 
     def __init__(self, design: Design) -> None:
-        self._board, self._detector = EnvelopeStream(design), AnalogDetector.from_design(design)
+        self._board, self._detector = EnvelopeStream(design), AnalogDetector.for_design(design)
 
     @property
     def threshold_v(self) -> float:

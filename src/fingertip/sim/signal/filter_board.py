@@ -241,7 +241,11 @@ class ComparatorStream:
     """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state. Raises TraceError."""
 
     def __init__(self, comparator: Comparator, board: AnalogBoard, step_s: float) -> None:
-        raise_issues(_find_issues(board, step_s))
+        issues = find_not_positive("step_s", step_s, "s", "0.0005")
+        if board.rectifier != "precision":
+            message = f"{board.rectifier!r} has no comparator behind it; use 'precision'."
+            issues.insert(0, Issue("board.rectifier", message))
+        raise_issues(issues)
         self._comparator, self._board, self._step_s = comparator, board, step_s
         self._state = np.zeros(0)
         self._last = np.zeros((2, 0))
@@ -266,12 +270,6 @@ class ComparatorStream:
         begin_s = max(self._points - 1, 0) * self._step_s
         self._points += len(envelope_v)
         return ComparatorSignals(mean[repeated:], on[repeated:] > 0.0, begin_s + edges[: int(found[0])])
-
-
-def _find_issues(board: AnalogBoard, step_s: float) -> Iterator[Issue]:
-    if board.rectifier != "precision":
-        yield Issue("board.rectifier", f"{board.rectifier!r} has no comparator behind it; use 'precision'.")
-    yield from find_not_positive("step_s", step_s, "s", "0.0005")
 
 
 class SlipPin:

@@ -90,59 +90,6 @@ def compute_hum_v(noise: Noise, time_s: Array) -> Array:
     return out
 
 
-class PinkNoise:
-    """Noise whose power per decade is the same in every decade, chunk by chunk.
-
-    It is a sum of first-order processes with corner frequencies one octave apart, which is within 0.3 dB of 1/f from
-    0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). It is drawn on the base grid, with straight lines between.
-
-    Units: `volts_per_decade` [V].
-    """
-
-    def __init__(self, grid: Grid, volts_per_decade: float, stream: Stream) -> None:
-        corners = [BASE_HZ / 2 / 2.0**i for i in range(1, _PINK_OCTAVES + 1)]
-        decays = [math.exp(-2 * math.pi * corner / BASE_HZ) for corner in corners]
-        # An octave holds log10(2) of a decade's power, and so does each process.
-        deviation = volts_per_decade * math.sqrt(math.log10(2.0))
-        self._matrix = (np.array(decays), np.array([deviation * math.sqrt(1 - a * a) for a in decays]))
-        self._state = deviation * stream.standard_normal(_PINK_OCTAVES)
-        self._stream = stream
-        self._refined = RefinedNoise(grid, self._draw)
-
-    def process(self, count: int) -> Array:
-        """Return the noise at the next points [V]."""
-        return self._refined.process(count)
-
-    def _draw(self, count: int) -> Array:
-        out = np.zeros(count)
-        _pink(*self._matrix, self._stream.standard_normal(count * _PINK_OCTAVES), self._state, out)
-        return out
-
-
-class HandVibration:
-    """Noise in the band of a hand's vibration, by its RMS [V]: white noise behind Butterworth filters of order 4."""
-
-    def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
-        low, high = HAND_BAND_HZ
-        self._sections = (*_design_butterworth(low, True), *_design_butterworth(high, False))
-        impulse, response = np.zeros(round(BASE_HZ)), np.zeros(round(BASE_HZ))
-        impulse[0] = 1.0
-        _band_pass(self._sections, impulse, np.zeros(_BAND_STATES), response)
-        self._deviation = deviation_v / math.sqrt(float(np.sum(response * response)))
-        self._state, self._stream = np.zeros(_BAND_STATES), stream
-        self._draw(round(BASE_HZ / 2))  # the filters are settled when the recording begins
-        self._refined = RefinedNoise(grid, self._draw)
-
-    def process(self, count: int) -> Array:
-        """Return the noise at the next points [V]."""
-        return self._refined.process(count)
-
-    def _draw(self, count: int) -> Array:
-        out = np.zeros(count)
-        _band_pass(self._sections, self._deviation * self._stream.standard_normal(count), self._state, out)
-        return out
-
-
 class RefinedNoise:
     """Noise that is drawn on the base grid, with straight lines between its points on a finer grid."""
 
@@ -163,6 +110,49 @@ class RefinedNoise:
         self._points += count
         self._known = self._known[self._points // self._parts - first :]
         return np.asarray(out)
+
+
+class PinkNoise(RefinedNoise):
+    """Noise whose power per decade is the same in every decade, chunk by chunk.
+
+    It is a sum of first-order processes with corner frequencies one octave apart, which is within 0.3 dB of 1/f from
+    0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). Units: `volts_per_decade` [V].
+    """
+
+    def __init__(self, grid: Grid, volts_per_decade: float, stream: Stream) -> None:
+        corners = [BASE_HZ / 2 / 2.0**i for i in range(1, _PINK_OCTAVES + 1)]
+        decays = [math.exp(-2 * math.pi * corner / BASE_HZ) for corner in corners]
+        # An octave holds log10(2) of a decade's power, and so does each process.
+        deviation = volts_per_decade * math.sqrt(math.log10(2.0))
+        self._matrix = (np.array(decays), np.array([deviation * math.sqrt(1 - a * a) for a in decays]))
+        self._state = deviation * stream.standard_normal(_PINK_OCTAVES)
+        self._stream = stream
+        super().__init__(grid, self._draw_base)
+
+    def _draw_base(self, count: int) -> Array:
+        out = np.zeros(count)
+        _pink(*self._matrix, self._stream.standard_normal(count * _PINK_OCTAVES), self._state, out)
+        return out
+
+
+class HandVibration(RefinedNoise):
+    """Noise in the band of a hand's vibration, by its RMS [V]: white noise behind Butterworth filters of order 4."""
+
+    def __init__(self, grid: Grid, deviation_v: float, stream: Stream) -> None:
+        low, high = HAND_BAND_HZ
+        self._sections = (*_design_butterworth(low, True), *_design_butterworth(high, False))
+        impulse, response = np.zeros(round(BASE_HZ)), np.zeros(round(BASE_HZ))
+        impulse[0] = 1.0
+        _band_pass(self._sections, impulse, np.zeros(_BAND_STATES), response)
+        self._deviation = deviation_v / math.sqrt(float(np.sum(response * response)))
+        self._state, self._stream = np.zeros(_BAND_STATES), stream
+        self._draw_base(round(BASE_HZ / 2))  # the filters are settled when the recording begins
+        super().__init__(grid, self._draw_base)
+
+    def _draw_base(self, count: int) -> Array:
+        out = np.zeros(count)
+        _band_pass(self._sections, self._deviation * self._stream.standard_normal(count), self._state, out)
+        return out
 
 
 def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ...]:

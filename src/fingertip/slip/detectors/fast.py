@@ -145,11 +145,13 @@ class FastDetector(Detector):
     def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
         self.settings = settings
         self._model = model = model or load_model()
-        self._coefficients = _compute_coefficients(settings, model, with_filtered=False)
+        self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
+        """Constants of the loop at this sampling rate and noise."""
         low, scale = LOWEST_SCORE, settings.threshold_scale
-        self._incipient = (model.incipient_threshold - low) / (model.threshold - low) / scale
+        self.incipient_confidence = (model.incipient_threshold - low) / (model.threshold - low) / scale
+        """Confidence above which slip may begin."""
         self._state = [0.0] * fast_loop.STATES
-        self._state[fast_loop.FLOOR] = self._coefficients.wide_share * settings.noise_v**2
+        self._state[fast_loop.FLOOR] = self.coefficients.wide_share * settings.noise_v**2
         self._started = False
 
     @classmethod
@@ -158,24 +160,14 @@ class FastDetector(Detector):
         return cls(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
     @property
-    def coefficients(self) -> FastCoefficients:
-        """Constants of the loop at this sampling rate and noise."""
-        return self._coefficients
-
-    @property
     def state(self) -> tuple[float, ...]:
         """Present state, by the indices of `fingertip.slip.detectors.fast_loop`."""
         return tuple(self._state)
 
     @property
-    def incipient_confidence(self) -> float:
-        """Confidence above which slip may begin."""
-        return self._incipient
-
-    @property
     def threshold_v(self) -> float:
         """Threshold above the present noise floor, as a voltage in the wide band [V]."""
-        return self._coefficients.statistic_gain * math.sqrt(self._state[fast_loop.FLOOR])
+        return self.coefficients.statistic_gain * math.sqrt(self._state[fast_loop.FLOOR])
 
     @property
     def memory_s(self) -> float:
@@ -185,12 +177,12 @@ class FastDetector(Detector):
     @property
     def noise_v(self) -> float:
         """White RMS noise that has the energy of the learned wide floor [V]."""
-        return math.sqrt(self._state[fast_loop.FLOOR] / self._coefficients.wide_share)
+        return math.sqrt(self._state[fast_loop.FLOOR] / self.coefficients.wide_share)
 
     @property
     def noise_energy_v2(self) -> float:
         """Mean power of the stated noise in the wide band [V^2]."""
-        return self._coefficients.wide_share * self.settings.noise_v**2
+        return self.coefficients.wide_share * self.settings.noise_v**2
 
     @property
     def band_hz(self) -> tuple[float, float]:
@@ -218,7 +210,7 @@ class FastDetector(Detector):
 
     def compute_features(self, voltage_v: Array, filtered_v: Array | None = None) -> tuple[FastOutput, Array]:
         """Process samples and return the output and the features of every tick, (ticks, features)."""
-        ticks = len(voltage_v) // int(self._coefficients.tick_samples)
+        ticks = len(voltage_v) // int(self.coefficients.tick_samples)
         rows = np.zeros((ticks + 1) * COUNT)
         output = self._run(voltage_v, filtered_v, rows, COUNT)
         return output, rows[: ticks * COUNT].reshape(ticks, COUNT)
@@ -228,7 +220,7 @@ class FastDetector(Detector):
         self._start(voltage_v, filtered_v)
         m, filtered = self._model, (voltage_v if filtered_v is None else filtered_v,)
         LOOP.plain(
-            self._coefficients, *m.lists, 0, (voltage_v,), filtered, self._state, [0.0] * COUNT, [0.0], [0.0], [0.0],
+            self.coefficients, *m.lists, 0, (voltage_v,), filtered, self._state, [0.0] * COUNT, [0.0], [0.0], [0.0],
             [0.0],
         )  # fmt: skip
         return self._state[fast_loop.ON] > 0.0
@@ -242,9 +234,9 @@ class FastDetector(Detector):
             self._start(float(samples[0]), None if filtered_v is None else float(filtered[0]))
         out: Array = np.zeros((4, len(samples)))
         m = self._model
-        LOOP(self._coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
+        LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         wide, confidence, level, on = out
-        return FastOutput(confidence * level, level, on > 0.0, wide, confidence, confidence > self._incipient)
+        return FastOutput(confidence * level, level, on > 0.0, wide, confidence, confidence > self.incipient_confidence)
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
         """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
@@ -253,7 +245,7 @@ class FastDetector(Detector):
         self._started = True
         settings, state = self.settings, self._state
         with_filtered = filtered_v is not None and settings.filtered is not None
-        self._coefficients = c = _compute_coefficients(settings, self._model, with_filtered)
+        self.coefficients = c = _compute_coefficients(settings, self._model, with_filtered)
         state[fast_loop.INPUT] = voltage_v
         state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
         state[fast_loop.REST] = 0.0 if filtered_v is None else filtered_v

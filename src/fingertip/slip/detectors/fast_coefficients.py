@@ -288,12 +288,6 @@ class FastModel:
 def load_model() -> FastModel:
     """Read the table."""
     table = json.loads(resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8"))
-    return FastModel(
-        np.array(table["features"], dtype=np.float64),
-        np.array(table["thresholds"], dtype=np.float64),
-        np.array(table["leaves"], dtype=np.float64),
-        table["offset"],
-        table["threshold"],
-        table["noise_rise"],
-        table["incipient_threshold"],
-    )
+    features, thresholds, leaves = (np.array(table[n], dtype=np.float64) for n in ("features", "thresholds", "leaves"))
+    scores = (table[name] for name in ("offset", "threshold", "noise_rise", "incipient_threshold"))
+    return FastModel(features, thresholds, leaves, *scores)

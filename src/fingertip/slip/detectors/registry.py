@@ -143,14 +143,9 @@ def make_detector(name: str, design: Design, noise_v: float | None = None, thres
     return find_detector_type(name).implementation.for_design(design, noise_v, threshold_scale)
 
 
-def list_names() -> list[str]:
-    """List the names, the default first."""
-    return sorted(DETECTORS, key=lambda name: name != DEFAULT)
-
-
 def describe_detectors() -> str:
-    """List the names with few words on each."""
-    *first, last = (f"{name} ({DETECTORS[name].words})" for name in list_names())
+    """List the names with few words on each, the default first."""
+    *first, last = (f"{name} ({DETECTORS[name].words})" for name in sorted(DETECTORS, key=lambda name: name != DEFAULT))
     return f"{', '.join(first)} or {last}."
 
 

@@ -89,10 +89,7 @@ class SecondOrder(NamedTuple):
 
 
 class SlipChain(Detector):
-    """The article's chain with its state.
-
-    It starts in the steady state of the first sample, as if the input had always had that value.
-    """
+    """The article's chain with its state. It starts as if the input had always had the value of the first sample."""
 
     def __init__(self, settings: ChainSettings) -> None:
         self.settings = settings
@@ -243,9 +240,7 @@ def noise_level(design: Design, noise_v: float | None = None) -> NoiseLevel:
 class AnalogDetector(Detector):
     """Moving average of the board's envelope, compared with a threshold.
 
-    Before the first sample the board's output is taken as 0 V.
-
-    Units: `window_samples` [samples].
+    Before the first sample the board's output is taken as 0 V. Units: `window_samples` [samples].
     """
 
     def __init__(self, sample_rate_hz: float, window_samples: int, threshold_v: float) -> None:
@@ -255,21 +250,16 @@ class AnalogDetector(Detector):
         self._state = [0.0, 0.0]
 
     @classmethod
-    def from_design(cls, design: Design, threshold_scale: float = 1.0) -> AnalogDetector:
-        """Create the detector with a design's window and threshold, the threshold times a factor."""
-        detector = design.detector
-        return cls(detector.sample_rate_hz, detector.window_samples, detector.threshold_v * threshold_scale)
-
-    @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> AnalogDetector:
-        """Create the detector for a design. Raises TraceError."""
+        """Create the detector with a design's window, and its threshold times a factor. Raises TraceError."""
         if noise_v is not None:
             message = (
                 f"{noise_v:g} V of input noise does not determine the threshold of the detector analog, which applies "
                 "to the board's output; set detector.threshold_v instead."
             )
             raise TraceError(Issue("noise_v", message))
-        return cls.from_design(design, threshold_scale)
+        d = design.detector
+        return cls(d.sample_rate_hz, d.window_samples, d.threshold_v * threshold_scale)
 
     @property
     def threshold_v(self) -> float:
@@ -332,6 +322,5 @@ def measure_noise_level(envelope_v: Array, design: Design, name: str) -> NoiseLe
         samples = f"{len(envelope_v)} sample{'s' * (len(envelope_v) != 1)}"
         min_s = math.ceil(round(1000 * minimum / d.sample_rate_hz, 6)) / 1000
         raise TraceError(Issue("--calibrate", f"covers {samples} of {name}; choose at least {min_s:g} s."))
-    means = AnalogDetector.from_design(design).process(envelope_v).statistic_v[d.window_samples :]
-    step = d.adc_step_v
-    return NoiseLevel(float(means.mean()), max(float(means.std()), step / DEVIATIONS))
+    means = AnalogDetector.for_design(design).process(envelope_v).statistic_v[d.window_samples :]
+    return NoiseLevel(float(means.mean()), max(float(means.std()), d.adc_step_v / DEVIATIONS))

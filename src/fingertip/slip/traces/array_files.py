@@ -251,7 +251,7 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         return channel[:]
 
     with path.open("rb") as file:
-        if not _is_tdms(file):
+        if file.read(4) != b"TDSm":  # the tag of every segment
             raise TraceError(Issue(str(path), "is not a TDMS file; export it again, or save it as CSV."))
         with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
             check_tdms_segments(file)
@@ -271,10 +271,6 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
             with np.errstate(divide="ignore"):
                 arrays[RATE] = float(f"{1 / np.float64(increment):.9g}")
         return arrays
-
-
-def _is_tdms(file: BinaryIO) -> bool:
-    return file.read(4) == b"TDSm"  # the tag of every segment
 
 
 _LOADERS: Mapping[str, Callable[[Path, ColumnMap], Mapping[str, Any]]] = {

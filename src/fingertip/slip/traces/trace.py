@@ -136,14 +136,12 @@ class ColumnMap:
 
     def make_trace(self, columns: Mapping[str, Array]) -> Trace:
         """Make a trace of the file's columns, given by a trace's names."""
-        voltage = columns["voltage_v"]
-        time = columns.get("time_s")
+        voltage, time, slip = columns["voltage_v"], columns.get("time_s"), columns.get("slip")
         if time is None:
             assert self.rate_hz is not None
             time = np.arange(len(voltage)) / self.rate_hz
         elif self.time_scale != 1.0:
             time = time * self.time_scale
-        slip = columns.get("slip")
         volts = voltage if self.scale == 1.0 else voltage * self.scale
         flags = None if slip is None else slip == 1.0
         filtered = columns.get("filtered_v")
@@ -179,34 +177,26 @@ class RawTrace:
 
     def validate(self, detector: DetectorParameters) -> Trace:
         """Return the trace if it is valid for a detector's sampling rate, window and ADC. Raises TraceError."""
-        issues = [*self.issues, *value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
-        if self._times_are_valid:
-            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))
-        if issues:
+        if issues := self.find_issues(detector):
             raise TraceError(issues)
         return self.trace
 
+    def find_issues(self, detector: DetectorParameters) -> list[Issue]:
+        """Find everything that prevents detection."""
+        issues = [*self.issues, *_value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
+        if self._times_are_valid:
+            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))
+        return issues
+
     @property
     def _times_are_valid(self) -> bool:
-        return self.has_all_times and _are_finite_times(self.trace.time_s)
+        time_s = self.trace.time_s
+        return self.has_all_times and time_s.ndim == 1 and len(time_s) > 1 and bool(np.isfinite(time_s).all())
 
 
-def find_issues(trace: Trace, detector: DetectorParameters, in_volts: bool = True) -> list[Issue]:
-    """Find everything that prevents detection on a trace; the messages count samples from 0."""
-    issues = list(value_issues(trace, detector, "trace", None, in_volts))
-    if _are_finite_times(trace.time_s):
-        issues.extend(time_issues(trace.time_s, detector, "trace", None))
-    return issues
-
-
-def _are_finite_times(time_s: Array) -> bool:
-    return time_s.ndim == 1 and len(time_s) > 1 and bool(np.isfinite(time_s).all())
-
-
-def value_issues(
+def _value_issues(
     trace: Trace, detector: DetectorParameters, name: str, lines: Sequence[int] | None, in_volts: bool
 ) -> Iterator[Issue]:
-    """Find issues of a trace's length, shapes and values."""
     count, minimum = len(trace.time_s), max(2, detector.window_samples)
     if count < minimum:
         yield Issue(name, length_message(count, minimum))

@@ -21,7 +21,6 @@ from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
 from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim import run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
 from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
 from fingertip.sim.simulation import article_trials
@@ -327,17 +326,6 @@ def test_boards_are_measured_on_a_trial_in_which_the_diode_conducts():
     assert found["conducting_ratio"] > 0.001
     peaks = found["peak_v"]
     assert 0.01 < peaks["5 %"] < peaks["50 %"] < peaks["95 %"]
-
-
-def test_compiled_trial_has_the_bits_of_the_plain_one():
-    pytest.importorskip("numba")
-    scene, seed = next(iter(article_trials()))
-    scene = scene.model_copy(update={"outputs": ["voltage_v", "force_n", "slip", "envelope_v"]})
-    plain = run_scene(DESIGN, scene, seed)
-    with compiled():
-        fast = run_scene(DESIGN, scene, seed)
-    for name, values in plain.columns.items():
-        assert np.array_equal(values, fast.columns[name]), name
 
 
 @pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 15)])

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fingertip.design import Design
 from fingertip.foundation import jit
 from fingertip.foundation.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
-from fingertip.sim import SceneFile, run_scene
 from tests.conftest import run_python
 
 
@@ -108,17 +106,6 @@ def test_views_and_single_precision_compile_no_second_form():
             loop(values, out)
             assert out.tolist() == [2.0, 2.0, 2.0]
     assert len(loop._compiled.signatures) == 1
-
-
-def test_simulated_board_has_the_same_bits_in_both_forms(monkeypatch):
-    pytest.importorskip("numba")
-    scene = SceneFile(slide={"distance_m": 0.005}, outputs=["voltage_v", "envelope_v"])
-    with compiled():
-        fast = run_scene(Design(), scene, 3).columns
-    monkeypatch.setattr(jit, "available", lambda: False)
-    plain = run_scene(Design(), scene, 3).columns
-    for name in ("voltage_v", "envelope_v"):
-        assert fast[name].tobytes() == plain[name].tobytes()
 
 
 def test_loop_without_a_cache_folder_is_compiled_for_this_process():

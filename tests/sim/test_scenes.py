@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 
 import numpy as np
 import pytest
@@ -47,10 +46,6 @@ def test_bundled_scene_runs_and_slips_if_named_so(path):
     assert all(np.isfinite(values).all() for values in result.columns.values())
     assert result.columns["force_n"].max() > 0.3
     detect(result.trace, DESIGN)  # the detector accepts the trace
-    for line in path.read_text().splitlines():
-        assert "TODO" not in line
-    raw = tomllib.loads(path.read_text())
-    assert raw != {}
 
 
 def test_sliding_finger_scene_equals_the_trial():

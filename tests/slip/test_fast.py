@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -434,15 +432,6 @@ def test_single_precision_gives_the_same_flags():
     assert on.any()
     assert abs(int(np.flatnonzero(on)[0]) - flags.index(True)) <= 8
     assert np.mean(on == np.array(flags)) > 0.98
-
-
-def test_pickled_state_is_small():
-    detector = FastDetector(SETTINGS)
-    detector.process(4.0 + noise(1.0))
-    assert json.dumps(detector._state)
-    assert np.array_equal(
-        pickle.loads(pickle.dumps(detector)).process(4.0 + noise(0.5)).on, detector.process(4.0 + noise(0.5)).on
-    )
 
 
 def test_a_quiet_part_with_hum_gives_its_noise():

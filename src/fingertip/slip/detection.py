@@ -51,14 +51,9 @@ class UsedThreshold:
         quantity = find_detector_type(detector).quantity
         return cls(quantity, first_v, float(used[-1]), float(np.nanmin(used)), float(np.nanmax(used)))
 
-    @property
-    def adapts(self) -> bool:
-        """True if it follows the noise."""
-        return self.highest_v - self.lowest_v > 1e-9 * self.highest_v
-
     def describe(self) -> str:
         """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the first ON``."""
-        if not self.adapts:
+        if self.highest_v - self.lowest_v <= 1e-9 * self.highest_v:  # it does not follow the noise
             return f"threshold {1000 * self.highest_v:.3g} mV"
         span = f"{1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} mV"
         return f"threshold {span}" + (

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import (
@@ -75,16 +75,6 @@ def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> fl
     return MAX_PHASE * math.sqrt(mount.mass_kg / stiffness) if stiffness > 0.0 else math.inf
 
 
-def find_step_issues(friction: Friction, mount: Mount, step_s: float, max_load_n: float) -> list[Issue]:
-    """Report a step that is too long for the stiffness of the bristles."""
-    longest = admissible_step_s(friction, mount, max_load_n)
-    if step_s <= longest:
-        return []
-    stiff = f"for bristles of {friction.sigma0:g} /m under {max_load_n:g} N on a pad of {mount.mass_kg:g} kg"
-    remedy = f"choose at most {round_down(longest):g} s, or use coupled.integrate, which controls its error"
-    return [Issue("step_s", f"{step_s:g} s is too long {stiff}; {remedy}.")]
-
-
 class DraggedPad:
     """Pad that a carriage drags from standstill, with relaxed bristles, over any number of chunks.
 
@@ -108,7 +98,12 @@ class DraggedPad:
         """Follow the pad over the next points; the first chunk begins with the initial point. Raises TraceError."""
         raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
         friction, mount = self._friction, self._mount
-        raise_issues(find_step_issues(friction, mount, self._step_s, float(np.max(normal_n, initial=0.0))))
+        max_load_n = float(np.max(normal_n, initial=0.0))
+        longest = admissible_step_s(friction, mount, max_load_n)
+        if not self._step_s <= longest:
+            stiff = f"for bristles of {friction.sigma0:g} /m under {max_load_n:g} N on a pad of {mount.mass_kg:g} kg"
+            remedy = f"choose at most {round_down(longest):g} s, or use coupled.integrate, which controls its error"
+            raise TraceError(Issue("step_s", f"{self._step_s:g} s is too long {stiff}; {remedy}."))
         if self._state is None:
             self._state = np.array([carriage_m[0], 0.0, 0.0])
         # The step to the first point of a chunk begins at the last point of the chunk before.

@@ -183,7 +183,10 @@ def run_manipulation(
             commands[:, i] = _validate_command(controller.step(observation), start / rate_hz, len(scene.fingers))
             stepper.advance(_delay_commands(commands, start, min(start + period, count), period, delay))
             done.report(start / rate_hz)
-    return _collect_result(stepper)
+    signals = HandSignals.join(stepper.chunks)
+    beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
+    lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None
+    return ManipulationResult(scene, seed, plan, signals, lost_s, stepper.meter.costs)
 
 
 def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> Observation:
@@ -222,13 +225,6 @@ def _validate_command(command: Array, time_s: float, count: int) -> Array:
         message = f"{found}; return closings in metres, at most {MAX_CLOSING_M:g} m."
         raise TraceError(Issue("controller", message))
     return command
-
-
-def _collect_result(stepper: ManipulationStepper) -> ManipulationResult:
-    scene, signals = stepper.scene, HandSignals.join(stepper.chunks)
-    beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
-    lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None
-    return ManipulationResult(scene, stepper.seed, stepper.plan, signals, lost_s, stepper.meter.costs)
 
 
 def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Issue]:

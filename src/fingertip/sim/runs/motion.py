@@ -198,14 +198,10 @@ class Motors:
         self._moved = np.ones(1)
         self.closing_m, self._phase, self._shaking, self._root = (np.zeros(count) for _ in range(4))
 
-    @property
-    def stall_closing_m(self) -> Array:
-        """Closing at which each tendon stalls while the other side stands still [m]."""
-        return self.reach_m + self.pad.depth_m(self.hand.max_force_n)
-
     def follow(self, command_m: Array) -> MotorMotion:
         """Advance the motors over a chunk."""
-        goal = np.clip(command_m, 0.0, self.stall_closing_m[:, None])
+        stall_m = self.reach_m + self.pad.depth_m(self.hand.max_force_n)  # while the other side stands still
+        goal = np.clip(command_m, 0.0, stall_m[:, None])
         if all(name in self.fingers for name in SHARED_MOTOR):
             both = [self.fingers.index(name) for name in SHARED_MOTOR]
             goal[both] = goal[both].max(axis=0)

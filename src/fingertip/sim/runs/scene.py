@@ -158,7 +158,11 @@ class SceneRun:
         if self.grid is not None:
             check_type("grid", self.grid, Grid, "Grid(16)")
         raise_issues(self.scene.find_design_issues(self.design, self.seed))
-        self.grid = self.grid or self._choose_grid()
+        if self.grid is None and self.scene.slide.distance_m:
+            plain = replace(self.friction, elastic=0.0)
+            longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
+            self.grid = Grid.finer_than(longest)
+        self.grid = self.grid or Grid()
 
     @functools.cached_property
     def force_n(self) -> float:
@@ -235,13 +239,6 @@ class SceneRun:
             with self.meter.stage("carriage"):
                 at_m, speed_m_s = self.timeline.slide.position_m(time_s), self.timeline.slide.velocity_m_s(time_s)
             yield finger.process(pad.process(at_m, speed_m_s, load_n, push_n))
-
-    def _choose_grid(self) -> Grid:
-        if not self.scene.slide.distance_m:
-            return Grid()
-        plain = replace(self.friction, elastic=0.0)
-        longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
-        return Grid.finer_than(longest)
 
     def _set_up(self) -> FingerSetup:
         scene, slides = self.scene, bool(self.scene.slide.distance_m)

@@ -24,7 +24,8 @@ class FastCoefficients(NamedTuple):
     """Constants of the loop. Sections without an order in their name are of second order.
 
     `board` is the board's high-pass filter as a digital filter; its first section has the numerator ``b (1 - 1/z)``.
-    `restore` moves its cutoff down to that of the bands.
+    `restore` moves its cutoff down to that of the bands. Smoothing factors are per sample, or per tick where a floor or
+    a score is smoothed; their times stand in `fast`. Scores are those of `FastModel` and of `fast`.
     """
 
     board_1_b: float
@@ -72,18 +73,12 @@ class FastCoefficients(NamedTuple):
     still_samples: float
     """Samples without any change after which the filtered signal is not used: its wire may be broken."""
     short_smoothing: float
-    """Smoothing factor of 6 ms, per sample."""
     long_smoothing: float
-    """Smoothing factor of 20 ms, per sample."""
     tick_samples: float
     slot_ticks: float
-    """Duration of a slot of the peaks [ticks]."""
     max_floor_ticks: float
-    """Ticks over which the floors average in the end."""
     tone_ticks: float
-    """Ticks of ON after which a tone is unlearned."""
     unlearning: float
-    """Smoothing factor of the floors while a tone is unlearned, per tick."""
     wide_share: float
     """Energy of white noise of unit variance in the wide band."""
     upper_share: float
@@ -95,19 +90,12 @@ class FastCoefficients(NamedTuple):
     min_input_floor: float
     """Lower bound of the floor of the tactile voltage [V^2]."""
     offset: float
-    """Score before the first tree."""
     lowest_score: float
-    """Score of confidence 0."""
     threshold: float
-    """Score above which slip is ON, in the stated noise."""
     noise_rise: float
-    """Rise of this threshold in more noise."""
     stay_threshold: float
-    """Score above which slip stays ON."""
     stay_ratio: float
-    """Ratio of an energy of 20 ms to its floor above which slip stays ON."""
     score_smoothing: float
-    """Smoothing factor of the score while ON, per tick."""
     statistic_gain: float
     """Threshold in volts, divided by the root of the wide floor."""
 

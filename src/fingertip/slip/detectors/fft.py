@@ -129,7 +129,8 @@ class FftDetector(Detector):
         """Compute the white noise of the same mean energy in the band [V]."""
         fft = cls(FftSettings.from_design(design, 1.0))
         rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
-        return math.sqrt(float(np.mean(rms_v**2))) / fft.unit_noise_rms
+        # In white noise of unit variance the mean square of the statistic is the sum of the weights.
+        return math.sqrt(float(np.mean(rms_v**2))) / math.sqrt(float(fft._noise_weights().sum()))
 
     @property
     def threshold_v(self) -> float:
@@ -166,11 +167,6 @@ class FftDetector(Detector):
     def _band_rms(self, samples: Array) -> float:
         band = np.fft.rfft((samples - samples[0]) * self._window)[self._first_bin : self._end_bin]
         return math.sqrt(float(np.sum(band.real**2 + band.imag**2)))
-
-    @property
-    def unit_noise_rms(self) -> float:
-        """RMS value of the statistic in white noise of unit variance."""
-        return math.sqrt(float(self._noise_weights().sum()))
 
     def noise_thresholds(self) -> Iterator[tuple[Array, float, float]]:
         """Yield the weights [V^2] and excursion time [s] from which the threshold was solved, and the threshold [V]."""

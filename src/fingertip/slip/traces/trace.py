@@ -214,25 +214,21 @@ def _value_issues(
             location = sample_location(first, lines)
             message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
             yield Issue(column_field, message)
-    if in_volts and trace.voltage_v.ndim == 1:
-        yield from _range_issues(trace.voltage_v, detector, name, lines)
-
-
-def length_message(count: int, minimum: int) -> str:
-    """Describe a trace of fewer samples than one window, with the remedy."""
-    samples = f"{count} sample{'s' * (count != 1)}"
-    return f"has {samples}; at least one window of {minimum} is required; record for longer."
-
-
-def _range_issues(
-    volts: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None
-) -> Iterator[Issue]:
+    volts = trace.voltage_v
+    if not in_volts or volts.ndim != 1:
+        return
     outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
     if outside.size:
         first = int(outside[0])
         all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
         value = f"{volts[first]:g} {sample_location(first, lines)}"
         yield Issue(f"{name}, voltage_v", range_message(value, all_whole, detector))
+
+
+def length_message(count: int, minimum: int) -> str:
+    """Describe a trace of fewer samples than one window, with the remedy."""
+    samples = f"{count} sample{'s' * (count != 1)}"
+    return f"has {samples}; at least one window of {minimum} is required; record for longer."
 
 
 def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> str:

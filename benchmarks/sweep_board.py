@@ -41,8 +41,7 @@ MILLION = 1_000_000
 def measure_worker_rate(points: int = 20_000) -> float:
     """Measure the points per CPU second of one worker, without process pool and database."""
     from fingertip.sweep.plan import SweepPlan
-    from fingertip.sweep.point_evaluator import evaluate_chunk
-    from fingertip.sweep.rows import Chunk
+    from fingertip.sweep.point_evaluator import Chunk, evaluate_chunk
 
     plan = SweepPlan.from_tables(tomllib.loads(FILE.format(points=points)))
     numbers = plan.computing_order(0, points)

@@ -26,7 +26,8 @@ from fingertip.catalogues.silicones import SILICONES
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts, standard_length_mm
 from fingertip.design.geometry.solids import difference, intersection, union
-from fingertip.filling.mold_filling import injected_cm3, place_vents, predict_mold_filling
+from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling
+from fingertip.filling.vents import place_vents
 from fingertip.foundation.errors import DesignError
 from tests.conftest import design_file
 

@@ -121,7 +121,7 @@ def test_calibrate_writes_a_design_that_the_printed_changes_give_too(folder: Pat
     written = (folder / "mine.toml").read_bytes()
     refused = run_fingertip("calibrate", "printer", "fsr400", path, "--out", "mine.toml")
     assert refused.returncode == 2
-    assert "mine.toml: exists and is not overwritten; give another file with --out, or" in refused.stderr
+    assert "mine.toml: exists and is not overwritten; choose another file with --out, or" in refused.stderr
     forced = run_fingertip("calibrate", "printer", "fsr400", path, "--out", "mine.toml", "--force")
     assert forced.returncode == 0, forced.stderr
     assert (folder / "mine.toml").read_bytes() == written

@@ -100,7 +100,8 @@ def test_signals_wait_while_a_library_is_imported_that_they_would_abort(handlers
 @pytest.mark.full
 def test_signals_are_held_while_manifold_is_imported() -> None:
     program = (
-        "import os, signal, sys; from fingertip import interruption; from fingertip.cad.kernel import mesh\n"
+        "import os, signal, sys\n"
+        "from fingertip.cad.kernel import mesh; from fingertip.foundation import processes as interruption\n"
         "class Sender:\n"
         "    def find_spec(self, name, path=None, target=None):\n"
         "        if name == 'manifold3d': os.kill(os.getpid(), signal.SIGTERM)\n"
@@ -115,7 +116,7 @@ def test_signals_are_held_while_manifold_is_imported() -> None:
 def test_a_signal_that_the_starting_process_ignores_stays_ignored() -> None:
     program = (
         "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-        "from fingertip import interruption; interruption.raise_interruptions()\n"
+        "from fingertip.foundation import processes; processes.raise_interruptions()\n"
         "signal.raise_signal(signal.SIGINT); print('still here')\n"
     )
     assert run_python("-c", program).stdout == "still here\n"

@@ -12,16 +12,10 @@ from fingertip.cad.verification.mold import air_rise_s, check_filling
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.filling import mold_filling
-from fingertip.filling.mold_filling import (
-    MAX_AIR_MM3,
-    find_pose,
-    gate_opening,
-    injected_cm3,
-    list_ducts,
-    place_vents,
-    predict_mold_filling,
-)
+from fingertip.filling.gate import gate_opening
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, list_ducts, predict_mold_filling
 from fingertip.filling.predict import Opening
+from fingertip.filling.vents import find_pose, place_vents
 from tests.conftest import design_file
 
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
@@ -105,7 +99,7 @@ def test_air_without_a_vent_at_its_place_fails(monkeypatch: pytest.MonkeyPatch, 
     placed = place_vents(design)
     (x, y, z), others = placed[0].point_mm, placed[1:]
     moved = (replace(placed[0], point_mm=(x, y, z - 8.0)), *others) if vents == "moved" else ()
-    monkeypatch.setattr(mold_filling, "_vent", lambda design: (moved, ()))
+    monkeypatch.setattr(mold_filling, "vent_cavity", lambda design: (moved, ()))
     predict_mold_filling.cache_clear()
     try:
         assert failed(name="adult_finger") == {"mold.air_trapped"}
@@ -140,7 +134,7 @@ def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pyte
     at_tip = Opening((0.0, 0.0, design.skin.length_mm), 2.7)
     monkeypatch.setattr(mold_filling, "gate_opening", lambda design: at_tip)
     monkeypatch.setattr(mold_filling, "list_ducts", lambda design: ())
-    monkeypatch.setattr(mold_filling, "_vent", lambda design: (placed, ()))
+    monkeypatch.setattr(mold_filling, "vent_cavity", lambda design: (placed, ()))
     monkeypatch.setattr(mold_filling, "_is_at_collar", lambda point: False)
     caches = (mold_filling.follow_design_front, predict_mold_filling)
     for cache_of in caches:

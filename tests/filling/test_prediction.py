@@ -16,7 +16,6 @@ from fingertip.cad.shapes.insert import cavity
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.filling.hele_shaw import fill
-from fingertip.filling.mold_filling import find_pose, place_vents
 from fingertip.filling.mouth import RectangularDuct, RoundDuct, mouth_resistance, open_mouth
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
@@ -29,6 +28,7 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
+from fingertip.filling.vents import find_pose, place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.filling import _summarise, draw_filling
 from tests.conftest import design_file

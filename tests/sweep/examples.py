@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fingertip.sweep.database import SweepTable
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.rows import SweepTable
 
 BOARD: dict[str, Any] = {
     "name": "boards",

@@ -24,10 +24,9 @@ from fingertip import __version__
 from fingertip.cli import app
 from fingertip.cli.console import format_state
 from fingertip.foundation.errors import SweepError
-from fingertip.sweep import dask_engine
-from fingertip.sweep.dask_engine import DaskEngine
-from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.rows import SweepRow
+from fingertip.sweep import engines
+from fingertip.sweep.database import SweepDatabase, SweepRow
+from fingertip.sweep.engines import DaskEngine
 from fingertip.sweep.run import RunState, run_sweep
 from tests.conftest import ROOT
 from tests.sweep import worker_functions
@@ -106,7 +105,7 @@ class DaskCluster:
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Gives workers a minute to start: on a busy machine they take longer than a user waits for them."""
-    monkeypatch.setattr(dask_engine, "_CONNECT_TIMEOUT_S", 60.0)
+    monkeypatch.setattr(engines, "_CONNECT_TIMEOUT_S", 60.0)
 
 
 @pytest.fixture
@@ -187,7 +186,7 @@ def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
     dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     dask.start_all(1)
-    monkeypatch.setattr("fingertip.sweep.dask_engine._RECONNECT_TIMEOUT_S", 1.0)
+    monkeypatch.setattr("fingertip.sweep.engines._RECONNECT_TIMEOUT_S", 1.0)
     engine = DaskEngine(dask.address)
     plan = make_plan(**LONG_SWEEP)
 
@@ -235,7 +234,7 @@ def test_malformed_address_is_refused(tmp_path: Path, address: str) -> None:
 
 
 def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fingertip.sweep.dask_engine._CONNECT_TIMEOUT_S", 0.5)
+    monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         assert f"the process listening at {address} is not a Dask scheduler" in run_refused(tmp_path, address)
@@ -245,13 +244,13 @@ def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, mon
 def test_missing_workers_and_workers_of_another_version_are_refused(
     dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fingertip.sweep.dask_engine._CONNECT_TIMEOUT_S", 0.5)
+    monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 0.5)
     dask.start_all(0)
     remedy = f"start some there with dask worker {dask.address}."
     assert f"{dask.address} has no workers; {remedy}" in run_refused(tmp_path, dask.address)
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "fingertip.py").write_text("__version__ = '9.9'")
-    monkeypatch.setattr("fingertip.sweep.dask_engine._CONNECT_TIMEOUT_S", 30.0)
+    monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 30.0)
     dask.start("worker", dask.address, "--death-timeout", "20", path=tmp_path / "other")
     assert f"has fingertip 9.9, but this is {__version__}; install the same version everywhere." in run_refused(
         tmp_path, dask.address
@@ -270,7 +269,7 @@ def test_worker_with_another_python_or_numpy_is_refused(
     host: dict[str, str], packages: dict[str, str], message: str
 ) -> None:
     with pytest.raises(SweepError, match=f"worker tcp://w:1 {message}.*install the same version everywhere"):
-        dask_engine._compare_versions("tcp://w:1", {"host": host, "packages": packages})
+        engines._compare_versions("tcp://w:1", {"host": host, "packages": packages})
 
 
 @pytest.mark.full
@@ -282,7 +281,7 @@ def test_worker_that_hangs_is_refused_before_anything_is_written(
     group = dask.processes[1].pid
     os.killpg(group, signal.SIGSTOP)
     try:
-        monkeypatch.setattr(dask_engine, "_ANSWER_TIMEOUT_S", 1.0)
+        monkeypatch.setattr(engines, "_ANSWER_TIMEOUT_S", 1.0)
         message = run_refused(tmp_path, dask.address)
         assert "a worker has not answered for 1 s; end the workers that hang, or start them again" in message
     finally:

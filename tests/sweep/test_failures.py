@@ -14,10 +14,10 @@ import pytest
 
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep import run
-from fingertip.sweep.database import FILE, SweepDatabase
+from fingertip.sweep.database import FILE, SweepDatabase, SweepRow
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.rows import ChunkFunction, SweepRow
+from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import run_sweep
 from tests.sweep import worker_functions
 from tests.sweep.examples import InlineEngine, make_plan

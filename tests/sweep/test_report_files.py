@@ -23,14 +23,13 @@ from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation.errors import MissingLibraryError, OutputError
 from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
-from fingertip.sweep.database import SweepDatabase
+from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
-from fingertip.sweep.report.feasibility import classify_points
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.plots import draw_pareto_front, draw_scatter_matrix
+from fingertip.sweep.report.statistics import classify_points
 from fingertip.sweep.report.summary import Objective, format_text, summarise, to_json_data
-from fingertip.sweep.rows import SweepRow
 from tests.conftest import run_python
 from tests.sweep.examples import InlineEngine, make_table
 

@@ -14,32 +14,30 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fingertip.cad.verification.check import Check
+from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
-from fingertip.sweep.report.feasibility import (
-    OutputSensitivity,
-    classify_points,
-    compute_sensitivity,
-    find_feasible,
-    find_limiting_rules,
-    select_strongest_axes,
-)
 from fingertip.sweep.report.statistics import (
     Bins,
     Column,
+    OutputSensitivity,
     bin_by_count,
     bin_by_value,
+    classify_points,
     compute_cell_statistics,
     compute_correlation,
     compute_null_deviation,
     compute_ranks,
+    compute_sensitivity,
     estimate_explained_variance,
+    find_feasible,
+    find_limiting_rules,
     find_nearest_to_ideal,
     find_pareto_front,
     is_categorical,
+    select_strongest_axes,
     suits_log_scale,
     to_sortable,
 )
-from fingertip.sweep.rows import SweepTable
 from tests.sweep.examples import make_plan, make_table
 
 COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.floats(-50, 50), min_size=1, max_size=60)

@@ -13,8 +13,7 @@ from fingertip.board import board_values
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.rows import SweepRow
+from fingertip.sweep.database import SweepDatabase, SweepRow
 from tests.sweep.examples import InlineEngine
 
 FILE = """

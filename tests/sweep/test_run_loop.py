@@ -16,7 +16,7 @@ import pytest
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep import run
 from fingertip.sweep.database import StoredRow, SweepDatabase
-from fingertip.sweep.rows import Chunk, ChunkResult
+from fingertip.sweep.point_evaluator import Chunk, ChunkResult
 from fingertip.sweep.run import RunState, run_sweep
 from tests.sweep.examples import InlineEngine, InlineExecutor, make_plan
 from tests.sweep.worker_functions import make_result

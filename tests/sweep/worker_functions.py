@@ -13,8 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from fingertip.sweep.point_evaluator import evaluate_points
-from fingertip.sweep.rows import Chunk, ChunkResult, PointResult
+from fingertip.sweep.point_evaluator import Chunk, ChunkResult, PointResult, evaluate_points
 
 LIMIT_S = 0.4
 FAILING_POINTS = (3, 17)

@@ -139,7 +139,7 @@ def params(
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
     elif html:
-        from fingertip.tasks.page import write_atlas
+        from fingertip.page.atlas import write_atlas
 
         pictures = write_atlas(loaded, html, console.progress)
         said = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"

@@ -67,7 +67,7 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.sweep.engines import ProcessEngine, count_processors
+    from fingertip.sweep.engines import DaskEngine, ProcessEngine, count_processors
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow
 
@@ -90,11 +90,7 @@ def sweep(
         )
     plan = SweepPlan.load(file, changes or ())
     folder = out or _default_folder(plan)
-    engine: Engine = ProcessEngine(jobs or count_processors())
-    if cluster:
-        from fingertip.sweep.dask_engine import DaskEngine
-
-        engine = DaskEngine(cluster)
+    engine = DaskEngine(cluster) if cluster else ProcessEngine(jobs or count_processors())
     with _open_database(console, folder, plan, resume) as database:
         code = _run(console, database, engine)
         _export(console, database, csv, parquet)

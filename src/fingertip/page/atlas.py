@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
 from fingertip.foundation.errors import DesignError, FingertipError
+from fingertip.foundation.files import open_atomic
 from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, code, element, embed, read_asset, render_document
 from fingertip.page.parameters_and_checks import (
@@ -88,6 +90,17 @@ class AtlasPicture:
         """Render the picture with its caption."""
         image = element("img", src=embed(self.png, "image/png"), alt=f"{self.path}: {self.caption}")
         return element("figure", image, element("figcaption", self.caption))
+
+
+def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None] = lambda message: None) -> int:
+    """Write the atlas of the parameters: each with a picture of what it changes. Returns the number of pictures.
+
+    Raises OutputError.
+    """
+    with open_atomic(Path(path), "--html") as file:  # a path that cannot be written is refused before the work
+        pictures = {picture.path: picture for picture in draw_atlas(design, progress)}
+        file.write(render_atlas(design, pictures))
+    return len(pictures)
 
 
 def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message: None) -> Iterator[AtlasPicture]:

@@ -26,6 +26,7 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
 from fingertip.foundation.toml_files import UnusableTomlError, check_values
+from fingertip.studio import DEFAULT_PORT
 from fingertip.studio.answers import (
     DOWNLOADS,
     answer_all_checks,
@@ -41,7 +42,6 @@ ADDRESS = "127.0.0.1"
 """Address that the studio listens on."""
 TOKEN_HEADER = "X-Fingertip-Token"
 """Header of a request that carries the token. A page of another origin cannot set it without being asked first."""
-DEFAULT_PORT = 8350
 MAX_PORT = 65535
 _MAX_BODY_BYTES = 1_000_000
 _TIMEOUT_S = 60.0

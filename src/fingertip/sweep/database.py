@@ -17,9 +17,10 @@ import os
 import re
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +29,8 @@ from fingertip.foundation.errors import InputFileError, Issue, OutputError, Swee
 from fingertip.foundation.input_files import check_regular
 from fingertip.foundation.output_set.writer import find_place_issues
 from fingertip.sweep import sweep_file
+from fingertip.sweep.axes import Value
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.rows import STATUSES, SweepRow, SweepTable
 
 FILE = "sweep.sqlite"
 """Name of the database in the folder of a sweep."""
@@ -51,6 +52,49 @@ StoredRow: TypeAlias = tuple[Any, ...]
 """Row as it is written: point, status, field, reason, then axes and outputs in the plan's order. SQLite stores no NaN;
 it becomes NULL and is read back as NaN."""
 T = TypeVar("T")
+Status: TypeAlias = Literal["ok", "refused", "failed", "timeout"]
+STATUSES: tuple[Status, ...] = ("ok", "refused", "failed", "timeout")
+"""ok: computed. refused: the design breaks a rule, which is a valid result. failed: an error, or the worker died.
+timeout: the point took longer than the sweep's time limit."""
+
+
+@dataclass(frozen=True)
+class SweepRow:
+    """Row of one point: its parameters, its outputs and its status."""
+
+    point: int
+    axes: dict[str, Value]
+    """Swept parameter -> value."""
+    outputs: dict[str, float]
+    """Output -> value; NaN where it was not computed."""
+    status: Status
+    field: str
+    """Parameter or check that `reason` is about; "" if there is none."""
+    reason: str
+    """Reason why the point is not ok, or names of the failed checks; "" otherwise."""
+
+
+@dataclass(frozen=True, eq=False)
+class SweepTable:
+    """All rows as columns of one length n, ordered by point number."""
+
+    point: NDArray[np.int64]
+    """(n,) number of the point in the plan. Points without a row are left out."""
+    axes: dict[str, NDArray[Any]]
+    """Swept parameter, dotted (`skin.width_mm`, `scene.slide.speed_m_s`) -> (n,) values: float, int, bool or str."""
+    outputs: dict[str, NDArray[np.float64]]
+    """Output, with the unit in its name -> (n,) values. NaN where it was not computed, infinite where it is unbounded
+    (the median delay where fewer than half of the slips were detected)."""
+    status: NDArray[np.str_]
+    """(n,) one of `STATUSES`."""
+    field: NDArray[np.str_]
+    """(n,) first parameter that a refused point's broken rule names, or first failed check of a computed point; ""
+    otherwise."""
+    reason: NDArray[np.object_]
+    """(n,) of str: why a row is not ok, or which checks failed; "" otherwise."""
+
+    def __len__(self) -> int:
+        return len(self.point)
 
 
 class SweepDatabase:

@@ -12,9 +12,10 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
@@ -25,7 +26,6 @@ from fingertip.sweep.designs import DesignBuilder, LruCache, apply_changes
 from fingertip.sweep.engines import NO_POINT, set_current_point
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.rows import Chunk, ChunkResult, PointResult
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.files import SceneFile
@@ -41,6 +41,49 @@ QUICK_COST = 1
 QUICK_POINTS_PER_LIMIT = 64
 """Number of points that share a time limit in such a sweep."""
 _NO_ISSUE = Issue("", "")
+PointResult: TypeAlias = tuple[int, str, str, str, tuple[float, ...]]
+"""Point number, status, field, reason, and the outputs in the plan's order."""
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Points of a sweep that one worker evaluates in one task."""
+
+    text: str
+    """Canonical TOML text of the sweep."""
+    points: tuple[int, ...]
+    """Numbers of the points."""
+    columns: dict[str, list[Any]]
+    """Swept parameter -> one value for each point."""
+
+    def select(self, indices: Sequence[int]) -> Chunk:
+        """Build a chunk of some of these points, given their indices in `points`."""
+        columns = {name: [column[i] for i in indices] for name, column in self.columns.items()}
+        return Chunk(self.text, tuple(self.points[i] for i in indices), columns)
+
+
+@dataclass(frozen=True)
+class ChunkResult:
+    """Results of the points of a chunk."""
+
+    results: list[PointResult]
+    elapsed_s: float
+    """Time that the worker spent on the chunk [s]."""
+
+
+ChunkFunction: TypeAlias = Callable[[Chunk], ChunkResult]
+"""Function that a worker runs for each chunk."""
+
+
+def make_timeout_result(point: int, limit_s: float, outputs: int) -> PointResult:
+    """Build the result of a point that exceeded its time limit [s] twice."""
+    reason = f"took longer than {limit_s:g} s (time_limit_s), twice."
+    return point, "timeout", "", reason, (math.nan,) * outputs
+
+
+def make_crash_result(point: int, outputs: int) -> PointResult:
+    """Build the result of a point whose worker process died twice."""
+    return point, "failed", "", "its worker died while it was computed, twice.", (math.nan,) * outputs
 
 
 class PointEvaluator:

@@ -21,8 +21,15 @@ from fingertip.foundation.errors import Issue, SweepError
 from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import evaluate_chunk
-from fingertip.sweep.rows import Chunk, ChunkFunction, ChunkResult, PointResult, make_crash_result, make_timeout_result
+from fingertip.sweep.point_evaluator import (
+    Chunk,
+    ChunkFunction,
+    ChunkResult,
+    PointResult,
+    evaluate_chunk,
+    make_crash_result,
+    make_timeout_result,
+)
 
 CHUNK_DURATION_S = 0.5
 """Time that a worker should spend on a chunk [s]."""

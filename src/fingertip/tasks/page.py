@@ -1,15 +1,12 @@
-"""Writing of the page of a design into its folder, and of the atlas of its parameters."""
+"""Writing of the page of a design into its folder."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
-from fingertip.foundation.files import open_atomic
-from fingertip.page.atlas import draw_atlas, render_atlas
 from fingertip.page.render import render_page
 from fingertip.page.sources import read_sources
 from fingertip.tasks.build import parts_writer
@@ -35,14 +32,3 @@ def write_page(
         raise OutputError(Issue(str(folder), message)) from error
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())
-
-
-def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None] = lambda message: None) -> int:
-    """Write the atlas of the parameters: each with a picture of what it changes. Returns the number of pictures.
-
-    Raises OutputError.
-    """
-    with open_atomic(Path(path), "--html") as file:  # a path that cannot be written is refused before the work
-        pictures = {picture.path: picture for picture in draw_atlas(design, progress)}
-        file.write(render_atlas(design, pictures))
-    return len(pictures)

@@ -113,7 +113,7 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
 
 
 def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
-    """What every document of a board refers to, and the figures of `trimming.md`."""
+    """Data that every document of a board refers to, and the figures of `trimming.md`."""
     supply = SUPPLIES[values.supply]
     return {
         "values": values,
@@ -146,7 +146,7 @@ def _list_cables(circuit: Circuit) -> Iterator[tuple[str, ...]]:
 
 
 def _collect_order(circuit: Circuit, configuration: BoardConfiguration) -> dict[str, Any]:
-    """What the forms of board house and assembly house ask for, and which parts need care."""
+    """Figures that board house and assembly house ask for, and the parts that need care."""
     components = purchased_components(circuit)
     assembled = [c for c in components if is_assembled(c)]
     template = load_template(configuration.name, circuit, configuration.placement)

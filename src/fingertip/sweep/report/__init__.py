@@ -15,10 +15,9 @@ from fingertip.foundation import extras
 from fingertip.foundation.files import open_atomic
 
 if TYPE_CHECKING:
-    from fingertip.sweep.database import SweepDatabase
+    from fingertip.sweep.database import SweepDatabase, SweepRow
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report.summary import SweepSummary
-    from fingertip.sweep.rows import SweepRow
 
 
 def write_report(
@@ -85,7 +84,7 @@ _GROUP_ROWS = 65_536
 
 
 class RowSource(Protocol):
-    """Source of the exported rows, such as a `database.SweepDatabase`."""
+    """Source of the exported rows, such as a database."""
 
     @property
     def plan(self) -> SweepPlan:

@@ -24,10 +24,11 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
-from fingertip.sweep.report.feasibility import FEASIBLE, PointClasses
 from fingertip.sweep.report.statistics import (
+    FEASIBLE,
     Bins,
     Column,
+    PointClasses,
     bin_by_value,
     is_categorical,
     suits_log_scale,

@@ -25,7 +25,6 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
-from fingertip.sweep.report.feasibility import FEASIBLE, OutputSensitivity, find_feasible, select_strongest_axes
 from fingertip.sweep.report.feasibility_plot import (
     PlotScale,
     choose_points,
@@ -35,11 +34,15 @@ from fingertip.sweep.report.feasibility_plot import (
     wrap_name,
 )
 from fingertip.sweep.report.statistics import (
+    FEASIBLE,
     Column,
+    OutputSensitivity,
     compute_cell_statistics,
     compute_correlation,
     compute_ranks,
+    find_feasible,
     is_categorical,
+    select_strongest_axes,
 )
 from fingertip.sweep.report.summary import Objective, SweepSummary, format_percent
 

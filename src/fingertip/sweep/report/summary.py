@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from fingertip.design.files import to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError
+from fingertip.sweep.database import STATUSES
 from fingertip.sweep.designs import apply_changes
-from fingertip.sweep.report.feasibility import (
+from fingertip.sweep.report.statistics import (
     AxisSensitivity,
+    Column,
     LimitingRule,
     OutputSensitivity,
     PointClasses,
@@ -26,13 +28,13 @@ from fingertip.sweep.report.feasibility import (
     compute_sensitivities,
     find_feasible,
     find_limiting_rules,
+    find_nearest_to_ideal,
+    find_pareto_front,
 )
-from fingertip.sweep.report.statistics import Column, find_nearest_to_ideal, find_pareto_front
-from fingertip.sweep.rows import STATUSES
 
 if TYPE_CHECKING:
+    from fingertip.sweep.database import SweepTable
     from fingertip.sweep.plan import SweepPlan
-    from fingertip.sweep.rows import SweepTable
 
 
 _MAX_RULES = 12

@@ -467,6 +467,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
         "sample_rate_hz: contains 0",
     ),
     "damaged.tdms": (lambda: b"TDSm" + b"\xff" * 60, "contains no arrays; save time_s and voltage_v."),
+    "text.tdms": (lambda: b"text", "text.tdms: is not a TDMS file; export it again, or save it as CSV."),
     "text.npy": (lambda: PLAIN.encode(), "is not a NumPy file that can be read"),
     "text.npz": (lambda: PLAIN.encode(), "is not a NumPy archive that can be read"),
 }  # fmt: skip

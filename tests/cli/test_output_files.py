@@ -22,7 +22,7 @@ FILES = (
     ("board", "--plot", ".png", "fingertip.tasks.board.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
     ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
-    ("params", "--html", ".html", "fingertip.tasks.page.draw_atlas"),
+    ("params", "--html", ".html", "fingertip.page.atlas.draw_atlas"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.quantities.measure_volumes"),
     ("acceptance fsr400", "--out", ".md", "fingertip.tasks.make.simulate_and_detect"),

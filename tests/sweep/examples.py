@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from click.testing import Result
 from numpy.typing import ArrayLike
+from typer.testing import CliRunner
 
-from fingertip.sweep.database import SweepTable
+from fingertip.cli import app
+from fingertip.sweep.database import SweepDatabase, SweepRow, SweepTable
 from fingertip.sweep.plan import SweepPlan
 
 BOARD: dict[str, Any] = {
@@ -40,30 +44,29 @@ def make_table(
     return SweepTable(points, axis_columns, output_columns, np.asarray(status), np.asarray(field), reasons)
 
 
-class InlineExecutor(Executor):
-    """Executor that runs each task at once, in this process."""
-
-    def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        try:
-            future.set_result(fn(*arguments, **keywords))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
 class InlineEngine:
-    """Engine without processes, for tests in which no worker fails."""
+    """Engine without processes: each task runs at once, in this process. Tests of failures override `submit`."""
 
     description = "workers in this process"
     attempts = 1
     workers = 1
 
     def __init__(self, jobs: int = 1) -> None:
-        pass
+        self.started = 0
 
     def executor(self) -> Executor:
-        return InlineExecutor()
+        self.started += 1
+        pool = Executor()
+        pool.submit = self.submit  # type: ignore[method-assign]
+        return pool
+
+    def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
     def find_crashed_points(self) -> Mapping[int, float] | None:
         return None
@@ -73,3 +76,12 @@ class InlineEngine:
 
     def close(self) -> None:
         pass
+
+
+def run_sweep_command(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
+
+
+def read_rows(folder: Path) -> list[SweepRow]:
+    with SweepDatabase.open(folder) as database:
+        return list(database.rows())

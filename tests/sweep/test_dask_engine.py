@@ -17,20 +17,17 @@ from pathlib import Path
 
 import numpy
 import pytest
-from click.testing import Result
-from typer.testing import CliRunner
 
 from fingertip import __version__
-from fingertip.cli import app
 from fingertip.cli.console import format_state
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep import engines
-from fingertip.sweep.database import SweepDatabase, SweepRow
+from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.engines import DaskEngine
 from fingertip.sweep.run import RunState, run_sweep
 from tests.conftest import ROOT
 from tests.sweep import worker_functions
-from tests.sweep.examples import InlineEngine, make_plan
+from tests.sweep.examples import InlineEngine, make_plan, read_rows, run_sweep_command
 
 pytest.importorskip("distributed")
 
@@ -75,17 +72,8 @@ class DaskCluster:
     def start_all(self, workers: int) -> None:
         """Start a scheduler on a free port, and workers."""
         scheduler_file = self.folder / "scheduler.json"
-        self.start(
-            "scheduler",
-            "--host",
-            "127.0.0.1",
-            "--port",
-            "0",
-            "--scheduler-file",
-            str(scheduler_file),
-            "--idle-timeout",
-            "120",
-        )
+        options = ["--host", "127.0.0.1", "--port", "0", "--idle-timeout", "120", "--scheduler-file"]
+        self.start("scheduler", *options, str(scheduler_file))
         until = time.monotonic() + 30
         while not self.address:
             assert time.monotonic() < until, (self.folder / "0.log").read_text()
@@ -101,6 +89,10 @@ class DaskCluster:
             os.killpg(self.processes[index].pid, signal.SIGKILL)
         self.processes[index].wait()
 
+    def kill_all(self) -> None:
+        for i in range(len(self.processes)):
+            self.kill(i)
+
 
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -113,8 +105,7 @@ def dask(tmp_path: Path) -> Iterator[DaskCluster]:
     """A cluster in which the test itself starts the processes; all of them are killed at the end."""
     cluster = DaskCluster(tmp_path)
     yield cluster
-    for i in range(len(cluster.processes)):
-        cluster.kill(i)
+    cluster.kill_all()
 
 
 @pytest.fixture(scope="module")
@@ -125,17 +116,7 @@ def running_cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCl
         cluster.start_all(2)
         yield cluster
     finally:
-        for i in range(len(cluster.processes)):
-            cluster.kill(i)
-
-
-def read_rows(folder: Path) -> list[SweepRow]:
-    with SweepDatabase.open(folder) as database:
-        return list(database.rows())
-
-
-def run_sweep_command(*arguments: object) -> Result:
-    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
+        cluster.kill_all()
 
 
 @pytest.mark.full

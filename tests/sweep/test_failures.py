@@ -19,7 +19,7 @@ from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import run_sweep
-from tests.sweep import worker_functions
+from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan
 from tests.tools import require_tool
 
@@ -47,20 +47,6 @@ def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
         rows = list(database.rows())
     assert [row.point for row in rows] == list(range(BOARD_POINTS))
     return {row.point: row for row in rows}
-
-
-def assert_only_failing_points_have(rows: dict[int, SweepRow], status: str, reason: str) -> None:
-    for point, row in rows.items():
-        if point in worker_functions.FAILING_POINTS:
-            assert (row.status, row.field) == (status, "")
-            assert reason in row.reason
-        else:
-            assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
-
-
-@pytest.mark.full
-def test_crash_of_a_worker_fails_only_its_point(tmp_path: Path) -> None:
-    assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.crash), "failed", "died")
 
 
 @pytest.mark.parametrize(
@@ -93,15 +79,23 @@ def test_a_pool_ends_although_a_worker_was_sending_a_result(tmp_path: Path) -> N
 
 
 @pytest.mark.full
-def test_sleeping_point_times_out(tmp_path: Path) -> None:
-    assert_only_failing_points_have(run_with(tmp_path / "out", worker_functions.sleep), "timeout", "longer than 0.4 s")
-
-
-@pytest.mark.full
-def test_endless_loop_in_c_times_out(tmp_path: Path) -> None:
-    assert_only_failing_points_have(
-        run_with(tmp_path / "out", worker_functions.loop_in_c), "timeout", "longer than 0.4 s"
-    )
+@pytest.mark.parametrize(
+    ("evaluate", "status", "reason"),
+    [
+        (worker_functions.crash, "failed", "died"),
+        (worker_functions.sleep, "timeout", "longer than 0.4 s"),
+        (worker_functions.loop_in_c, "timeout", "longer than 0.4 s"),
+    ],
+)
+def test_crash_or_hang_of_a_worker_fails_only_its_point(
+    tmp_path: Path, evaluate: ChunkFunction, status: str, reason: str
+) -> None:
+    for point, row in run_with(tmp_path / "out", evaluate).items():
+        if point in worker_functions.FAILING_POINTS:
+            assert (row.status, row.field) == (status, "")
+            assert reason in row.reason
+        else:
+            assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
 
 
 @pytest.mark.full
@@ -112,18 +106,6 @@ def test_workers_that_die_before_any_point_end_the_run_with_an_error(tmp_path: P
             run_sweep(plan, database, ProcessEngine(1), evaluate=worker_functions.exit_at_start)
         assert list(database.rows()) == []
         assert run_sweep(plan, database, ProcessEngine(1)).written == BOARD_POINTS
-
-
-@pytest.mark.full
-def test_rows_do_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
-    results = []
-    for jobs in (1, 2):
-        plan = make_plan()
-        with SweepDatabase.create(tmp_path / str(jobs), plan) as database:
-            run_sweep(plan, database, ProcessEngine(jobs))
-            results.append(repr(list(database.rows())))  # as text, in which NaN equals itself
-        assert plan.size == BOARD_POINTS
-    assert results[0] == results[1]
 
 
 def find_processes(group: int) -> list[int]:
@@ -162,8 +144,8 @@ def start_sweep(file: Path, out: Path) -> subprocess.Popen[str]:
 
 
 def read_rows(folder: Path) -> list[str]:
-    with SweepDatabase.open(folder) as database:
-        return [repr(row) for row in database.rows()]
+    """Rows as text, in which NaN equals itself."""
+    return [repr(row) for row in examples.read_rows(folder)]
 
 
 @pytest.fixture(scope="module")

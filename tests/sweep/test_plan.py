@@ -7,15 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import Result
-from typer.testing import CliRunner
 
-from fingertip.cli import app
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep.axes import round_significant
 from fingertip.sweep.plan import SweepPlan
 from tests.conftest import ROOT
-from tests.sweep.examples import BOARD, make_plan
+from tests.sweep.examples import BOARD, make_plan, run_sweep_command
 
 LATIN: dict[str, Any] = {"sampling": "latin_hypercube", "points": 50}
 SCENE: dict[str, Any] = {"slide": {"distance_m": 0.04}}
@@ -26,10 +23,6 @@ def find_issues(**changes: Any) -> dict[str, str]:
     with pytest.raises(SweepError) as error:
         SweepPlan.from_tables({name: table for name, table in tables.items() if table is not None})
     return {issue.field: issue.message for issue in error.value.issues}
-
-
-def run_sweep_command(*arguments: object) -> Result:
-    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
 
 
 REFUSED_FILES: list[tuple[dict[str, Any], str, str]] = [
@@ -195,7 +188,9 @@ def test_broken_rule_of_the_base_design_is_accepted_if_an_axis_changes_it() -> N
 def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / f"{name}.toml")
     assert plan.file.name == name
-    assert SweepPlan.from_toml(plan.to_toml()).to_toml() == plan.to_toml()
+    again = SweepPlan.from_toml(plan.to_toml())
+    assert again.to_toml() == plan.to_toml()
+    assert [again.point(i) for i in range(50)] == [plan.point(i) for i in range(50)]
 
 
 def test_changes_apply_to_sweep_file_design_and_scene() -> None:

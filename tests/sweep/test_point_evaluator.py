@@ -26,7 +26,6 @@ from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import MAX_TRIANGLES, CachedEvaluator, DesignBuilder, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import PointEvaluator
 from tests.conftest import run_python
 from tests.sweep.examples import make_plan
@@ -443,12 +442,3 @@ def test_computing_order_contains_every_point_and_varies_expensive_axes_slowest(
     points = [plan.point(p) for p in order]
     for name, changes in (("skin.width_mm", 2), ("mold.wall_mm", 5)):
         assert sum(a[name] != b[name] for a, b in itertools.pairwise(points)) == changes
-
-
-@pytest.mark.full
-def test_plan_survives_a_round_trip_through_its_text() -> None:
-    plan = make_plan(scene={"slide": {"distance_m": 0.04}}, minimise=["q"], design={"skin": {"width_mm": 18}})
-    again = SweepPlan.from_toml(plan.to_toml())
-    assert again.to_toml() == plan.to_toml()
-    assert [again.point(i) for i in range(plan.size)] == [plan.point(i) for i in range(plan.size)]
-    assert again.design.skin.width_mm == 18.0

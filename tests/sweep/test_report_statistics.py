@@ -1,4 +1,4 @@
-"""Statistics of the report against closed forms, brute force and scipy."""
+"""Statistics of the report against closed forms, brute force and scipy; histograms without combs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from fingertip.cad.verification.check import Check
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
+from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
+from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading, draw_scatter_matrix
 from fingertip.sweep.report.statistics import (
     Bins,
     Column,
@@ -39,6 +41,7 @@ from fingertip.sweep.report.statistics import (
     to_sortable,
 )
 from tests.sweep.examples import make_plan, make_table
+from tests.tools import require_module
 
 COLUMNS = st.lists(st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.5, 10.0, 80.0]) | st.floats(-50, 50), min_size=1, max_size=60)
 
@@ -56,22 +59,6 @@ def test_bins_cover_a_column_without_overlap(
         assert len(values_in_bin)
         assert (values_in_bin.min(), values_in_bin.max()) == (bins.low[i], bins.high[i])
     assert np.all(bins.high[:-1] < bins.low[1:])
-
-
-def test_bins_by_count_hold_equally_many_points_and_bins_by_value_are_equally_wide() -> None:
-    column = np.random.default_rng(0).permutation(np.arange(1000.0)) ** 3
-    assert set(np.bincount(bin_by_count(column, 10).indices)) == {100}
-    wide = bin_by_value(column, 10)
-    assert np.all(wide.high - wide.low < 1e8)
-    by_ratio = bin_by_value(np.geomspace(1, 1000, 999), 3)
-    assert set(np.bincount(by_ratio.indices)) == {333}
-
-
-def test_logarithmic_scale_is_chosen_by_the_distribution_of_the_values() -> None:
-    assert suits_log_scale(np.geomspace(20, 200, 50))
-    assert not suits_log_scale(np.linspace(20, 200, 50))
-    assert not suits_log_scale(np.geomspace(15, 17, 50))
-    assert not suits_log_scale(np.array([-1.0, 10.0, 100.0]))
 
 
 @settings(max_examples=40)
@@ -151,6 +138,7 @@ def test_categorical_axis_has_an_index_but_no_rank_correlation() -> None:
 @pytest.mark.parametrize("column", [np.ones(100), np.full(100, np.nan), np.arange(19.0)])
 def test_constant_or_too_few_values_have_no_sensitivity(column) -> None:
     assert compute_sensitivity("y", column, {"x": np.random.default_rng(0).random(len(column))}) is None
+    assert compute_sensitivity("y", np.arange(20.0), {"x": np.arange(20.0)}) is not None
 
 
 def is_dominated(costs: NDArray[np.float64], row: int) -> bool:
@@ -172,12 +160,6 @@ def test_pareto_front_equals_brute_force(objectives: int, points: int, levels: i
 def test_pareto_front_is_exact() -> None:
     costs = np.array([[1e16, 1.0, 0.0], [1e16, 1.0 + 2e-16, 0.0], [1e16 - 2, 2.0, 0.0]])
     assert find_pareto_front(costs).tolist() == [0, 2]
-
-
-def test_compromise_scales_objectives_by_their_range_on_the_front() -> None:
-    costs = np.array([[0.0, 1000.0], [1.0, 0.0], [0.3, 400.0], [0.9, 900.0]])
-    assert find_pareto_front(costs).tolist() == [0, 1, 2]
-    assert find_nearest_to_ideal(costs, find_pareto_front(costs)) == 2
 
 
 def make_grid(n: int = 10) -> SweepTable:
@@ -255,22 +237,6 @@ def test_failed_check_is_reported_by_name(monkeypatch: pytest.MonkeyPatch) -> No
     assert (rule.rule, rule.example) == ("check skin_thickness", reason)
 
 
-def test_explained_variance_needs_twenty_points() -> None:
-    x = np.arange(20.0)
-    assert compute_sensitivity("y", x, {"x": x}) is not None
-    assert compute_sensitivity("y", x[:19], {"x": x[:19]}) is None
-
-
-def test_logarithmic_scale_needs_a_ratio_of_five() -> None:
-    assert suits_log_scale(np.array([1.0, 2.2, 5.0]))
-    assert not suits_log_scale(np.array([1.0, 2.2, 4.99]))
-
-
-def test_nearest_to_the_ideal_is_by_the_straight_distance() -> None:
-    """The sum of the parts would be 1.05 for the third row, more than that of the others."""
-    assert find_nearest_to_ideal(np.array([[0.0, 1.0], [1.0, 0.0], [0.45, 0.6]]), np.arange(3)) == 2
-
-
 def test_few_values_have_a_bin_each_wherever_they_lie() -> None:
     column = np.array([10.0, 0.0, 0.1, 0.0])
     for divide in (bin_by_count, bin_by_value):
@@ -289,6 +255,7 @@ def test_bins_by_value_share_the_range() -> None:
     assert (shifted.indices.tolist(), shifted.low[0]) == (bins.indices.tolist(), -100.0)
     gap = bin_by_value(np.array([0.0, 1.0, 2.0, 9.0, 10.0]), 4)
     assert (gap.low.tolist(), gap.high.tolist()) == ([0, 9], [2, 10]), "empty bins are left out"
+    assert set(np.bincount(bin_by_value(np.geomspace(1, 1000, 999), 3).indices)) == {333}, "of equal ratio"
 
 
 def test_bins_by_count_place_a_value_by_the_middle_of_its_points() -> None:
@@ -322,6 +289,8 @@ def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
     with np.errstate(all="raise"):
         assert suits_log_scale(unit * np.array([1.0, 4.0, 16.0]))
         assert suits_log_scale(unit * np.array([1.0, 2.0, 16.0]))
+        assert suits_log_scale(unit * np.array([1.0, 2.2, 5.0]))
+        assert not suits_log_scale(unit * np.array([1.0, 2.2, 4.99]))
         assert not suits_log_scale(unit * np.array([1.0, 8.5, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 6.0, 16.0]))
         assert not suits_log_scale(unit * np.array([1.0, 12.0, 16.0]))
@@ -381,3 +350,55 @@ def test_nearest_to_the_ideal_does_not_depend_on_the_units(units: tuple[float, f
     assert find_nearest_to_ideal(costs, np.arange(4)) == 3
     assert find_nearest_to_ideal(costs + 7.0, np.arange(4)) == 3
     assert find_nearest_to_ideal(costs - 7.0, np.arange(4)) == 3
+
+
+@pytest.mark.parametrize("count", [5, 24, 25, 37, 40, 100, 239])
+def test_equally_frequent_numbers_give_a_flat_histogram(count: int) -> None:
+    values = np.repeat(np.arange(1.0, count + 1), 50)
+    scale = make_scale("x", values, 24)
+    edges = histogram_edges(values, scale, 24)
+    heights = np.histogram(values, edges)[0]
+    assert heights.sum() == len(values)
+    assert len(heights) <= 24
+    density = heights / np.diff(edges)
+    assert density.max() / density.min() == pytest.approx(1.0)
+    comb = np.histogram(values, np.linspace(scale.edges[0], scale.edges[-1], 25))[0]
+    if count in (37, 40):
+        assert comb.max() >= 1.9 * comb.min()  # what bins of equal width would show
+
+
+def test_preferred_values_on_a_logarithmic_scale() -> None:
+    values = np.repeat(10 ** (np.arange(60) / 24), 7)
+    scale = make_scale("x", values, 24)
+    assert scale.log
+    edges = histogram_edges(values, scale, 24)
+    density = np.histogram(values, edges)[0] / np.diff(np.log(edges))
+    assert density.max() / density.min() == pytest.approx(1.0)
+
+
+def test_continuous_values_have_bins_of_equal_width() -> None:
+    values = np.random.default_rng(0).uniform(0, 1, 5000)
+    edges = histogram_edges(values, make_scale("x", values, 24), 24)
+    assert len(edges) == 25
+    assert np.diff(edges) == pytest.approx(np.diff(edges)[0])
+    assert np.histogram(values, edges)[0].sum() == len(values)
+
+
+@pytest.mark.parametrize("width_in", [3.4, 5.8, 8.2, 15.0])
+def test_no_line_of_the_heading_is_cut_off(width_in: float) -> None:
+    require_module("matplotlib")
+    from fingertip.foundation.plot_style import new_figure
+
+    lines = _write_heading(2000, 4096, ["amplifier_bandwidth_hz", "board.r2_ohm", "board.r3_ohm"], width_in)
+    assert " ".join(lines).count("board.r3_ohm") == 1
+    figure = new_figure(width_in, 2.0, automatic_layout=False)
+    text = figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=9)
+    assert text.get_window_extent().x1 <= figure.bbox.width
+    assert max(map(len, lines)) <= width_in / _CHARACTER_IN
+
+
+def test_a_small_matrix_is_drawn() -> None:
+    require_module("matplotlib")
+    rows = np.arange(40.0)
+    data = draw_scatter_matrix({"x": rows, "y": np.sqrt(rows)}, rows > 7, ["left"])
+    assert data.startswith(b"\x89PNG")

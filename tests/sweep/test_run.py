@@ -6,15 +6,11 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import Result
-from typer.testing import CliRunner
 
 from fingertip.board import board_values
-from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.sweep.database import SweepDatabase, SweepRow
-from tests.sweep.examples import InlineEngine
+from tests.sweep.examples import InlineEngine, read_rows, run_sweep_command
 
 FILE = """
 name = "boards"
@@ -25,15 +21,6 @@ board.cutoff_hz = {low = 20, high = 2000, steps = 6, spacing = "logarithmic"}
 board.capacitor_uf = [0.0001, 1.0]
 board.series = ["E12", "E96"]
 """
-
-
-def run_sweep_command(*arguments: object) -> Result:
-    return CliRunner().invoke(app, ["sweep", *map(str, arguments)])
-
-
-def read_rows(folder: Path) -> list[SweepRow]:
-    with SweepDatabase.open(folder) as database:
-        return list(database.rows())
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import itertools
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import BrokenExecutor, Future
 from typing import Any, cast
 
 import numpy as np
@@ -18,7 +18,7 @@ from fingertip.sweep import run
 from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.point_evaluator import Chunk, ChunkResult
 from fingertip.sweep.run import RunState, run_sweep
-from tests.sweep.examples import InlineEngine, InlineExecutor, make_plan
+from tests.sweep.examples import InlineEngine, make_plan
 from tests.sweep.worker_functions import make_result
 
 POINTS = 72
@@ -59,21 +59,14 @@ class Breaking(InlineEngine):
 
     def __init__(self, bad: set[int], crashed: Mapping[int, float] | None, attempts: int = 1) -> None:
         super().__init__()
-        self.bad, self.crashed, self.attempts, self.started = bad, crashed, attempts, 0
+        self.bad, self.crashed, self.attempts = bad, crashed, attempts
 
-    def executor(self) -> Executor:
-        self.started += 1
-        outer = self
-
-        class Pool(InlineExecutor):
-            def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-                if outer.bad.isdisjoint(arguments[0].points):
-                    return super().submit(fn, *arguments, **keywords)
-                future: Future[Any] = Future()
-                future.set_exception(BrokenExecutor())
-                return future
-
-        return Pool()
+    def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+        if self.bad.isdisjoint(arguments[0].points):
+            return super().submit(fn, *arguments)
+        future: Future[Any] = Future()
+        future.set_exception(BrokenExecutor())
+        return future
 
     def find_crashed_points(self) -> Mapping[int, float] | None:
         return self.crashed
@@ -153,26 +146,29 @@ def test_only_missing_points_are_computed(clock: Clock) -> None:
     assert (state.existing, state.written, state.done) == (POINTS - 5, 5, POINTS)
 
 
-@pytest.mark.full
+@pytest.mark.parametrize(
+    ("begin_s", "tick_s", "max_pending", "expected"),
+    [
+        (100.0, 0.0, 50_000, [2, 70]),
+        (0.0, 0.0, 50_000, [2, 70]),  # the first rows at once, whatever the clock shows
+        (100.0, 2 * run.WRITE_INTERVAL_S, 50_000, [2, 32, 38]),
+        (100.0, 0.0, 32, [2, 32, 38]),
+        (100.0, 0.0, 33, [2, 70]),
+    ],
+)
 def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
-    clock: Clock, monkeypatch: pytest.MonkeyPatch
+    clock: Clock,
+    monkeypatch: pytest.MonkeyPatch,
+    begin_s: float,
+    tick_s: float,
+    max_pending: int,
+    expected: list[int],
 ) -> None:
-    still = Database()
-    compute(InlineEngine(), still)
-    assert [len(rows) for rows in still.commits] == [2, 70]
-    clock.tick_s = 2 * run.WRITE_INTERVAL_S
-    moving = Database()
-    compute(InlineEngine(), moving)
-    assert [len(rows) for rows in moving.commits] == [2, 32, 38]
-    clock.tick_s = 0.0
-    monkeypatch.setattr(run, "MAX_PENDING_ROWS", 32)
-    many = Database()
-    compute(InlineEngine(), many)
-    assert [len(rows) for rows in many.commits] == [2, 32, 38]
-    monkeypatch.setattr(run, "MAX_PENDING_ROWS", 33)
-    few = Database()
-    compute(InlineEngine(), few)
-    assert [len(rows) for rows in few.commits] == [2, 70]
+    clock.now_s, clock.tick_s = begin_s, tick_s
+    monkeypatch.setattr(run, "MAX_PENDING_ROWS", max_pending)
+    database = Database()
+    compute(InlineEngine(), database)
+    assert [len(rows) for rows in database.commits] == expected
 
 
 @pytest.mark.parametrize(
@@ -203,14 +199,10 @@ def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) 
     """An idle worker died: the pool refuses work. The chunk is sent to a new pool, and no point is to blame."""
 
     class Refusing(Breaking):
-        def executor(self) -> Executor:
-            pool = super().executor()
+        def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
             if self.started == 1:
-                pool.submit = self.refuse  # type: ignore[method-assign]
-            return pool
-
-        def refuse(self, *_: Any) -> Future[Any]:
-            raise BrokenExecutor
+                raise BrokenExecutor
+            return super().submit(fn, *arguments)
 
     engine, database = Refusing(set(), {}), Database()
     state = compute(engine, database)
@@ -221,19 +213,11 @@ def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) 
 
 def test_retry_that_an_idle_pool_refuses_is_sent_to_a_new_one(clock: Clock) -> None:
     class Refusing(Breaking):
-        def executor(self) -> Executor:
-            pool = super().executor()
-            if self.started == 2:
-                outer, submit = self, pool.submit
-
-                def refuse_retry(function: Callable[..., Any], chunk: Chunk) -> Future[Any]:
-                    if chunk.points != (40,):
-                        return submit(function, chunk)
-                    outer.bad = set()
-                    raise BrokenExecutor
-
-                pool.submit = refuse_retry  # type: ignore[method-assign, assignment]
-            return pool
+        def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+            if self.started == 2 and arguments[0].points == (40,):
+                self.bad = set()
+                raise BrokenExecutor
+            return super().submit(fn, *arguments)
 
     engine, database = Refusing({40}, {40: 2 * LIMIT_S}), Database()
     state = compute(engine, database)
@@ -278,13 +262,6 @@ def test_breakdowns_after_a_result_are_counted_from_the_first(clock: Clock) -> N
     assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
 
 
-def test_first_rows_are_written_at_once_whatever_the_clock_shows(clock: Clock) -> None:
-    clock.now_s = 0.0
-    database = Database()
-    compute(InlineEngine(), database)
-    assert [len(rows) for rows in database.commits] == [2, 70]
-
-
 def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
     status = {0: "refused", 1: "refused", 2: "failed", 3: "timeout", 4: "failed"}
 
@@ -299,15 +276,11 @@ def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
 
 def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
     class Lost(InlineEngine):
-        def executor(self) -> Executor:
-            class Pool(InlineExecutor):
-                def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-                    future: Future[Any] = Future()
-                    future.cancel()
-                    future.set_running_or_notify_cancel()
-                    return future
-
-            return Pool()
+        def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+            future: Future[Any] = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
 
     with pytest.raises(SweepError, match="--cluster: is lost"):
         compute(Lost(), Database())
@@ -316,21 +289,15 @@ def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
 class Slow(InlineEngine):
     """Engine with one worker for two points, whose results come when a test says so."""
 
-    def __init__(self, attempts: int = 1) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self.attempts, self.asked = attempts, 0
+        self.asked = 0
         self.waiting: list[tuple[Chunk, Future[ChunkResult]]] = []
 
-    def executor(self) -> Executor:
-        outer = self
-
-        class Pool(InlineExecutor):
-            def submit(self, fn: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-                future: Future[ChunkResult] = Future()
-                outer.waiting.append((arguments[0], future))
-                return future
-
-        return Pool()
+    def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+        future: Future[ChunkResult] = Future()
+        self.waiting.append((arguments[0], future))
+        return future
 
     def end_if_stuck(self) -> None:
         self.asked += 1

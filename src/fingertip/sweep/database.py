@@ -11,6 +11,7 @@ journal may name a file that is removed once it was read. A sweep has neither, s
 from __future__ import annotations
 
 import contextlib
+import difflib
 import itertools
 import math
 import os
@@ -293,8 +294,6 @@ class SweepDatabase:
         before, now = (sweep_file.select_row_defining_lines(text) for text in (self.text, plan.to_toml()))
         if before == now:
             return
-        import difflib
-
         lines = [line for line in difflib.ndiff(before, now) if line[0] in "+-"]
         difference = "\n".join(f"  {line}" for line in lines)
         raise SweepError(
@@ -363,7 +362,7 @@ def _refuse_odd_files(path: Path) -> None:
 def _lock_folder(folder: Path) -> int | None:
     """Lock the folder until this process ends, however it ends; None where the system has no such locks."""
     try:
-        import fcntl
+        import fcntl  # noqa: PLC0415
     except ImportError:
         return None
     try:

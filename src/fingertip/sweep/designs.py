@@ -1,4 +1,4 @@
-"""Designs of a sweep's points: the base design with the point's parameters, refused where it breaks a rule.
+"""Designs of a sweep's points, refused where they break a rule, and the mesh kernel whose results they share.
 
 The bounds of the parameters are checked together with the axes, before any point. If only electronic tables vary, the
 rules of the printed parts give the same result at every point as for the base design, and so do the dimensions. Such a
@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
 from fingertip.design.all_rules import ELECTRONIC_RULES
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
@@ -65,15 +65,15 @@ def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[
     return changed
 
 
-# Least-recently-used cache with a weight limit: a worker's memory stays constant however long the sweep is.
-
-
 K = TypeVar("K")
 V = TypeVar("V")
 
 
 class LruCache(Generic[K, V]):
-    """Mapping that evicts the least recently used entries once their total weight exceeds a limit."""
+    """Mapping that evicts the least recently used entries once their total weight exceeds a limit.
+
+    A worker's memory stays constant however long the sweep is.
+    """
 
     def __init__(self, max_weight: float) -> None:
         self.max_weight = max_weight
@@ -101,14 +101,6 @@ class LruCache(Generic[K, V]):
 
     def __len__(self) -> int:
         return len(self._entries)
-
-
-# Mesh kernel with caches: solids, meshes and measurements are reused between the designs of a sweep.
-#
-# A solid is identified by a digest of its expression. What is derived from solids (an intersection, a gap, a volume)
-# is identified by a digest of the operation and its operands, and looked up before anything is meshed. While only the
-# mold varies, the bone is neither meshed nor measured twice. This module knows no part and no check: `cad` uses these
-# solids exactly as it uses those of manifold3d.
 
 
 MAX_TRIANGLES = 400_000
@@ -144,7 +136,7 @@ def restrict_kernel_to_one_thread() -> None:
     os.sched_setaffinity(0, {min(allowed)})
     try:
         load_manifold()
-        from manifold3d import Manifold
+        from manifold3d import Manifold  # noqa: PLC0415
 
         cube = Manifold.cube((1.0, 1.0, 1.0))
         (cube - cube.translate((0.5, 0.5, 0.5))).status()
@@ -153,7 +145,12 @@ def restrict_kernel_to_one_thread() -> None:
 
 
 class CachedEvaluator(MeshEvaluator):
-    """Mesh evaluator that caches solids, meshes and measurements."""
+    """Mesh evaluator that reuses solids, meshes and measurements between the designs of a sweep.
+
+    A solid is identified by a digest of its expression. What is derived from solids (an intersection, a gap, a volume)
+    is identified by a digest of the operation and its operands, and looked up before anything is meshed: while only the
+    mold varies, the bone is neither meshed nor measured twice. `cad` uses these solids exactly as those of manifold3d.
+    """
 
     def __init__(self, tolerance_mm: float) -> None:
         super().__init__(tolerance_mm)
@@ -183,8 +180,6 @@ class CachedEvaluator(MeshEvaluator):
         key = self.compute_key(solid)
         mesh = self._meshes.get(key)
         if mesh is None:
-            from fingertip.cad.kernel.mesh import to_canonical_mesh
-
             mesh = to_canonical_mesh(self.evaluate_manifold(key, solid))
             self._meshes.put(key, mesh)
         return mesh
@@ -223,6 +218,12 @@ class _ExpressionEvaluator(MeshEvaluator):
         return self._evaluate(solid)
 
 
+_MEASURED = frozenset({"volume", "genus", "bounding_box", "min_gap"})
+"""Methods of manifold3d's object that give numbers."""
+_DERIVED = frozenset({"translate", "rotate", "scale", "trim_by_plane"})
+"""Methods that give another solid, as the operators do."""
+
+
 class CachedManifold:
     """Solid known by its key; it stands for manifold3d's object, which is evaluated only where it must be."""
 
@@ -241,74 +242,45 @@ class CachedManifold:
             self._manifold.status()
         return self._manifold
 
-    def volume(self) -> float:
-        """Volume [mm3]."""
-        return float(self._measure("volume"))
-
-    def genus(self) -> int:
-        """Number of through holes."""
-        return int(self._measure("genus"))
-
-    def bounding_box(self) -> Any:
-        """Minimum and maximum coordinates [mm]."""
-        return self._measure("bounding_box")
-
-    def min_gap(self, other: CachedManifold, max_mm: float) -> float:
-        """Minimum distance to another solid [mm], searched for up to `max_mm`."""
-        return float(self._measure("min_gap", other, max_mm))
-
     def decompose(self) -> list[CachedManifold]:
         """Split the solid into its connected bodies. Their volumes are cached."""
-        key = compute_digest("volumes of bodies", self._key)
+        key = self._compute_key("volumes of bodies")
         volumes: list[float] = self._evaluator.measure(key, lambda: [b.volume() for b in self.manifold.decompose()])
         bodies = []
         for i, volume in enumerate(volumes):
-            body = self._derive("body", i, evaluate=partial(self._evaluate_body, i))
-            self._evaluator.measure(compute_digest("volume", body._key), partial(float, volume))
+            body = CachedManifold(self._evaluator, self._compute_key("body", i), partial(self._evaluate_body, i))
+            self._evaluator.measure(body._compute_key("volume"), partial(float, volume))
             bodies.append(body)
         return bodies
 
     def _evaluate_body(self, i: int) -> Manifold:
         return self.manifold.decompose()[i]
 
-    def translate(self, by_mm: tuple[float, float, float]) -> CachedManifold:
-        """Translate the solid."""
-        return self._derive("translate", by_mm, evaluate=lambda: self.manifold.translate(by_mm))
-
-    def rotate(self, degrees: tuple[float, float, float]) -> CachedManifold:
-        """Rotate the solid about the coordinate axes, x first."""
-        return self._derive("rotate", degrees, evaluate=lambda: self.manifold.rotate(degrees))
-
-    def scale(self, factors: tuple[float, float, float]) -> CachedManifold:
-        """Scale the solid about the origin."""
-        return self._derive("scale", factors, evaluate=lambda: self.manifold.scale(factors))
-
-    def trim_by_plane(self, normal: tuple[float, float, float], offset_mm: float) -> CachedManifold:
-        """Cut the solid by a plane and keep the side to which the normal points."""
-        return self._derive("trim", normal, offset_mm, evaluate=lambda: self.manifold.trim_by_plane(normal, offset_mm))
-
     def __xor__(self, other: CachedManifold) -> CachedManifold:
-        return self._derive("and", other._key, evaluate=lambda: self.manifold ^ other.manifold)
+        return self._derive("__xor__", other)
 
     def __sub__(self, other: CachedManifold) -> CachedManifold:
-        return self._derive("less", other._key, evaluate=lambda: self.manifold - other.manifold)
+        return self._derive("__sub__", other)
 
     def __add__(self, other: CachedManifold) -> CachedManifold:
-        return self._derive("or", other._key, evaluate=lambda: self.manifold + other.manifold)
+        return self._derive("__add__", other)
 
     def __getattr__(self, name: str) -> Any:
-        """Forward any other method to manifold3d's object; its result is not cached."""
+        """Forward any other method to manifold3d's object; its result is cached if `_DERIVED` or `_MEASURED`."""
         if name.startswith("__"):
             raise AttributeError(name)
-        return lambda *arguments: self._call(name, arguments)
+        return partial(self._derive if name in _DERIVED else self._measure if name in _MEASURED else self._call, name)
 
-    def _call(self, name: str, arguments: tuple[Any, ...]) -> Any:
+    def _call(self, name: str, *arguments: Any) -> Any:
         own = (a.manifold if isinstance(a, CachedManifold) else a for a in arguments)
         return getattr(self.manifold, name)(*own)
 
-    def _measure(self, name: str, *arguments: Any) -> Any:
-        keys = [a._key if isinstance(a, CachedManifold) else a for a in arguments]
-        return self._evaluator.measure(compute_digest(name, self._key, *keys), lambda: self._call(name, arguments))
+    def _compute_key(self, name: str, *arguments: Any) -> bytes:
+        return compute_digest(name, self._key, *(a._key if isinstance(a, CachedManifold) else a for a in arguments))
 
-    def _derive(self, operation: str, *arguments: object, evaluate: Callable[[], Manifold]) -> CachedManifold:
-        return CachedManifold(self._evaluator, compute_digest(operation, self._key, *arguments), evaluate)
+    def _measure(self, name: str, *arguments: Any) -> Any:
+        return self._evaluator.measure(self._compute_key(name, *arguments), lambda: self._call(name, *arguments))
+
+    def _derive(self, name: str, *arguments: Any) -> CachedManifold:
+        key = self._compute_key(name, *arguments)
+        return CachedManifold(self._evaluator, key, lambda: self._call(name, *arguments))

@@ -18,6 +18,8 @@ from multiprocessing.context import SpawnContext
 from multiprocessing.process import BaseProcess
 from typing import Any, Protocol
 
+import numpy as np
+
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.version import __version__
@@ -217,7 +219,7 @@ class DaskEngine:
     """
 
     def __init__(self, address: str) -> None:
-        import asyncio  # which no worker needs
+        import asyncio  # noqa: PLC0415 which no worker needs
 
         distributed = extras.load("distributed", "--cluster", alternative="leave --cluster out")
         dask = extras.load("dask", "--cluster", alternative="leave --cluster out")
@@ -276,7 +278,7 @@ class DaskEngine:
 
         def version() -> str:
             # Dask sends this nested function by value. A worker may not have this module.
-            import fingertip
+            import fingertip  # noqa: PLC0415
 
             return fingertip.__version__
 
@@ -306,8 +308,6 @@ class DaskEngine:
 
 def _compare_versions(worker: str, found: Mapping[str, Any]) -> None:
     """Refuse a worker whose Python or numpy could give other rows."""
-    import numpy as np
-
     here = {"Python": "{}.{}".format(*sys.version_info[:2]), "numpy": np.__version__}
     python = str(found.get("host", {}).get("python", "none"))
     there = {"Python": ".".join(python.split(".")[:2]), "numpy": str(found.get("packages", {}).get("numpy"))}
@@ -332,7 +332,7 @@ def _check_listening(address: str) -> None:
 
 async def _check_scheduler(address: str) -> None:
     """Ask the listener for its identity; `Client` waits for ever if the listener is silent or not a scheduler."""
-    from distributed.comm import connect
+    from distributed.comm import connect  # noqa: PLC0415
 
     comm = await connect(address)
     try:

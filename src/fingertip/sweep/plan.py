@@ -22,7 +22,8 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation import extras
-from fingertip.foundation.errors import FingertipError, Issue, SweepError
+from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather
+from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis
 from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups, find_shareable
@@ -76,16 +77,18 @@ class SweepPlan:
         issues += axis_issues if entries is not None else ()
         design, design_issues = sweep_file.parse_base_design(tables.get("design", {}))
         issues += design_issues
-        scene, scene_issues = _read_scene(tables.get("scene"))
-        issues += scene_issues
+        scene = None
+        if (scene_tables := tables.get("scene")) is not None:
+            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
+
+            with gather(issues, "scene."):
+                scene = SceneFile(**scene_tables)
         outputs = tables.get("outputs")
         if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs):
             issues += check_output_names(outputs)
         if file:
             issues += sweep_file.check_objectives(file)
             issues += _check_point_count(file, axes)
-            from fingertip.slip.detectors.registry import find_detector_type
-
             try:
                 find_detector_type(file.detector)
             except FingertipError as error:
@@ -166,7 +169,7 @@ class SweepPlan:
     def _samples(self) -> NDArray[np.float64]:
         """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence (scipy.stats.qmc)."""
         self._require_samplers()
-        from scipy.stats import qmc
+        from scipy.stats import qmc  # noqa: PLC0415
 
         if self.file.sampling == "sobol":
             return np.asarray(qmc.Sobol(len(self.axes), scramble=True, rng=self.file.seed).random(self.size))
@@ -187,17 +190,6 @@ def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], l
     if not axes and not issues:
         issues.append(Issue("axes", "is empty; name at least one parameter, such as skin.width_mm = [16, 17]."))
     return axes, issues
-
-
-def _read_scene(tables: Mapping[str, Any] | None) -> tuple[SceneFile | None, list[Issue]]:
-    if tables is None:
-        return None, []
-    from fingertip.sim.runs.files import SceneFile
-
-    try:
-        return SceneFile(**tables), []
-    except FingertipError as error:
-        return None, [Issue(f"scene.{issue.field}", issue.message) for issue in error.issues]
 
 
 def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:

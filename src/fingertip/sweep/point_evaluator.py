@@ -6,13 +6,13 @@ is not computed again, and a solid that was meshed before is not meshed again.
 
 from __future__ import annotations
 
-import contextlib
 import faulthandler
 import math
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import traceback
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
@@ -22,14 +22,19 @@ from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
 from fingertip.sweep.axes import Value
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext, RecordedTrial
-from fingertip.sweep.designs import DesignBuilder, LruCache, apply_changes
+from fingertip.sweep.designs import (
+    CachedEvaluator,
+    DesignBuilder,
+    LruCache,
+    apply_changes,
+    restrict_kernel_to_one_thread,
+)
 from fingertip.sweep.engines import NO_POINT, set_current_point
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.files import SceneFile
-    from fingertip.sweep.designs import CachedEvaluator
 
 
 MAX_GROUP_RESULTS = 4096
@@ -75,17 +80,6 @@ ChunkFunction: TypeAlias = Callable[[Chunk], ChunkResult]
 """Function that a worker runs for each chunk."""
 
 
-def make_timeout_result(point: int, limit_s: float, outputs: int) -> PointResult:
-    """Build the result of a point that exceeded its time limit [s] twice."""
-    reason = f"took longer than {limit_s:g} s (time_limit_s), twice."
-    return point, "timeout", "", reason, (math.nan,) * outputs
-
-
-def make_crash_result(point: int, outputs: int) -> PointResult:
-    """Build the result of a point whose worker process died twice."""
-    return point, "failed", "", "its worker died while it was computed, twice.", (math.nan,) * outputs
-
-
 class PointEvaluator:
     """Evaluates the points of one plan, and caches what they have in common."""
 
@@ -129,8 +123,6 @@ class PointEvaluator:
     def load_mesh_evaluator(self) -> CachedEvaluator:
         """Load the mesh kernel, which all points share."""
         if self._mesh_evaluator is None:
-            from fingertip.sweep.designs import CachedEvaluator, restrict_kernel_to_one_thread
-
             restrict_kernel_to_one_thread()
             self._mesh_evaluator = CachedEvaluator(self.plan.file.tolerance_mm)
         return self._mesh_evaluator
@@ -141,7 +133,7 @@ class PointEvaluator:
         with gather(issues):
             design = self._designs.build(changes)
         if self._scene is not None:
-            from fingertip.sim.runs.files import SceneFile
+            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
 
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):
@@ -187,8 +179,6 @@ def load_evaluator(text: str) -> PointEvaluator:
 
 def _describe_bug(error: Exception) -> str:
     """Describe an unexpected exception and its location; a worker's traceback is never printed."""
-    import traceback
-
     frames = traceback.extract_tb(error.__traceback__)
     location = f"{frames[-1].name}, line {frames[-1].lineno}" if frames else "?"
     return f"{type(error).__name__}: {error} (in {location}); this is a bug in fingertip."
@@ -200,35 +190,7 @@ def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | N
     return axes if len(axes) < len(plan.axes) else None
 
 
-# Time limit of a point, enforced inside the worker: when it expires, the worker process exits.
-#
-# An exception raised in the running code would leave half-imported modules and half-filled caches behind, and later
-# points would suffer from them. faulthandler ends the process from its own thread. That thread needs no Python lock,
-# so it also ends a compiled kernel stuck in an endless loop. The engine notices the exit and starts another worker.
-
-
 _null_file: IO[str] | None = None
-
-
-@contextlib.contextmanager
-def limit_time(limit_s: float) -> Iterator[None]:
-    """Run the block for at most `limit_s` seconds; this process exits if the block takes longer."""
-    global _null_file
-    if _null_file is None:
-        # faulthandler writes its traceback there. The file stays open until the process ends.
-        _null_file = open(os.devnull, "w")  # noqa: SIM115
-    faulthandler.dump_traceback_later(limit_s, exit=True, file=_null_file)
-    try:
-        yield
-    finally:
-        faulthandler.cancel_dump_traceback_later()
-
-
-# Loop that a worker runs over the points of a chunk, each within the time limit.
-#
-# The engine reads from shared memory which point a worker is computing, so it can tell which point a crash belongs to.
-
-
 _one_chunk_at_a_time = threading.Lock()
 """A Dask worker may have several threads. Time limits and caches are made for one point at a time."""
 
@@ -249,15 +211,26 @@ def evaluate_points(
     points_per_limit: int,
     evaluate: Callable[[int, dict[str, Any]], PointResult],
 ) -> list[PointResult]:
-    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit."""
+    """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit.
+
+    An exception raised in the running code would leave half-imported modules and half-filled caches behind, and later
+    points would suffer from them. faulthandler ends the process from its own thread. That thread needs no Python lock,
+    so it also ends a compiled kernel stuck in an endless loop. The engine notices the exit, starts another worker, and
+    reads from shared memory which point was being computed.
+    """
+    global _null_file
+    if _null_file is None:
+        # faulthandler writes its traceback there. The file stays open until the process ends.
+        _null_file = open(os.devnull, "w")  # noqa: SIM115
     names, values = list(chunk.columns), list(zip(*chunk.columns.values(), strict=True))
     results: list[PointResult] = []
     try:
-        for first in range(0, len(chunk.points), points_per_limit):
-            with limit_time(limit_s):
-                for i in range(first, min(first + points_per_limit, len(chunk.points))):
-                    set_current_point(chunk.points[i])
-                    results.append(evaluate(chunk.points[i], dict(zip(names, values[i], strict=True))))
+        for i, point in enumerate(chunk.points):
+            if i % points_per_limit == 0:
+                faulthandler.dump_traceback_later(limit_s, exit=True, file=_null_file)
+            set_current_point(point)
+            results.append(evaluate(point, dict(zip(names, values[i], strict=True))))
     finally:
+        faulthandler.cancel_dump_traceback_later()
         set_current_point(NO_POINT)
     return results

@@ -27,8 +27,6 @@ from fingertip.sweep.point_evaluator import (
     ChunkResult,
     PointResult,
     evaluate_chunk,
-    make_crash_result,
-    make_timeout_result,
 )
 
 CHUNK_DURATION_S = 0.5
@@ -131,33 +129,29 @@ def _split_into_chunks(plan: SweepPlan, missing: NDArray[np.bool_], run: _Run) -
             yield Chunk(text, tuple(selected.tolist()), columns)
 
 
+@dataclass
 class _Run:
     """State of the run loop: chunks in flight, chunks to send again, points to retry, rows not yet written."""
 
-    def __init__(
-        self,
-        plan: SweepPlan,
-        database: SweepDatabase,
-        engine: Engine,
-        progress: Callable[[RunState], None],
-        evaluate: ChunkFunction,
-        state: RunState,
-    ) -> None:
-        self.plan, self.database, self.engine = plan, database, engine
-        self.progress, self.evaluate, self.state = progress, evaluate, state
-        self.chunk_size = 1
-        """Number of points of the next chunk."""
-        self._executor: Executor | None = None
-        self._in_flight: dict[Future[ChunkResult], Chunk] = {}
-        self._resend_queue: deque[Chunk] = deque()
-        """Chunks that were lost although none of their points is to blame."""
-        self._retry_queue: list[Chunk] = []
-        """Single points whose worker died or whose time ran out."""
-        self._consecutive_failures = 0
-        """Breakdowns in a row that could not be attributed to a point."""
-        self._pending_rows: list[StoredRow] = []
-        self._answered_at_s = time.perf_counter()
-        self._written_at_s = -math.inf  # the first row is written at once, to show that the folder is writable
+    plan: SweepPlan
+    database: SweepDatabase
+    engine: Engine
+    progress: Callable[[RunState], None]
+    evaluate: ChunkFunction
+    state: RunState
+    chunk_size: int = 1
+    """Number of points of the next chunk."""
+    _executor: Executor | None = None
+    _in_flight: dict[Future[ChunkResult], Chunk] = field(default_factory=dict)
+    _resend_queue: deque[Chunk] = field(default_factory=deque)
+    """Chunks that were lost although none of their points is to blame."""
+    _retry_queue: list[Chunk] = field(default_factory=list)
+    """Single points whose worker died or whose time ran out."""
+    _consecutive_failures: int = 0
+    """Breakdowns in a row that could not be attributed to a point."""
+    _pending_rows: list[StoredRow] = field(default_factory=list)
+    _answered_at_s: float = field(default_factory=lambda: time.perf_counter())
+    _written_at_s: float = -math.inf  # the first row is written at once, to show that the folder is writable
 
     def compute(self, chunks: Iterator[Chunk]) -> None:
         """Compute all chunks, then the points of the retry queue one by one."""
@@ -308,7 +302,7 @@ class _Run:
 
     def _describe_failure(self, point: int, elapsed_s: float) -> PointResult:
         """Tell a timeout from a crash by the time that the point took [s]."""
-        limit_s, outputs = self.plan.file.time_limit_s, len(self.plan.outputs)
+        limit_s, no_outputs = self.plan.file.time_limit_s, (math.nan,) * len(self.plan.outputs)
         if elapsed_s >= limit_s * self.engine.attempts:
-            return make_timeout_result(point, limit_s, outputs)
-        return make_crash_result(point, outputs)
+            return point, "timeout", "", f"took longer than {limit_s:g} s (time_limit_s), twice.", no_outputs
+        return point, "failed", "", "its worker died while it was computed, twice.", no_outputs

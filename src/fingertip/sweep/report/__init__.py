@@ -9,15 +9,22 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from fingertip.foundation import extras
 from fingertip.foundation.files import open_atomic
-
-if TYPE_CHECKING:
-    from fingertip.sweep.database import SweepDatabase, SweepRow
-    from fingertip.sweep.plan import SweepPlan
-    from fingertip.sweep.report.summary import SweepSummary
+from fingertip.foundation.output_set import SetWriter, hash_parameters
+from fingertip.sweep.database import SweepDatabase, SweepRow
+from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.report.plots import select_plots
+from fingertip.sweep.report.summary import (
+    SweepSummary,
+    describe_best,
+    format_best_design,
+    format_text,
+    summarise,
+    to_json_data,
+)
 
 
 def write_report(
@@ -34,9 +41,6 @@ def write_report(
 
     Raises OutputError or SweepError.
     """
-    from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.sweep.report.summary import describe_best, format_best_design, format_text, summarise, to_json_data
-
     progress("reading the rows")
     if plan is not None:
         database.check_same_sweep(plan)
@@ -46,8 +50,6 @@ def write_report(
         files["best.toml"] = format_best_design(summary.plan, summary.table, summary.selection).encode()
         files["pareto_front.csv"] = _format_front(summary)
     if len(summary.table.point):
-        from fingertip.sweep.report.plots import select_plots
-
         plots = dict(select_plots(summary))
         if extras.is_installed("matplotlib"):
             progress("drawing")
@@ -74,9 +76,6 @@ def _format_front(summary: SweepSummary) -> bytes:
         values = [column[row].item() if column.dtype != object else column[row] for column in columns]
         lines.writerow(["" if value != value else value for value in values])  # only NaN differs from itself
     return out.getvalue().encode()
-
-
-# Export of the rows, in order of the points, with few rows in memory at a time.
 
 
 _GROUP_ROWS = 65_536

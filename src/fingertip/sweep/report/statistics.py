@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from fingertip.sweep.database import SweepTable
+from fingertip.sweep.database import SweepTable
 
 Column = NDArray[Any]
 """Values of one axis or output over all points, shape (points,): numbers, or words of a categorical parameter."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from fingertip.design.files import to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.sweep.database import STATUSES
+from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
+from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report.statistics import (
     AxisSensitivity,
     Column,
@@ -31,11 +32,6 @@ from fingertip.sweep.report.statistics import (
     find_nearest_to_ideal,
     find_pareto_front,
 )
-
-if TYPE_CHECKING:
-    from fingertip.sweep.database import SweepTable
-    from fingertip.sweep.plan import SweepPlan
-
 
 _MAX_RULES = 12
 """Number of limiting rules in the text."""
@@ -64,7 +60,8 @@ def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
     classes = classify_points(table)
     rules = find_limiting_rules(table, classes)
     sensitivities = tuple(compute_sensitivities(table))
-    return SweepSummary(plan, table, classes, rules, sensitivities, select_best(table, list_objectives(plan)))
+    objectives = [Objective(name, 1) for name in plan.file.minimise] + [Objective(n, -1) for n in plan.file.maximise]
+    return SweepSummary(plan, table, classes, rules, sensitivities, select_best(table, tuple(objectives)))
 
 
 def to_json_data(summary: SweepSummary) -> dict[str, Any]:
@@ -157,14 +154,28 @@ def describe_best(summary: SweepSummary) -> str:
     point = int(table.point[selection.best])
     if len(selection.objectives) == 1:
         return f"Point {point} is the best of {candidates} to {goals}."
-    front = _format_count(len(selection.front), "Pareto-optimal point")
+    number = len(selection.front)
+    front = f"{number} Pareto-optimal point{'s' if number != 1 else ''}"
     return f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
 
 
 def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
+    """Explain why the first point of a rule is refused, with a remedy, which the rows of a sweep leave out."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
-    parameters = summary.plan.point(int(summary.table.point[row]))
-    return explain_refusal(summary.plan, parameters, rule.rule, rule.example)
+    base, changes = _split_parameters(summary.plan, summary.plan.point(int(summary.table.point[row])))
+    try:
+        Design.from_tables(apply_changes(base, changes), base, list(changes))
+    except DesignError as error:
+        for issue in error.issues:
+            if issue.field == rule.rule and issue.message.startswith(rule.example.partition(" (and ")[0].rstrip(".")):
+                return issue.message
+    return rule.example
+
+
+def _split_parameters(plan: SweepPlan, parameters: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Tables of the base design, and the parameters of a point that change it; those of the scene are left out."""
+    changes = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
+    return plan.design.model_dump(), changes
 
 
 def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
@@ -271,10 +282,6 @@ def _format_range(low: Any, high: Any) -> str:
     return _format_value(low) if low == high else f"{_format_value(low)} to {_format_value(high)}"
 
 
-def _format_count(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
-
-
 def format_percent(share: float) -> str:
     """Format a share in percent."""
     return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else "< 1 %"
@@ -313,12 +320,6 @@ class Selection:
     candidate or an objective."""
 
 
-def list_objectives(plan: SweepPlan) -> tuple[Objective, ...]:
-    """List the objectives of a sweep: what it minimises, then what it maximises."""
-    minimise = [Objective(name, 1) for name in plan.file.minimise]
-    return (*minimise, *(Objective(name, -1) for name in plan.file.maximise))
-
-
 def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
     """Select the Pareto front of a table and its best row; of equal rows the first is the best."""
     rows = np.flatnonzero(find_feasible(table))
@@ -332,25 +333,6 @@ def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selecti
     front = find_pareto_front(costs)
     best = int(candidates[find_nearest_to_ideal(costs, front)])
     return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
-
-
-def build_design(plan: SweepPlan, parameters: Mapping[str, Any]) -> Design:
-    """Build the design of a point from the sweep's base design; parameters of the scene are ignored."""
-    design_parameters = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
-    return Design(**apply_changes(plan.design.model_dump(), design_parameters))
-
-
-def explain_refusal(plan: SweepPlan, parameters: Mapping[str, Any], field: str, problem: str) -> str:
-    """Explain why a point is refused, with a remedy, which the rows of a sweep leave out."""
-    base = plan.design.model_dump()
-    changes = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
-    try:
-        Design.from_tables(apply_changes(base, changes), base, list(changes))
-    except DesignError as error:
-        for issue in error.issues:
-            if issue.field == field and issue.message.startswith(problem.partition(" (and ")[0].rstrip(".")):
-                return issue.message
-    return problem
 
 
 def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
@@ -369,4 +351,4 @@ def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection)
     lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
-    return to_toml(build_design(plan, parameters), "\n".join(lines))
+    return to_toml(Design(**apply_changes(*_split_parameters(plan, parameters))), "\n".join(lines))

@@ -24,6 +24,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation import jit
 from fingertip.slip import make_detector
+from fingertip.slip.detectors import analog_and_digital
 
 ROUNDS = 7
 COLD_ROUNDS = 5
@@ -132,7 +133,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
 
     The long call runs in a fresh process without a `compiled()` block: the policy decides.
     """
-    from fingertip.slip.detectors import fast_loop, window_mean
+    from fingertip.slip.detectors import fast_loop
 
     loads = [json.loads(run_python(_LOAD)) for _ in range(COLD_ROUNDS)]
     imported, first, second = (round(statistics.median(column), 3) for column in zip(*loads, strict=True))
@@ -142,7 +143,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
         "detector = make_detector('{name}', Design()); start = time.process_time(); "
         "detector.process(volts); print(time.process_time() - start)"
     )
-    loops = {"digital": window_mean._CHAIN, "fast": fast_loop.LOOP, "analog": window_mean._AVERAGE}
+    loops = {"digital": analog_and_digital._CHAIN, "fast": fast_loop.LOOP, "analog": analog_and_digital._AVERAGE}
     return {
         "load_s": {"import_numba": imported, "first_loop": first, "next_loop": second, "policy": jit.LOAD_S},
         "break_even_samples": {name: loop.break_even for name, loop in loops.items()},

@@ -14,7 +14,7 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.plan import generate_trials
 from fingertip.sim import run_scene
-from fingertip.sim.contact.surfaces import GROSS_SLIP_M_S
+from fingertip.sim.contact.friction import GROSS_SLIP_M_S
 from fingertip.sim.runs.scene import SceneRun
 
 PATH = Path(__file__).resolve().parents[1] / "src/fingertip/lab/report/onsets.toml"

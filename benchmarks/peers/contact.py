@@ -25,8 +25,8 @@ from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.version import __version__
 from fingertip.sim.contact.coupled import NormalContact, integrate
+from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad
-from fingertip.sim.contact.surfaces import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount, drag
 
 RATE_HZ = 2000.0

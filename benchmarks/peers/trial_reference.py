@@ -16,8 +16,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.contact.pad import DAMPING_RATIO
-from fingertip.sim.contact.surfaces import LOAD_SCALE_N
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space

@@ -28,7 +28,7 @@ from fingertip.lab.studies.steps import StepSensitivity
 from fingertip.sim import run_scene
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
-from fingertip.slip.detectors.window_mean import noise_level
+from fingertip.slip.detectors.analog_and_digital import noise_level
 from tests.designs import ARTICLE
 
 SLIDE = next(article_trials())[0]

@@ -26,7 +26,7 @@ from fingertip.lab.report import trial_plots
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.sim import Observation
 from fingertip.sim.signal.converter import EnvelopeStream, compute_bridge_v, simulate_envelope_v
-from fingertip.slip.detectors.registry import input_noise_v
+from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()
 PERIOD = 20  # samples per control period

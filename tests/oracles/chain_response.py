@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 
-from fingertip.slip.detectors.window_mean import ChainSettings, high_pass
+from fingertip.slip.detectors.analog_and_digital import ChainSettings, high_pass
 
 Q = 1.0
 """Quality factor of the second-order section of a third-order Butterworth filter."""

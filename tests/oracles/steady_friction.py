@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fingertip.sim.contact.surfaces import Friction
+from fingertip.sim.contact.friction import Friction
 
 
 def stribeck_coefficient(friction: Friction, v: float) -> float:

@@ -10,8 +10,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, run_manipulation
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.motion import Motors

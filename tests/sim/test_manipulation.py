@@ -13,8 +13,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.sim import FixedGrip, ManipulationFile, article_manipulations, compiled, run_manipulation
+from fingertip.sim.contact.friction import ELASTO_PLASTIC
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surfaces import ELASTO_PLASTIC
 from fingertip.sim.runs.motion import plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.bridge import LOAD_SHIFT_PER_M

@@ -14,7 +14,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import SimulatedBoardDetector, simulate_envelope_v
 from fingertip.slip import Trace, detect, make_detector
-from fingertip.slip.detectors.window_mean import AnalogDetector
+from fingertip.slip.detectors.analog_and_digital import AnalogDetector
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
 ARTICLE_DESIGN = ("--design", "article")

@@ -16,7 +16,7 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
 from fingertip.slip import DETECTORS, ChainSettings, SlipChain, make_detector
 from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, tail_probability
-from fingertip.slip.detectors.registry import input_noise_v, quantised_noise_v
+from fingertip.slip.detectors.noise import input_noise_v, quantised_noise_v
 
 DESIGN = Design()
 NAMES = list(DETECTORS)

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from fingertip.design import Design
 from fingertip.detection.warnings import settings_warnings, threshold_warnings
-from fingertip.slip.detectors.registry import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
-from fingertip.slip.detectors.window_mean import ChainOutput, ChainSettings, SlipChain, noise_level
+from fingertip.slip.detectors.analog_and_digital import ChainOutput, ChainSettings, SlipChain, noise_level
+from fingertip.slip.detectors.noise import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
 from tests.designs import ARTICLE
 from tests.oracles.chain_response import analog_response, digital_response
 

@@ -29,7 +29,7 @@ from fingertip.slip.detectors.fast_coefficients import (
     load_model,
     noise_energies,
 )
-from fingertip.slip.detectors.registry import input_noise_v
+from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()
 NOISE_V = 4e-4

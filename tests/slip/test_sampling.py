@@ -13,7 +13,7 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import FingertipError
 from fingertip.slip import make_detector
-from fingertip.slip.detectors.window_mean import noise_level
+from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
 from tests.conftest import design_file
 from tests.slip.recordings import T, burst, csv, run, single_onset

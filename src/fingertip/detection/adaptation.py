@@ -14,9 +14,9 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
+from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.registry import find_detector_type
-from fingertip.slip.detectors.window_mean import noise_level
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ
 from fingertip.slip.traces.trace import Trace
 

@@ -17,8 +17,9 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.registry import DEFAULT, NoiseLevel, find_detector_type
-from fingertip.slip.detectors.window_mean import noise_level
+from fingertip.slip.detectors.analog_and_digital import noise_level
+from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fingertip.slip.detection import Detection, detect
+    from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
     from fingertip.slip.detectors.registry import DETECTORS, Detector, DetectorOutput, make_detector
-    from fingertip.slip.detectors.window_mean import ChainSettings, SlipChain
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
     from fingertip.slip.traces.truth import Interval, Score
 
 _MODULES = {
     "DETECTORS": "detectors.registry",
-    "ChainSettings": "detectors.window_mean",
+    "ChainSettings": "detectors.analog_and_digital",
     "Detection": "detection",
     "Detector": "detectors.registry",
     "DetectorOutput": "detectors.registry",
     "Interval": "traces.truth",
     "Score": "traces.truth",
-    "SlipChain": "detectors.window_mean",
+    "SlipChain": "detectors.analog_and_digital",
     "Trace": "traces.trace",
     "detect": "detection",
     "make_detector": "detectors.registry",

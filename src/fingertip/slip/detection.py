@@ -10,18 +10,18 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import Issue, TraceError
+from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
+from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import (
     DEFAULT,
     DetectorOutput,
-    NoiseLevel,
     UsedSignals,
     find_detector_type,
     find_signals,
     make_detector,
     select_inputs,
 )
-from fingertip.slip.detectors.window_mean import SlipChain, noise_level
 from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import Interval, Score, intervals, score
 

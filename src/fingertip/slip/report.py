@@ -22,8 +22,9 @@ from fingertip.foundation.plot_style import (
     to_png,
 )
 from fingertip.slip.detection import Detection
-from fingertip.slip.detectors.registry import DETECTORS, NoiseLevel
-from fingertip.slip.detectors.window_mean import ChainOutput
+from fingertip.slip.detectors.analog_and_digital import ChainOutput
+from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import (
     BAND_LABEL,

@@ -257,13 +257,13 @@ def _is_finite(value: Any) -> bool:
 
 
 def _load_scene_model() -> type[BaseModel]:
-    from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415 imports the whole simulation, which most sweeps do not use
+    from fingertip.sim.runs.files import SceneFile
 
     return SceneFile
 
 
 def _load_manipulation_model() -> type[BaseModel]:
-    from fingertip.sim.runs.files import ManipulationFile  # noqa: PLC0415
+    from fingertip.sim.runs.files import ManipulationFile
 
     return ManipulationFile
 

@@ -121,7 +121,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
 
 def compute_noise(context: PointContext) -> OutputValues:
     """Compute what the article's signal chain shows in noise alone."""
-    from fingertip.slip.detectors.window_mean import noise_level
+    from fingertip.slip.detectors.analog_and_digital import noise_level
 
     level = noise_level(context.design)
     return {"noise_level_v": level.mean_v, "min_threshold_v": level.threshold_v}

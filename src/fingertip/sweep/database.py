@@ -362,7 +362,7 @@ def _refuse_odd_files(path: Path) -> None:
 def _lock_folder(folder: Path) -> int | None:
     """Lock the folder until this process ends, however it ends; None where the system has no such locks."""
     try:
-        import fcntl  # noqa: PLC0415
+        import fcntl
     except ImportError:
         return None
     try:

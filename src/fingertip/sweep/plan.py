@@ -79,7 +79,7 @@ class SweepPlan:
         issues += design_issues
         scene = None
         if (scene_tables := tables.get("scene")) is not None:
-            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
+            from fingertip.sim.runs.files import SceneFile
 
             with gather(issues, "scene."):
                 scene = SceneFile(**scene_tables)
@@ -169,7 +169,7 @@ class SweepPlan:
     def _samples(self) -> NDArray[np.float64]:
         """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence (scipy.stats.qmc)."""
         self._require_samplers()
-        from scipy.stats import qmc  # noqa: PLC0415
+        from scipy.stats import qmc
 
         if self.file.sampling == "sobol":
             return np.asarray(qmc.Sobol(len(self.axes), scramble=True, rng=self.file.seed).random(self.size))

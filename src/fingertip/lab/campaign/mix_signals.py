@@ -24,7 +24,7 @@ from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
 from fingertip.sim.simulation import MANIPULATED_OBJECTS
-from fingertip.slip.detectors.window_mean import ChainSettings, SlipChain
+from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.traces.truth import STICK_S, Interval, intervals, merge
 
 REACTION_S = 0.2

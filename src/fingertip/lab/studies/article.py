@@ -26,7 +26,7 @@ from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.signal.converter import simulate_quiescent_level
 from fingertip.sim.signal.grid import open_stream
 from fingertip.sim.simulation import article_trials
-from fingertip.slip.detectors.window_mean import noise_level
+from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 
 MOVED_M = (0.0, 1e-5, 1e-4)

@@ -40,7 +40,7 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, ge
 from fingertip.lab.campaign.run import run_cases, simulate_trace
 from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.registry import input_noise_v, mean_quantised_noise_v
+from fingertip.slip.detectors.noise import input_noise_v, mean_quantised_noise_v
 
 ALARMS_PER_MINUTE = 0.1
 """Rate of false alarms for which the bound holds [1/min]."""

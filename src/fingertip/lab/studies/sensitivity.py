@@ -42,7 +42,7 @@ from fingertip.lab.campaign.run import (
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneFile
 from fingertip.slip import DETECTORS
-from fingertip.slip.detectors.window_mean import noise_level
+from fingertip.slip.detectors.analog_and_digital import noise_level
 
 ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
 ASSUMED_M_S2 = 1.0

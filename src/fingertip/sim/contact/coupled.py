@@ -29,7 +29,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 from fingertip.sim.contact import coupled_loop
-from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount
 
 MAX_STEPS = 200_000

@@ -17,7 +17,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import weight_of_fullness
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.surfaces import LOAD_SCALE_N, SurfaceProfile
+from fingertip.sim.contact.friction import LOAD_SCALE_N
+from fingertip.sim.contact.surfaces import SurfaceProfile
 
 YOUNG_PA = 1.0e6
 """Young's modulus of silicone of Shore hardness 40 A [Pa]. Published values range from 0.7 to 2.0 MPa."""

@@ -30,7 +30,7 @@ from fingertip.foundation.validation import (
     raise_issues,
     round_down,
 )
-from fingertip.sim.contact.surfaces import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
 
 MAX_PHASE = 0.5
 """Longest step, as the angle by which the stuck pad oscillates on its bristles in one step [rad].

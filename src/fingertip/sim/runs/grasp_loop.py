@@ -22,7 +22,7 @@ import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.foundation.jit import CompiledLoop
-from fingertip.sim.contact.surfaces import ROS2_GAMMA
+from fingertip.sim.contact.friction import ROS2_GAMMA
 
 PAD_STATES = 3
 """Number of states of each pad: x, v, s. The pads come first in the state."""

@@ -12,8 +12,9 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
-from fingertip.sim.contact.surfaces import SURFACES, Friction
+from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, smoothstep
 from fingertip.sim.signal.schema import ACCELERATION_M_S2

@@ -23,8 +23,9 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.pad import Pad
-from fingertip.sim.contact.surfaces import ELASTO_PLASTIC, SURFACES, Friction, SurfaceProfile
+from fingertip.sim.contact.surfaces import SURFACES, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.timeline import (

@@ -14,8 +14,9 @@ import numpy as np
 
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact import coupled
+from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
-from fingertip.sim.contact.surfaces import Friction, SurfaceProfile
+from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.runs.files import Motor, SceneFile, Tap
 from fingertip.sim.signal.finger import FingerDrive

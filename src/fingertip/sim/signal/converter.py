@@ -39,8 +39,9 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.sim.signal.schema import ConverterInput
-from fingertip.slip.detectors.registry import Detector, DetectorOutput, NoiseLevel, input_noise_v
-from fingertip.slip.detectors.window_mean import AnalogDetector, measure_noise_level
+from fingertip.slip.detectors.analog_and_digital import AnalogDetector, measure_noise_level
+from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""

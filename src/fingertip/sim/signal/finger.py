@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
-from fingertip.sim.contact.surfaces import Friction, Surface, SurfaceProfile, generate_profile
+from fingertip.sim.contact.surfaces import Surface, SurfaceProfile, generate_profile
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v

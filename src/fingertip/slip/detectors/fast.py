@@ -46,7 +46,8 @@ from fingertip.slip.detectors.fast_coefficients import (
     noise_energies,
 )
 from fingertip.slip.detectors.fast_loop import COUNT, LOOP
-from fingertip.slip.detectors.registry import Detector, DetectorOutput, input_noise_v
+from fingertip.slip.detectors.noise import input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 SHORT_S, LONG_S = 0.006, 0.02
 """Time constants of the energies and movements [s]."""

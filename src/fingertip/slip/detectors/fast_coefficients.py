@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.window_mean import FirstOrder, SecondOrder
+from fingertip.slip.detectors.analog_and_digital import FirstOrder, SecondOrder
 
 
 class FastCoefficients(NamedTuple):

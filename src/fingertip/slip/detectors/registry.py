@@ -1,16 +1,14 @@
-"""Detectors: the interface that all share, by name what each one takes and judges, and the noise at their input.
+"""Detectors: the interface that all share, and by name what each one takes and judges.
 
 The code of a detector is loaded when one is made, so that the command line can name the detectors without numpy.
 """
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
-from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
 from fingertip.foundation.errors import Issue, TraceError
@@ -119,11 +117,11 @@ class DetectorType:
 DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType(
         "window mean of the analog board's envelope output", "on the board's output", "envelope_v", ENVELOPE_MEAN,
-        "window_mean:AnalogDetector", BLUE, "s",
+        "analog_and_digital:AnalogDetector", BLUE, "s",
     ),
     "digital": DetectorType(
         "the article's chain in digital filters", "the article's chain in software", "voltage_v", ENVELOPE_MEAN,
-        "window_mean:SlipChain", TEAL, "o",
+        "analog_and_digital:SlipChain", TEAL, "o",
     ),
     "fft": DetectorType(
         "spectrum of 64 ms", "the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^",
@@ -183,7 +181,7 @@ def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
 
 def find_second_column(design: Design, name: str) -> str | None:
     """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
-    from fingertip.design.formulas.filter import filtered_range_v  # noqa: PLC0415 (start-up of the command)
+    from fingertip.design.formulas.filter import filtered_range_v
 
     second = find_detector_type(name).second_column
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
@@ -192,83 +190,7 @@ def find_second_column(design: Design, name: str) -> str | None:
 def find_detector_type(name: str) -> DetectorType:
     """Look up a type of detector by name. Raises TraceError."""
     if name not in DETECTORS:
-        from fingertip.design.parameters.declaration import suggest_name  # noqa: PLC0415 (start-up of the command)
+        from fingertip.design.parameters.declaration import suggest_name
 
         raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]
-
-
-# Noise at the input of a detector, and the threshold that follows from a level of noise.
-
-DEVIATIONS = 6.0
-"""Standard deviations between the mean noise level and the noise-derived threshold.
-
-Gaussian noise crosses it less than once in a year of independent windows of 30 ms (1e-9 each)."""
-
-
-@dataclass(frozen=True)
-class NoiseLevel:
-    """Mean and standard deviation of the window mean in noise alone [V]."""
-
-    mean_v: float
-    deviation_v: float
-
-    @property
-    def threshold_v(self) -> float:
-        """Noise-derived threshold: the mean plus `DEVIATIONS` standard deviations [V]."""
-        return self.mean_v + DEVIATIONS * self.deviation_v
-
-    @property
-    def rounded_threshold_v(self) -> float:
-        """Noise-derived threshold, rounded up to two digits [V]."""
-        threshold_v = self.threshold_v
-        digit = 10.0 ** (math.floor(math.log10(threshold_v)) - 1) if threshold_v > 0.0 else 1.0
-        return float(f"{math.ceil(threshold_v / digit) * digit:.9g}")
-
-
-_OFFSETS = 32
-"""Number of voltages within one ADC step over which `mean_quantised_noise_v` averages."""
-
-
-def input_noise_v(design: Design) -> float:
-    """RMS noise of the sampled voltage [V]: ``detector.noise_v`` after quantisation by the ADC."""
-    detector = design.detector
-    return quantised_noise_v(detector.noise_v, detector.adc_step_v)
-
-
-def quantised_noise_v(noise_v: float, step_v: float) -> float:
-    """RMS value of Gaussian noise after quantisation [V], at a voltage halfway between two codes, the worst case.
-
-    Noise of several steps gains ``step / sqrt(12)``. Noise much smaller than a step vanishes at most voltages, but
-    halfway between two codes it toggles between them and amounts to half a step.
-    """
-    if noise_v > 4 * step_v:
-        return math.hypot(noise_v, step_v / math.sqrt(12))
-    if noise_v <= 0.0:
-        return step_v / 2
-    below = [
-        0.5 * (1 + math.erf(k * step_v / noise_v / math.sqrt(2))) for k in range(math.ceil(8 * noise_v / step_v) + 2)
-    ]
-    squares = (2 * ((k + 0.5) * step_v) ** 2 * (below[k + 1] - below[k]) for k in range(len(below) - 1))
-    return math.sqrt(math.fsum(squares))
-
-
-def mean_quantised_noise_v(noise_v: float, step_v: float) -> float:
-    """RMS value of Gaussian noise about its mean after quantisation [V], averaged over all voltages within a step.
-
-    A threshold must exceed `quantised_noise_v`, the noise at the worst voltage. The value here is the noise in which a
-    signal is observed on average: noise much smaller than a step vanishes at most voltages.
-    """
-    if noise_v > 4 * step_v:
-        return math.hypot(noise_v, step_v / math.sqrt(12))
-    if noise_v <= 0.0:
-        return 0.0
-    squares = []
-    for i in range(_OFFSETS):
-        offset_v = (i + 0.5) / _OFFSETS * step_v
-        reach = math.ceil(8 * noise_v / step_v) + 1
-        edges = [((k - 0.5) * step_v - offset_v) / noise_v / math.sqrt(2) for k in range(-reach, reach + 2)]
-        probabilities = [(k, 0.5 * (math.erf(b) - math.erf(a))) for k, (a, b) in enumerate(pairwise(edges), -reach)]
-        mean = math.fsum(k * p for k, p in probabilities)
-        squares.append(math.fsum((k - mean) ** 2 * p for k, p in probabilities))
-    return step_v * math.sqrt(math.fsum(squares) / _OFFSETS)

@@ -360,7 +360,7 @@ def _draw_cells(
     title: str,
     unit: str,
 ) -> None:
-    from matplotlib.colors import ListedColormap  # noqa: PLC0415
+    from matplotlib.colors import ListedColormap
 
     x, y = scales
     plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([PALE_GREY]))

@@ -29,7 +29,8 @@ from fingertip.design.formulas.filter import SECTION_QUALITY as Q
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors.registry import DEVIATIONS, Detector, DetectorOutput, NoiseLevel, input_noise_v
+from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v
+from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 
 @dataclass(frozen=True)

@@ -183,10 +183,10 @@ def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], l
     axes: list[Axis] = []
     issues: list[Issue] = []
     for name, entry in flatten_axes(entries):
-        axis, axis_issues = read_axis(name, entry, sampled)
-        issues += axis_issues
-        if axis:
+        with gather(issues):
+            axis, beyond_bounds = read_axis(name, entry, sampled)
             axes.append(axis)
+            issues += beyond_bounds
     if not axes and not issues:
         issues.append(Issue("axes", "is empty; name at least one parameter, such as skin.width_mm = [16, 17]."))
     return axes, issues

@@ -126,8 +126,8 @@ def test_the_bounds_of_a_long_list_are_checked_at_its_ends(monkeypatch: pytest.M
 
     monkeypatch.setattr(axes, "_check_value", count)
     listed = [14.0 + 1e-5 * i for i in range(100_000)]
-    axis, issues = axes.read_axis("skin.width_mm", [*listed, 900.0], False)
-    assert axis is None or issues
+    with pytest.raises(SweepError, match="lists 100001 values"):
+        axes.read_axis("skin.width_mm", [*listed, 900.0], False)
     _, issues = axes.read_axis("skin.width_mm", [*listed[:-1], 900.0], False)
     assert "900.0 mm is too large" in issues[0].message
     assert checked == [14.0, 900.0]

@@ -32,7 +32,7 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
     """
     solid = _find_solid(design, name)
     extras.require("part_solid", "cadquery")
-    from fingertip.cad.kernel import brep
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     return brep.BrepEvaluator().solid(solid)
 
@@ -72,7 +72,7 @@ def assembly(design: Design) -> cadquery.Assembly:
         If cadquery, or a system library it needs, is missing.
     """
     extras.require("assembly", "cadquery")
-    from fingertip.cad.kernel import brep
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     evaluator, parts = brep.BrepEvaluator(), parts_by_name(design)
     placed = [(name, part.solid(design), part.colour) for name, part in parts.items()]

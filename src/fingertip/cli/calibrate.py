@@ -1,4 +1,4 @@
-"""Command `fingertip calibrate printer`: turn caliper readings of a coupon into parameters of the printer."""
+"""`fingertip calibrate`: caliper readings of a coupon give the printer's parameters, weighings the sensor's."""
 
 from __future__ import annotations
 
@@ -107,20 +107,17 @@ def printer(
     lines.append(f"{passed} of {len(checks)} checks of the calibrated design passed")
     data |= {"passed": passed == len(checks), "checks": [check.to_dict() for check in checks]}
     if out is not None and data["passed"]:
-        write_file(out, to_toml(calibrated, _heading(loaded)).encode())
+        heading = (
+            f"{loaded.name}, calibrated by `fingertip calibrate printer` for one printer, material and setting.\n"
+            "Its clearances hold printer.offset_mm: they are wider than the printed gaps."
+        )
+        write_file(out, to_toml(calibrated, heading).encode())
         data["file"] = out.as_posix()
         again = f"fingertip coupon {shlex.quote(out.as_posix())}"
         lines.append(f"wrote {out}; next: {again}, to see that the fits are right")
     elif out is not None:
         lines.append(f"{out} is not written; change the design as stated, or keep a parameter with --keep")
     console.result(data, "\n".join(lines), data["passed"])
-
-
-def _heading(design: Design) -> str:
-    return (
-        f"{design.name}, calibrated by `fingertip calibrate printer` for one printer, material and setting.\n"
-        "Its clearances hold printer.offset_mm: they are wider than the printed gaps."
-    )
 
 
 def _format(calibration: Calibration) -> list[str]:
@@ -197,9 +194,6 @@ def _data(calibration: Calibration) -> dict[str, Any]:
     }  # fmt: skip
 
 
-# Command `fingertip calibrate sensor`: turn weighings of the finger into the force curve of its sensor.
-
-
 @calibrate.command(cls=HelpCommand)
 @command
 def sensor(
@@ -255,7 +249,6 @@ def sensor(
 
 
 def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[str]:
-
     law = calibration.law
     half = law.coverage_factor * law.exponent_uncertainty
     lines = [

@@ -190,17 +190,15 @@ def describe_cause(check: str) -> str:
     return f"  {check}: change {', '.join(causes)}" if causes else f"  {check}: this is a bug in fingertip"
 
 
-# Checks as a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
-#
-# Each design is a test suite and each check a test case. A warning stands in the output of its test case, which
-# passed. The report holds no times, dates or host names, so the same designs give the same bytes.
-
-
 _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
 
 
 def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
-    """Write the report for the checks of each design, given by the design's name."""
+    """Write a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
+
+    Each design, given by its name, is a test suite and each check a test case. A warning stands in the output of its
+    test case, which passed. The report holds no times, dates or host names: the same designs give the same bytes.
+    """
     root = Element("testsuites", name="fingertip check")
     for name, checks in suites.items():
         _suite(root, _clean(name), tuple(checks))

@@ -117,7 +117,6 @@ def detect(
 
 
 def _parse_columns(columns: list[str]) -> dict[str, str]:
-
     pairs = [column.partition("=") for column in columns]
     if invalid := ["".join(pair) for pair in pairs if not (pair[0] and pair[2])]:
         message = "is not of the form COLUMN=NAME; write it as voltage_v=AI0."
@@ -126,7 +125,6 @@ def _parse_columns(columns: list[str]) -> dict[str, str]:
 
 
 def _parse_interval(text: str) -> tuple[float, float]:
-
     begin, _, end = text.partition(":")
     try:
         return float(begin), float(end)

@@ -157,7 +157,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
 
     Reading the text gives an equal design.
     """
-    import tomlkit
+    import tomlkit  # noqa: PLC0415
 
     described = {parameter.path: parameter for parameter in list_parameters()}
     document = tomlkit.document()

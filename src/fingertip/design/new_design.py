@@ -192,7 +192,7 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
 
 def _format_block(design: Design, parameters: Iterable[Parameter], prefix: str = "") -> Iterator[str]:
     """Format parameters one per line, with their comments in one column."""
-    import tomlkit
+    import tomlkit  # noqa: PLC0415
 
     rows = [(f"{prefix}{p.path} = {tomlkit.item(design.value(p.path)).as_string()}", p) for p in parameters]
     width = max((len(setting) for setting, _ in rows if len(setting) <= _MAX_COLUMN_WIDTH), default=0)

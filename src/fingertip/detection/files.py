@@ -284,7 +284,7 @@ def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float
 
 def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
     """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
-    from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
+    from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v  # noqa: PLC0415
 
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
@@ -302,7 +302,7 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
     if quiet.stop:
         assert trace.envelope_v is not None
         return measure_noise_level(trace.envelope_v[quiet], design, name)
-    from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level
+    from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level  # noqa: PLC0415
 
     simulate_level = simulate_replay_level if is_replayed else simulate_quiescent_level
     return simulate_level(design)
@@ -316,7 +316,7 @@ def _select_stream_detector(
         return make_detector(detector, design), voltage
     if envelope.name_in_file("voltage_v") in stream.header.names:
         return make_detector(detector, design), envelope
-    from fingertip.sim.signal.converter import SimulatedBoardDetector
+    from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
 
     progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
     return SimulatedBoardDetector(design), voltage

@@ -39,7 +39,7 @@ def render_rows(name: str, data: Mapping[str, Any]) -> list[dict[str, str]]:
 
 @functools.cache
 def _environment() -> Environment:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415
 
     environment = Environment(
         loader=PackageLoader("fingertip", "documents"),

@@ -44,7 +44,7 @@ class Picture:
         OutputError
             If the file cannot be written.
         """
-        from fingertip.foundation.files import write_file
+        from fingertip.foundation.files import write_file  # noqa: PLC0415
 
         write_file(Path(path), self.png, "picture")
         return Path(path)

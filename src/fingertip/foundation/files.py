@@ -173,7 +173,7 @@ def _remove_leftover(path: Path) -> None:
 def _lock(path: Path, *, wait: bool = True) -> int | None:
     """Lock a folder until the handle is closed; None where that is not possible, or another process holds it."""
     try:
-        import fcntl
+        import fcntl  # noqa: PLC0415
     except ImportError:  # Windows: leftovers stay there
         return None
     try:

@@ -182,7 +182,7 @@ def bisect_arrays(
     is_below: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, halvings: int
 ) -> tuple[Array, Array]:
     """Narrow the bracket of a boundary in every element by a fixed number of halvings; the counterpart of `bisect`."""
-    import numpy as np
+    import numpy as np  # noqa: PLC0415
 
     for _ in range(halvings):
         middle = 0.5 * (low + high)
@@ -196,7 +196,7 @@ def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Ar
 
     Each step narrows the brackets to 0.618 of their width. `find_maximum` is the function for scalars.
     """
-    import numpy as np
+    import numpy as np  # noqa: PLC0415
 
     left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     at_left, at_right = function(left), function(right)

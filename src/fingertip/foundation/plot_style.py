@@ -57,7 +57,7 @@ def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
 
 def to_png(figure: Figure) -> bytes:
     """Render a figure as PNG without date and version, so that the same data gives the same bytes."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
 
     out = io.BytesIO()
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
@@ -66,8 +66,8 @@ def to_png(figure: Figure) -> bytes:
 
 def to_svg(figure: Figure) -> bytes:
     """Render a figure as SVG, its text as outlines, without date, version and random identifiers."""
-    import matplotlib
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    import matplotlib  # noqa: PLC0415
+    from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: PLC0415
 
     out = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "fingertip", "svg.fonttype": "path"}):

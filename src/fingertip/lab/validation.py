@@ -169,7 +169,7 @@ class Validation:
         return omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
 
     def _draw_plots(self) -> dict[str, bytes]:
-        from fingertip.lab.report import plots, trial_plots
+        from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415
 
         return {
             "delays.png": plots.plot_delays(self.campaign),

@@ -109,7 +109,7 @@ def draw_filling(
 
 def _choose_levels(fill_s: float) -> Array:
     """Choose the times of the isochrones: round numbers, and the end."""
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415
 
     levels = np.array(MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, fill_s))
     rounded = levels[levels < fill_s - 0.25 * (levels[1] - levels[0])]
@@ -198,7 +198,7 @@ def _look(layer: Layer, side: int) -> _View:
 
 
 def _draw_map(axes: Axes, view: _View, seconds: Array, levels: Array) -> Any:
-    from matplotlib.patheffects import withStroke
+    from matplotlib.patheffects import withStroke  # noqa: PLC0415
 
     if np.isnan(seconds).any():
         axes.contourf(view.x, view.y, np.zeros_like(seconds), levels=[-1, 1], colors=[REFERENCE])

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, suggest_name
-from fingertip.foundation.errors import Issue, quote_value
+from fingertip.foundation.errors import Issue, SweepError, quote_value
 
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
@@ -133,28 +133,26 @@ def list_parameter_names(model: type[BaseModel], prefix: str = "") -> list[str]:
     return names
 
 
-def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[Issue]]:
-    """Read an axis of a sweep file."""
+def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
+    """Read an axis of a sweep file, and the issues of values beyond their bounds. Raises SweepError."""
     field = f"axes.{name}"
     model: type[BaseModel] = DesignTables
     path = name
     if name.startswith("scene."):
-        model, path = _load_scene_model(), name.removeprefix("scene.")
+        model, path = _load_scene_models()[0], name.removeprefix("scene.")
     if path not in list_parameter_names(model):
-        if name.startswith("scene.") and path in list_parameter_names(_load_manipulation_model()):
+        if name.startswith("scene.") and path in list_parameter_names(_load_scene_models()[1]):
             message = (
                 "is a parameter of a manipulation, but a sweep simulates scenes of one finger; use `fingertip "
                 "simulate` with --set for a manipulation."
             )
-            return None, [Issue(field, message)]
-        known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_model(), "scene.")
+            raise SweepError(Issue(field, message))
+        known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_models()[0], "scene.")
         similar = find_similar_name(name, known)
         # The list of all names would be too long for a message.
         remedy = f"did you mean {similar}?" if similar else "`fingertip params` lists the names of a design."
-        return None, [Issue(field, f"there is no such parameter; {remedy}")]
-    axis, issues = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
-    if axis is None or issues:
-        return None, issues
+        raise SweepError(Issue(field, f"there is no such parameter; {remedy}"))
+    axis = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
     # A parameter's own bounds hold between the ends of a range, or of a list of numbers, if they hold there.
     values = axis.listed or (axis.low, axis.high)
     if all(type(value) in (float, int) and _is_finite(value) for value in axis.listed) and axis.listed:
@@ -166,40 +164,35 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis | None, list[I
     return axis, list(found.values())
 
 
-def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: Any) -> tuple[Axis | None, list[Issue]]:
+def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: Any) -> Axis:
     if isinstance(entry, list):
         if not entry:
-            return None, [Issue(field, "is an empty list; give at least one value.")]
+            raise SweepError(Issue(field, "is an empty list; give at least one value."))
         if len(entry) > MAX_STEPS:
-            return None, [Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range.")]
+            raise SweepError(Issue(field, f"lists {len(entry)} values; at most {MAX_STEPS}, or give a range."))
         if (nested := next((value for value in entry if not isinstance(value, get_args(Value))), None)) is not None:
-            return None, [Issue(field, f"{quote_value(nested)} is no value of a parameter; list numbers or texts.")]
+            raise SweepError(Issue(field, f"{quote_value(nested)} is no value of a parameter; list numbers or texts."))
         if (huge := next((value for value in entry if type(value) is int and not _is_finite(value)), None)) is not None:
-            return None, [Issue(field, f"{quote_value(huge)} is beyond every float; list smaller numbers.")]
+            raise SweepError(Issue(field, f"{quote_value(huge)} is beyond every float; list smaller numbers."))
         seen = set[Value]()
         for value in entry:
             if value in seen:
-                return None, [Issue(field, f"{quote_value(value)} is listed more than once; list it once.")]
+                raise SweepError(Issue(field, f"{quote_value(value)} is listed more than once; list it once."))
             seen.add(value)
         # 1 and 1.0 are the same value; rows must not depend on how it was typed.
         values = tuple(float(v) if annotation is float and type(v) is int else v for v in entry)
-        return Axis(name, values, integer=annotation is int), []
+        return Axis(name, values, integer=annotation is int)
     if not isinstance(entry, Mapping):
-        return None, [
-            Issue(
-                field,
-                f"{quote_value(entry)} is not an axis; write a list of values, or {{low = 1, high = 2, steps = 5}}.",
-            )
-        ]
+        remedy = "write a list of values, or {low = 1, high = 2, steps = 5}"
+        raise SweepError(Issue(field, f"{quote_value(entry)} is not an axis; {remedy}."))
     return _parse_range(name, field, entry, sampled, annotation)
 
 
-def _parse_range(
-    name: str, field: str, entry: Mapping[str, Any], sampled: bool, annotation: Any
-) -> tuple[Axis | None, list[Issue]]:
+def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool, annotation: Any) -> Axis:
     if annotation not in (float, int):
         choices = get_args(annotation) or ("its values",)
-        return None, [Issue(field, f"is not a number, so it has no range; list its values, such as {list(choices)}.")]
+        remedy = f"list its values, such as {list(choices)}"
+        raise SweepError(Issue(field, f"is not a number, so it has no range; {remedy}."))
     # Keys and types of their values
     issues = [
         Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, RANGE_KEYS)}")
@@ -228,16 +221,16 @@ def _parse_range(
             Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; choose {' or '.join(get_args(Spacing))}.")
         )
     if issues:
-        return None, issues
+        raise SweepError(issues)
     assert low is not None
     assert high is not None
     # Order of the ends, and what the spacing requires of them
     if not low < high:
-        return None, [Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}.")]
+        raise SweepError(Issue(f"{field}.high", f"{high:g} is not above low; give more than {low:g}."))
     if spacing == "logarithmic" and low <= 0:
         problem = f"{low:g} is not above 0, which a logarithmic spacing requires"
-        return None, [Issue(f"{field}.low", f'{problem}; give more than 0, or spacing = "linear".')]
-    return Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int), []
+        raise SweepError(Issue(f"{field}.low", f'{problem}; give more than 0, or spacing = "linear".'))
+    return Axis(name, (), float(low), float(high), steps, spacing, integer=annotation is int)
 
 
 def find_repeats(axis: Axis) -> list[Issue]:
@@ -256,9 +249,19 @@ def _is_finite(value: Any) -> bool:
         return False
 
 
+<<<<<<< HEAD
 def _load_scene_model() -> type[BaseModel]:
     from fingertip.sim.runs.files import SceneFile
+||||||| 11421308
+def _load_scene_model() -> type[BaseModel]:
+    from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415 imports the whole simulation, which most sweeps do not use
+=======
+def _load_scene_models() -> tuple[type[BaseModel], type[BaseModel]]:
+    """Models of a scene and of a manipulation; they import the whole simulation, which most sweeps do not use."""
+    from fingertip.sim.runs.files import ManipulationFile, SceneFile  # noqa: PLC0415
+>>>>>>> sweep
 
+<<<<<<< HEAD
     return SceneFile
 
 
@@ -266,6 +269,17 @@ def _load_manipulation_model() -> type[BaseModel]:
     from fingertip.sim.runs.files import ManipulationFile
 
     return ManipulationFile
+||||||| 11421308
+    return SceneFile
+
+
+def _load_manipulation_model() -> type[BaseModel]:
+    from fingertip.sim.runs.files import ManipulationFile  # noqa: PLC0415
+
+    return ManipulationFile
+=======
+    return SceneFile, ManipulationFile
+>>>>>>> sweep
 
 
 def _get_annotation(model: type[BaseModel], path: str) -> Any:

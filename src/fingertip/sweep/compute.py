@@ -44,7 +44,6 @@ class PointContext:
 
 def compute_lengths(context: PointContext) -> OutputValues:
     """Compute the lengths that follow from the parameters."""
-
     design = context.design
     m = design.mold_layout
     return {

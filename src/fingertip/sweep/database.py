@@ -123,13 +123,8 @@ class SweepDatabase:
     def create(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
         """Create the database of a new sweep, and its folder. Raises OutputError or SweepError."""
         if folder.exists() and cls.exists(folder):
-            raise SweepError(
-                Issue(
-                    str(folder),
-                    "holds a sweep already; continue it with --resume, report on it with --show, or choose another "
-                    "folder with --out. Nothing was changed.",
-                )
-            )
+            problem = "holds a sweep already; continue it with --resume, report on it with --show, or choose another"
+            raise _make_error(folder, f"{problem} folder with --out. Nothing was changed.")
         if issues := list(find_place_issues(folder, "choose another folder with --out")):
             raise OutputError(issues)
         created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
@@ -166,9 +161,7 @@ class SweepDatabase:
     def open(cls, folder: Path) -> SweepDatabase:
         """Open the database of a sweep to read it; the sweep may be running. Raises SweepError."""
         if not folder.is_dir() or not cls.exists(folder):
-            raise SweepError(
-                Issue(str(folder), "holds no sweep; give the folder of a sweep with --out, or run the sweep first.")
-            )
+            raise _make_error(folder, "holds no sweep; give the folder of a sweep with --out, or run the sweep first.")
         return cls(folder, _connect(folder / FILE, "rw"))  # what a killed sweep has begun is undone before it is read
 
     def close(self) -> None:
@@ -196,13 +189,8 @@ class SweepDatabase:
         rows = _translate_errors(self.folder, partial(self._fetch, "SELECT key, value FROM meta"))
         meta = dict(rows)
         if meta.get("format") != FORMAT:
-            raise SweepError(
-                Issue(
-                    str(self.folder),
-                    f"was written in format {meta.get('format')!r}, but this version reads {FORMAT!r}; run the sweep "
-                    "again in another folder.",
-                )
-            )
+            problem = f"was written in format {meta.get('format')!r}, but this version reads {FORMAT!r}"
+            raise _make_error(self.folder, f"{problem}; run the sweep again in another folder.")
         return str(meta.get("plan"))
 
     @cached_property
@@ -253,7 +241,7 @@ class SweepDatabase:
 
     def _make_damage_error(self, what: str) -> SweepError:
         remedy = "restore it from a copy, or run the sweep again in another folder"
-        return SweepError(Issue(str(self.folder / FILE), f"is damaged: {what}; {remedy}."))
+        return _make_error(self.folder / FILE, f"is damaged: {what}; {remedy}.")
 
     def rows(self) -> Iterator[SweepRow]:
         """Read every row in order of the points; few rows are in memory at a time."""
@@ -296,13 +284,9 @@ class SweepDatabase:
             return
         lines = [line for line in difflib.ndiff(before, now) if line[0] in "+-"]
         difference = "\n".join(f"  {line}" for line in lines)
-        raise SweepError(
-            Issue(
-                str(self.folder),
-                "holds a different sweep than the file now describes (- stored, + file); change the file back, or "
-                f"choose another folder with --out. Nothing was changed.\n{difference}",
-            )
-        )
+        problem = "holds a different sweep than the file now describes (- stored, + file)"
+        remedy = "change the file back, or choose another folder with --out. Nothing was changed."
+        raise _make_error(self.folder, f"{problem}; {remedy}\n{difference}")
 
     def _read_pages(self, columns: str) -> Iterator[list[Any]]:
         """Read rows page by page in order of the points; between two pages the writer can write."""
@@ -321,8 +305,7 @@ class SweepDatabase:
             self._connection.execute("BEGIN IMMEDIATE")
             self._connection.execute(_META_TABLE)
             self._connection.execute(f"{_ROWS_TABLE}{columns})")
-            meta = [("format", FORMAT), ("plan", plan.to_toml())]
-            self._connection.executemany("INSERT INTO meta VALUES (?, ?)", meta)
+            self._connection.execute("INSERT INTO meta VALUES ('format', ?), ('plan', ?)", (FORMAT, plan.to_toml()))
 
     def _update_plan(self, plan: SweepPlan) -> None:
         text = plan.to_toml()
@@ -356,13 +339,13 @@ def _refuse_odd_files(path: Path) -> None:
         file.seek(max(0, file.seek(0, os.SEEK_END) - len(_JOURNAL_MARK)))
         if file.read() == _JOURNAL_MARK:
             remedy = "restore the folder from a copy, or run the sweep in another folder"
-            raise SweepError(Issue(str(journal), f"names another file, which would be removed; {remedy}."))
+            raise _make_error(journal, f"names another file, which would be removed; {remedy}.")
 
 
 def _lock_folder(folder: Path) -> int | None:
     """Lock the folder until this process ends, however it ends; None where the system has no such locks."""
     try:
-        import fcntl
+        import fcntl  # noqa: PLC0415
     except ImportError:
         return None
     try:
@@ -373,9 +356,8 @@ def _lock_folder(folder: Path) -> int | None:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
-        raise SweepError(
-            Issue(str(folder), "is being written by another sweep; wait for it, or choose another folder with --out.")
-        ) from None
+        problem = "is being written by another sweep; wait for it, or choose another folder with --out."
+        raise _make_error(folder, problem) from None
     except OSError:  # a file system without locks; the primary key still keeps rows unique
         os.close(handle)
         return None
@@ -394,10 +376,13 @@ def _translate_errors(folder: Path, operation: Callable[[], T]) -> T:
             remedy = "free some space, then continue with --resume. The rows written so far are safe"
             raise OutputError(Issue(str(folder), f"cannot be written any further ({text}); {remedy}.")) from error
         if "not a database" in text or "malformed" in text or "no such table" in text:
-            raise SweepError(
-                Issue(str(folder / FILE), f"is not the database of a sweep ({text}); choose another folder with --out.")
-            ) from error
+            problem = f"is not the database of a sweep ({text}); choose another folder with --out."
+            raise _make_error(folder / FILE, problem) from error
         raise _make_write_error(folder, text) from error
+
+
+def _make_error(path: Path, message: str) -> SweepError:
+    return SweepError(Issue(str(path), message))
 
 
 def _make_write_error(folder: Path, reason: str) -> OutputError:

@@ -219,7 +219,7 @@ class DaskEngine:
     """
 
     def __init__(self, address: str) -> None:
-        import asyncio
+        import asyncio  # noqa: PLC0415
 
         distributed = extras.load("distributed", "--cluster", alternative="leave --cluster out")
         dask = extras.load("dask", "--cluster", alternative="leave --cluster out")
@@ -278,7 +278,7 @@ class DaskEngine:
 
         def version() -> str:
             # Dask sends this nested function by value. A worker may not have this module.
-            import fingertip
+            import fingertip  # noqa: PLC0415
 
             return fingertip.__version__
 
@@ -332,7 +332,7 @@ def _check_listening(address: str) -> None:
 
 async def _check_scheduler(address: str) -> None:
     """Ask the listener for its identity; `Client` waits for ever if the listener is silent or not a scheduler."""
-    from distributed.comm import connect
+    from distributed.comm import connect  # noqa: PLC0415
 
     comm = await connect(address)
     try:

@@ -79,7 +79,7 @@ class SweepPlan:
         issues += design_issues
         scene = None
         if (scene_tables := tables.get("scene")) is not None:
-            from fingertip.sim.runs.files import SceneFile
+            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
 
             with gather(issues, "scene."):
                 scene = SceneFile(**scene_tables)
@@ -169,7 +169,7 @@ class SweepPlan:
     def _samples(self) -> NDArray[np.float64]:
         """(points, axes) in [0, 1): Latin hypercube or scrambled Sobol sequence (scipy.stats.qmc)."""
         self._require_samplers()
-        from scipy.stats import qmc
+        from scipy.stats import qmc  # noqa: PLC0415
 
         if self.file.sampling == "sobol":
             return np.asarray(qmc.Sobol(len(self.axes), scramble=True, rng=self.file.seed).random(self.size))
@@ -183,10 +183,10 @@ def _read_axes(entries: Mapping[str, Any], sampled: bool) -> tuple[list[Axis], l
     axes: list[Axis] = []
     issues: list[Issue] = []
     for name, entry in flatten_axes(entries):
-        axis, axis_issues = read_axis(name, entry, sampled)
-        issues += axis_issues
-        if axis:
+        with gather(issues):
+            axis, beyond_bounds = read_axis(name, entry, sampled)
             axes.append(axis)
+            issues += beyond_bounds
     if not axes and not issues:
         issues.append(Issue("axes", "is empty; name at least one parameter, such as skin.width_mm = [16, 17]."))
     return axes, issues

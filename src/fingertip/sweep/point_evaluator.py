@@ -133,7 +133,7 @@ class PointEvaluator:
         with gather(issues):
             design = self._designs.build(changes)
         if self._scene is not None:
-            from fingertip.sim.runs.files import SceneFile
+            from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
 
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):

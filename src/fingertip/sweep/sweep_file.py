@@ -121,7 +121,7 @@ def check_objectives(file: SweepFile) -> Iterator[Issue]:
 
 def to_canonical_text(tables: Mapping[str, Any]) -> str:
     """Write tables as TOML with one line per value in a fixed order: the text that is stored and compared."""
-    import tomlkit
+    import tomlkit  # noqa: PLC0415
 
     document = tomlkit.document()
     for name, value in tables.items():
@@ -228,7 +228,7 @@ def _list_lines(table: Mapping[str, Any]) -> Iterator[tuple[list[str], Any]]:
 
 
 def _to_inline_item(value: Any) -> Item:
-    import tomlkit
+    import tomlkit  # noqa: PLC0415
 
     if isinstance(value, Mapping):
         table = tomlkit.inline_table()

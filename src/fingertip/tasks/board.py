@@ -201,7 +201,7 @@ def write_fabrication(
 
     Raises MissingLibraryError or BoardError or OutputError.
     """
-    from fingertip.board.fabrication.fabrication_files import fabrication_files
+    from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
     folder = BOARD.folder(design) if out is None else Path(out)
     writer = check_fabrication(design, folder, force=force)
@@ -222,7 +222,7 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 
     Raises MissingLibraryError or OutputError.
     """
-    from fingertip.board.fabrication.fabrication_files import find_kicad
+    from fingertip.board.fabrication.fabrication_files import find_kicad  # noqa: PLC0415
 
     if not force:
         _refuse_edited(folder)

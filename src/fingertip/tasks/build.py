@@ -221,8 +221,8 @@ def _replace_subset(
 
 
 def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
-    from fingertip.documents.casting.sheet import steps
-    from fingertip.pictures.steps.pictures import draw_steps
+    from fingertip.documents.casting.sheet import steps  # noqa: PLC0415
+    from fingertip.pictures.steps.pictures import draw_steps  # noqa: PLC0415
 
     return draw_steps(design, casting, [step.picture for step in steps(casting)], progress)
 

@@ -139,7 +139,7 @@ def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[st
     if not all("stl" in part.files for part in parts.parts):
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
         return None
-    from fingertip.tasks.page import write_page
+    from fingertip.tasks.page import write_page  # noqa: PLC0415
 
     progress("making the page")
     path, _, _ = write_page(design, parts.folder, force=force)
@@ -148,10 +148,10 @@ def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[st
 
 def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
-    from fingertip.detection.files import detect_file
-    from fingertip.sim import SceneFile, load_simulation, run_scene
-    from fingertip.slip.detectors.registry import find_second_column
-    from fingertip.slip.report import as_data
+    from fingertip.detection.files import detect_file  # noqa: PLC0415
+    from fingertip.sim import SceneFile, load_simulation, run_scene  # noqa: PLC0415
+    from fingertip.slip.detectors.registry import find_second_column  # noqa: PLC0415
+    from fingertip.slip.report import as_data  # noqa: PLC0415
 
     progress("simulating a trial")
     scene = load_simulation().scene
@@ -168,7 +168,7 @@ def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tupl
     data = as_data(found.detection, found.noise)
     contents[DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     if extras.is_installed("matplotlib"):
-        from fingertip.slip.report import draw
+        from fingertip.slip.report import draw  # noqa: PLC0415
 
         contents[PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
     else:

@@ -190,7 +190,7 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
 
 def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]:
     """Find maximum gain and lower cutoff frequency [Hz] of many boards at once, as `find_passband` does for one."""
-    import numpy as np
+    import numpy as np  # noqa: PLC0415
 
     power_gain = transfer.power_gain()
 

@@ -41,7 +41,7 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
     Raises MissingLibraryError or GeometryError.
     """
     write_status(folder, "loading cadquery")
-    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded  # noqa: PLC0415
 
     own_job, forked_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
     with _ForkedJob(forked_job, folder) as forked:
@@ -54,7 +54,7 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
             (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
         ]
         write_status(folder, "writing the assembly")
-        from fingertip.cad.files import step_writer
+        from fingertip.cad.files import step_writer  # noqa: PLC0415
 
         step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
         return _measure(own_job, evaluator, solids, folder) | forked.wait_for_measurements()
@@ -71,7 +71,7 @@ def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
 
 def _make_solids(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
     """Evaluate the parts; returns the evaluator, and name, solid and colour of each part."""
-    from fingertip.cad.kernel import brep
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     evaluator, solids = brep.BrepEvaluator(), []
     for name, solid, colour in job.parts:
@@ -81,7 +81,7 @@ def _make_solids(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
 
 
 def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> JobMeasurements:
-    from fingertip.cad.kernel import brep
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     volumes = {}
     for name, solid in job.measured_solids:
@@ -92,7 +92,7 @@ def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> J
 
 
 def _write_parts(solids: list[Any], folder: Path) -> None:
-    from fingertip.cad.files import step_writer
+    from fingertip.cad.files import step_writer  # noqa: PLC0415
 
     for part in solids:
         write_status(folder, f"writing {part[0]}")
@@ -153,7 +153,7 @@ class _ForkedJob:
 def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:
     """Do the job in the forked process; sends an error, or "made" and then the measurements."""
     end_with_parent()
-    from fingertip.cad.kernel import brep
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     try:
         evaluator, solids = _make_solids(job, folder)

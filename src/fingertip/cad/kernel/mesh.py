@@ -78,7 +78,7 @@ class MeshEvaluator:
 
     def _evaluate(self, solid: Solid) -> Manifold:
         load_manifold()
-        from manifold3d import Manifold, OpType
+        from manifold3d import Manifold, OpType  # noqa: PLC0415
 
         match solid:
             case Union(solids):
@@ -110,7 +110,7 @@ def load_manifold() -> None:
 def to_manifold(vertices: Array, triangles: Triangles) -> Manifold:
     """Create a `manifold3d.Manifold` from arrays, in double precision."""
     load_manifold()
-    from manifold3d import Manifold, Mesh64
+    from manifold3d import Manifold, Mesh64  # noqa: PLC0415
 
     return Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64)))
 
@@ -184,7 +184,7 @@ def _join_slivers(vertices: Array, triangles: Triangles) -> None:
 
 
 def _raise_unless_valid(manifold: Manifold) -> None:
-    from manifold3d import Error
+    from manifold3d import Error  # noqa: PLC0415
 
     status = manifold.status()
     if status != Error.NoError:

@@ -106,7 +106,7 @@ def _cone(c: Cone, tolerance: float) -> tuple[Array, Triangles]:
 
 def _prism(p: Prism) -> tuple[Array, Triangles]:
     """Tessellate a prism: manifold3d triangulates the end polygons without adding vertices, every edge gets a wall."""
-    from manifold3d import triangulate
+    from manifold3d import triangulate  # noqa: PLC0415
 
     rings = [p.corners, *p.holes]
     end = triangulate([np.array(ring, dtype=np.float64) for ring in rings]).astype(np.int64)

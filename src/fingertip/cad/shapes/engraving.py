@@ -98,7 +98,7 @@ def text_width(text: str) -> float:
 @lru_cache(maxsize=64)
 def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
     """Outline the letters of a line of text in grid units, with x to the right and y up."""
-    from manifold3d import CrossSection, FillRule
+    from manifold3d import CrossSection, FillRule  # noqa: PLC0415
 
     outlines = []
     for position, letter in enumerate(text.upper()):

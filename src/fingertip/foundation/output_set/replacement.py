@@ -259,7 +259,7 @@ LOCK_S = 60.0
 def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
     """Hold a lock on a folder, shared while a set in it is only read; it ends with the process, however that ends."""
     try:
-        import fcntl
+        import fcntl  # noqa: PLC0415
     except ImportError:  # Windows: sets are not locked there
         yield
         return

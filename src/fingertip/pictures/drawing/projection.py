@@ -29,8 +29,8 @@ Failure = tuple[str, tuple[Issue, ...]]
 
 def run_job(job: Job) -> PartViews:
     """Project every part in its views. Raises MissingLibraryError or GeometryError."""
-    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded
-    from fingertip.pictures.drawing.hidden_lines import project
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded  # noqa: PLC0415
+    from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
     evaluator = brep.BrepEvaluator()
     views: PartViews = {}

@@ -181,7 +181,7 @@ def find_signals(design: Design, name: str, has_second: bool) -> UsedSignals:
 
 def find_second_column(design: Design, name: str) -> str | None:
     """Find the column that a detector takes beside its first for the board of a design; None if there is none."""
-    from fingertip.design.formulas.filter import filtered_range_v
+    from fingertip.design.formulas.filter import filtered_range_v  # noqa: PLC0415
 
     second = find_detector_type(name).second_column
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
@@ -190,7 +190,7 @@ def find_second_column(design: Design, name: str) -> str | None:
 def find_detector_type(name: str) -> DetectorType:
     """Look up a type of detector by name. Raises TraceError."""
     if name not in DETECTORS:
-        from fingertip.design.parameters.declaration import suggest_name
+        from fingertip.design.parameters.declaration import suggest_name  # noqa: PLC0415
 
         raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]

@@ -72,7 +72,7 @@ class PlotScale:
         if self.categories:
             getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)
         elif self.log:
-            from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+            from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: PLC0415
 
             getattr(axes, f"set_{side}scale")("log")
             axis = getattr(axes, f"{side}axis")
@@ -190,7 +190,7 @@ def draw_feasibility(axes: dict[str, Column], classes: PointClasses, ranked_axes
 
 def _choose_colours(classes: PointClasses) -> tuple[list[str], NDArray[np.intp], list[Patch]]:
     """Choose colours, the colour index of each point, and the legend; the rarest of many classes share a colour."""
-    from matplotlib.patches import Patch
+    from matplotlib.patches import Patch  # noqa: PLC0415
 
     counts, total = classes.count(), max(1, len(classes.indices))
     names = list(classes.names)
@@ -227,7 +227,7 @@ def _draw_map(
     codes: NDArray[np.intp],
     colours: list[str],
 ) -> str:
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
     exact = x.bins.is_exact and y.bins.is_exact
     as_markers = not exact and len(codes) <= _MAX_MARKERS

@@ -51,9 +51,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Scatter matrix: every axis and output against every other.
-
-
 MAX_COLUMNS = 8
 _MAX_POINTS = 2000
 _HISTOGRAM_BINS = 24
@@ -204,8 +201,8 @@ def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], byte
 
 
 def _varies(column: Column) -> bool:
-    finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
-    return len(finite) > 0 and bool(np.any(finite != finite[0]))
+    finite = _select_finite(column)
+    return bool(np.any(finite != finite[0]))
 
 
 def _draw_scatter_matrix(summary: SweepSummary, axes: dict[str, Column], outputs: dict[str, Column]) -> bytes:
@@ -233,9 +230,6 @@ def _draw_front(summary: SweepSummary) -> bytes:
     first, second = selection.objectives[:2]
     values = (table.outputs[first.output][selection.candidates], table.outputs[second.output][selection.candidates])
     return draw_pareto_front(selection.objectives, values, front, best)
-
-
-# Plots of the outputs: heat maps over two axes, sensitivities, and the Pareto front of two objectives.
 
 
 _MAX_CELLS = 40
@@ -360,7 +354,7 @@ def _draw_cells(
     title: str,
     unit: str,
 ) -> None:
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
     x, y = scales
     plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([PALE_GREY]))

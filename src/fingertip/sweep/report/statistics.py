@@ -199,7 +199,6 @@ def _find_front_of_two(rows: Costs) -> NDArray[np.bool_]:
 
 
 def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
-    """Find the front of distinct rows with any number of objectives."""
     ranks = np.stack([np.unique(column, return_inverse=True)[1].reshape(-1) for column in rows.T], axis=1)
     # A row that dominates another has a lower sum of ranks. So no remaining row dominates the one with the lowest sum.
     remaining = np.argsort(ranks.sum(axis=1), kind="stable")
@@ -331,18 +330,6 @@ def _find_limiting_ranges(bins: Bins, counts: NDArray[np.intp], rule: int) -> tu
     return tuple((low[run[0]], high[run[-1]]) for run in runs)
 
 
-# Sensitivity analysis: the share of an output's variance that each axis explains alone.
-#
-# This is Sobol's first-order index (Saltelli et al., *Global Sensitivity Analysis*, 2008, section 1.2.8): the variance
-# of the output's mean in bins of the axis, divided by the output's variance. The estimator is corrected for chance
-# (see `estimate_explained_variance`). The index holds for axes that are sampled independently. Points that
-# a rule refuses leave gaps, and then the shares of different axes may overlap. What axes explain only together
-# (interactions) is in the remainder, 1 - sum.
-
-
-MAX_BINS = 32
-
-
 @dataclass(frozen=True)
 class AxisSensitivity:
     """Sensitivity of one output to one axis."""
@@ -356,7 +343,12 @@ class AxisSensitivity:
 
 @dataclass(frozen=True)
 class OutputSensitivity:
-    """Sensitivity of one output to all axes."""
+    """Sensitivity of one output to all axes: Sobol's first-order indices.
+
+    An index (Saltelli et al., *Global Sensitivity Analysis*, 2008, section 1.2.8) is the variance of the output's mean
+    in bins of the axis, divided by the output's variance, corrected for chance. It holds for axes that are sampled
+    independently. Points that a rule refuses leave gaps, and then the shares of different axes may overlap.
+    """
 
     output: str
     points: int
@@ -391,7 +383,7 @@ def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) ->
     y = column[finite]
     if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):
         return None
-    max_bins = min(MAX_BINS, max(2, math.isqrt(len(y)) // 2))
+    max_bins = min(32, max(2, math.isqrt(len(y)) // 2))
     y_ranks = compute_ranks(y)
     sensitivities, max_deviation = [], 0.0
     for name, axis in axes.items():

@@ -249,37 +249,11 @@ def _is_finite(value: Any) -> bool:
         return False
 
 
-<<<<<<< HEAD
-def _load_scene_model() -> type[BaseModel]:
-    from fingertip.sim.runs.files import SceneFile
-||||||| 11421308
-def _load_scene_model() -> type[BaseModel]:
-    from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415 imports the whole simulation, which most sweeps do not use
-=======
 def _load_scene_models() -> tuple[type[BaseModel], type[BaseModel]]:
     """Models of a scene and of a manipulation; they import the whole simulation, which most sweeps do not use."""
     from fingertip.sim.runs.files import ManipulationFile, SceneFile  # noqa: PLC0415
->>>>>>> sweep
 
-<<<<<<< HEAD
-    return SceneFile
-
-
-def _load_manipulation_model() -> type[BaseModel]:
-    from fingertip.sim.runs.files import ManipulationFile
-
-    return ManipulationFile
-||||||| 11421308
-    return SceneFile
-
-
-def _load_manipulation_model() -> type[BaseModel]:
-    from fingertip.sim.runs.files import ManipulationFile  # noqa: PLC0415
-
-    return ManipulationFile
-=======
     return SceneFile, ManipulationFile
->>>>>>> sweep
 
 
 def _get_annotation(model: type[BaseModel], path: str) -> Any:

@@ -96,7 +96,6 @@ NOZZLE_LENGTH_MM = 10.0
 
 # Blunt needles that fill the hole of the chaplet's screw from its bottom.
 
-
 _OUTER_MM = {14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72}
 """Nominal outer diameters of needles by gauge [mm], as ISO 9626 gives them (unverified)."""
 _PLAY_MM = 0.2

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 # Progress on stderr: a bar on a terminal, else a line now and then for a log.
 
-
 LINE_INTERVAL_S = 10.0
 """Smallest time between two lines of a log that report shares [s]."""
 MIN_ROWS_FOR_ESTIMATE = 10
@@ -107,7 +106,6 @@ def format_state(state: RunState) -> str:
 # Last resort of the command line: an exception that no command expected becomes one sentence and a file of details.
 #
 # A traceback would end the process with the exit code of a failed check. The code here is that of an internal fault.
-
 
 FAULT = 70
 """Exit code of a fault of the program (`EX_SOFTWARE` of sysexits.h)."""

@@ -157,7 +157,6 @@ def params(
 
 # Commands `fingertip schema` and `fingertip completion`, for editors and shells.
 
-
 KINDS = ("design", "scene", "manipulation", "sweep")
 """Kinds of TOML files that have a schema."""
 

@@ -262,7 +262,6 @@ def find_ring(changed: NDArray[np.bool_], height_px: int) -> tuple[float, float,
 
 # Atlas of the parameters as one HTML file: each parameter with its picture, or with what it decides instead.
 
-
 _LEGEND = (
     "Each picture shows the part that a parameter changes most, made with another value of it. Orange is nearer to you "
     "than before, blue is farther away, and pale blue is gone; a ring marks a small change. The other parameters stay."

@@ -185,7 +185,6 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
 
 # Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk.
 
-
 SUFFIXES = (".csv", ".npz")
 """Suffixes of the files that are written."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}

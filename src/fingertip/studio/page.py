@@ -170,7 +170,6 @@ def _render_checks() -> Markup:
 
 # Fields of the form, made from the JSON schema of design files.
 
-
 _STEPS = 200
 """Least number of steps of a slider."""
 _LOGARITHMIC_RATIO = 1000.0

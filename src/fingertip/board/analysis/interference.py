@@ -112,7 +112,6 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
 # passband like slip. Variant article has no low-pass: there ripple of some kilohertz, as a switching converter has it,
 # is amplified most.
 
-
 DEAD_ZONE_V = 0.45
 """Voltage at which variant article's diode starts to conduct. Its output is zero below it."""
 _MAX_LOW_HZ, RIPPLE_END_HZ = 30.0, 100e3

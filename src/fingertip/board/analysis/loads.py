@@ -149,7 +149,6 @@ def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> I
 # is what is fed back. The circuit around it is that of `fingertip.board.circuits.network`, with the capacitances of
 # all inputs. Outputs have no resistance, so a capacitive load is not covered.
 
-
 LOOP_HZ = 1e3, 1e9
 """Band in which a loop's gain falls to 1 [Hz]."""
 _LOOP_POINTS = 73

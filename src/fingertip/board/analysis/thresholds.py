@@ -79,7 +79,6 @@ def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_
 # gains, 1, -2 and 2. While the other one (D4) does, the Sallen-Key stage is cut off, and the gains are smaller. The
 # envelope offset is therefore at most five offset voltages upwards, and little more than one downwards.
 
-
 BLOCKING_DIODE = "D4"
 """Diode that conducts while the filtered signal is negative, and cuts the rectifier off from the filter."""
 _FILTER_AND_RECTIFIER = ("U1", "U3")
@@ -132,7 +131,6 @@ def _offset_gains(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str
 #
 # The threshold is referred to the envelope: it is the averaged envelope at which the output turns ON. All shifts are
 # transfers of one circuit to the difference of the comparator's inputs.
-
 
 _WARMING_K = max(MAX_TEMPERATURE_C - DATA_SHEET_C, DATA_SHEET_C - MIN_TEMPERATURE_C)
 _LEAKAGE_DOUBLES_K = 10.0

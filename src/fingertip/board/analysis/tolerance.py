@@ -156,7 +156,6 @@ def compute_sensitivities(board: TolerancedFilter) -> dict[str, dict[str, float]
 
 # Band of the filter's response: target, nominal board, and the central 95 % of boards as they are bought.
 
-
 BAND_QUANTILES = (0.025, 0.975)
 """Quantiles of the boards between which the band lies."""
 _ORDER = 3
@@ -240,7 +239,6 @@ def _find_ends(values: Array) -> Ends:
 
 
 # Plot of the filter's response: target, nominal board and the band of boards within their tolerances.
-
 
 FORMATS = {".png": to_png, ".svg": to_svg}
 """Renderers by the suffix of the file."""

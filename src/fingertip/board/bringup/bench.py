@@ -86,7 +86,6 @@ def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:
 
 # Faults of single parts: what goes wrong when a board is soldered, each as a changed circuit.
 
-
 _OPEN_OHM, _SHORT_OHM = "1e10", "1e-2"
 _OPEN_FARAD = "1e-16"
 _WRONG_VALUES = ((0.1, "a tenth of its value"), (0.5, "half its value"), (2.0, "twice its value"), (10.0, "ten times"))
@@ -153,7 +152,6 @@ def _replace(circuit: Circuit, part: Component) -> Circuit:
 #
 # They are taken against supply ground, as the controller reads them. The meter's own resistance is part of the
 # circuit, so that a pin whose resistor is open reads nothing instead of floating.
-
 
 HOST = "J3"
 METER_OHM = 10e6

@@ -262,7 +262,6 @@ def _difference(name: str, predicted_v: float, measured_v: float, limits: Mappin
 
 # Faults that no reading of a bring-up reveals: every reading of a board that has one is within its limits.
 
-
 _VALUES = 2
 """Rarity from which a fault is a wrong value: those are left to the placement file."""
 

@@ -228,7 +228,6 @@ def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.
 
 # Readings of an ohmmeter and an ammeter: resistances without power, and the supply current.
 
-
 CURRENT_RATIOS = (0.4, 1.7)
 """Limits of the supply current as ratios of the typical one: data sheets allow amplifiers about half as much more."""
 SHORT_RATIO = 0.05

@@ -102,7 +102,6 @@ def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterat
 #
 # Constant voltages are proportional to the supply, and readings with the tone to the tone.
 
-
 _MIN_READINGS = 3
 _LEAST_V = 0.05
 """Least expected voltage from which a ratio is computed; a smaller one is an offset."""
@@ -193,7 +192,6 @@ def _fits(volts: float, ratio: float, limits: Limits) -> bool:
 
 
 # Readings of a board against their limits, and the likely fault, as data and as text.
-
 
 _HINTS = {
     "supply_ohm": "the supply is shorted: look for a bridge at the connector, the capacitors and the amplifiers",

@@ -227,7 +227,6 @@ def _slope(points: list[tuple[float, float]]) -> float:
 # The operational amplifiers and their figures are in `fingertip.catalogues.amplifiers`; no other module repeats these
 # values.
 
-
 BOLTZMANN_J_PER_K = 1.380649e-23
 TEMPERATURE_K = 300.15
 """Temperature: 27 degrees Celsius, as in SPICE."""
@@ -257,7 +256,6 @@ It has another footprint and pinout, and another gain equation, so that it requi
 
 
 # Model of the rectifier's diodes. SPICE deck, simulation and bring-up read these figures.
-
 
 SATURATION_A, EMISSION, SERIES_OHM = 2.52e-9, 1.752, 0.568
 """1N4148: saturation current [A], emission coefficient and series resistance [ohm] of a common SPICE model. It drops

@@ -276,7 +276,6 @@ def _microfarads(farads: float) -> float:
 # `DEVIATION_BAND`. Errors of the three values that cancel in the product count little, which a choice of each value
 # alone does not see.
 
-
 DEVIATION_BAND = 0.5, 4.0
 """Band in which the deviation counts [cutoffs]: from 18 dB below the passband to beyond the vibrations."""
 SEARCH_RATIOS = {"E12": 1.8, "E24": 1.5, "E96": 1.15}

@@ -214,7 +214,6 @@ def select_components(design: Design) -> ComponentValues:
 # the averaged envelope exceeds the threshold. Positive feedback lowers the threshold by a quarter while the output
 # reports slip.
 
-
 TRIMMER_OHM = 10e3
 PULL_UP_OHM = 4.7e3
 HYSTERESIS_RATIO = 0.25
@@ -260,7 +259,6 @@ def size_comparator(
 # and passes one.
 #
 # `fingertip.board.analysis.interference` computes what they attenuate.
-
 
 POLE_PER_SAMPLE_RATE = 0.25
 FIRST_OHM, SECOND_OHM = 1e3, 10e3

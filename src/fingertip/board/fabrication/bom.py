@@ -104,7 +104,6 @@ def _format_part(part: Part | None) -> str:
 # The house turns some packages differently from KiCad. `rotations.csv` in the parts table holds the offsets, with
 # their source; a package that is not in it keeps KiCad's rotation. The house places a part by the centre of its pads.
 
-
 ASSEMBLY_BOM, ASSEMBLY_PLACEMENT = "bom_assembly.csv", "placement_assembly.csv"
 BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer")
 """The four columns that the house reads, and the number to search for where the fourth is empty."""

@@ -172,7 +172,6 @@ def _zip_files(files: Iterable[tuple[str, bytes]]) -> bytes:
 #
 # They reveal gerbers of an earlier board before anybody sends them to a board house.
 
-
 _SOURCES = (".kicad_pcb", ".kicad_sch", "bom.csv")
 """Endings of the names of the board files that the fabrication files depend on."""
 _PARENT = "../"

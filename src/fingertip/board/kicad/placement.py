@@ -164,7 +164,6 @@ def _circle_overlaps(circle: Box, box: Box) -> bool:
 #
 # It depends on placement and nets alone. `python -m tools.routing.reroute` in the repository makes a new one.
 
-
 Segment = tuple[int, Point, Point, float]
 """Layer (0 is the front, 1 the back), both ends and width [mm]."""
 

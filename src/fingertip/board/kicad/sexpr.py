@@ -61,7 +61,6 @@ def _lines(expression: Expression, indent: str) -> tuple[str, list[str]]:
 # A replaced word changes its own characters, and every other character of the file stays: spaces, line ends, the order
 # of lists, and lists that this program does not know.
 
-
 _TOKEN = re.compile(r'\s*(?:(?P<bracket>[()])|(?P<quoted>"(?:[^"\\]|\\.)*")|(?P<word>[^\s()"]+))', re.DOTALL)
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPED = {"n": "\n", "r": "\r", "t": "\t"}

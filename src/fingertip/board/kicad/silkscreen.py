@@ -193,7 +193,6 @@ def _overlap(a: Box, b: Box) -> bool:
 # The front has no room for all references at a legible height, so whoever solders or repairs a board reads here what
 # belongs where.
 
-
 _LISTED = ("C", "R", "RV")
 """Letters of the references in the list."""
 _DIGITS = 3

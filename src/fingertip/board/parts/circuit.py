@@ -59,7 +59,6 @@ def _format_tolerance(percent: float) -> str:
 
 # Names of the nets that several blocks of the board share.
 
-
 GND = "GND"
 VCC = "VCC"
 VEE = "VEE"

@@ -202,7 +202,6 @@ def _explain_missing(value: str, package: str, requirement: CapacitorRequirement
 # C0G is made up to some capacitance in each size. Above it X7R is required, whose capacitance falls with direct
 # voltage and age, and which is sold with 10 %. Capacitors of 5 % are C0G.
 
-
 MAX_C0G_F = {"1206": 100e-9, "0603": 10e-9}
 """Largest capacitance [F] that each size is made with as C0G."""
 SOLD_PERCENT = {"C0G": 5.0, "X7R": 10.0, "X5R": 20.0}

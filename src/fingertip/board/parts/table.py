@@ -145,7 +145,6 @@ def _part(row: dict[str, str]) -> Part:
 
 # Mating parts: the plug of each connector, its contacts or finished leads, and the wires they take.
 
-
 _PER_CONNECTOR, _PER_WIRE, _PER_TWO_WIRES = "connector", "wire", "two wires"
 
 

@@ -172,7 +172,6 @@ def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
 
 # Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for rules and the board.
 
-
 MAX_COMPARATOR_V = 5.5
 """Maximum supply of the comparator [V]."""
 MIN_COMPARATOR_V = 0.011

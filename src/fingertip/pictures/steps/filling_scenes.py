@@ -155,7 +155,6 @@ def cure(bench: Bench, data: Data) -> Scene:
 
 # Scenes at the scale: weigh, degas, and load the syringe.
 
-
 _FRONT = Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0))
 _CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
 

@@ -20,8 +20,9 @@ import typer
 from fingertip.cli import app
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import open_atomic, write_file
-from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest, replacement
-from fingertip.foundation.output_set.replacement import recover
+from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest
+from fingertip.foundation.output_set import swap as folder_swap
+from fingertip.foundation.output_set.swap import recover
 from fingertip.tasks import verification
 from fingertip.tasks.verification import verify_sets
 
@@ -87,7 +88,7 @@ def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
             if event in OPERATIONS:
                 step()
 
-        swap = replacement._swap
+        swap = folder_swap._swap
 
         def counted_swap(first: Path, second: Path) -> bool:
             step()
@@ -95,7 +96,7 @@ def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
             step()
             return swapped
 
-        replacement._swap = counted_swap
+        folder_swap._swap = counted_swap
         sys.addaudithook(hook)
         status = 0
         try:
@@ -195,7 +196,7 @@ def test_check_waits_for_a_writer_and_leaves_its_work_alone(tmp_path: Path) -> N
     reader, ready = os.pipe()
     child = os.fork()
     if child == 0:
-        with replacement.lock(folder.parent):
+        with folder_swap.lock(folder.parent):
             staging.mkdir()
             os.write(ready, b".")
             time.sleep(0.3)
@@ -225,7 +226,7 @@ def test_folder_that_cannot_be_swapped_is_written_in_place(tmp_path: Path, monke
     folder = tmp_path / "area" / "board"
     prepare(folder)
     inode = folder.stat().st_ino
-    monkeypatch.setattr(replacement, "_swap", lambda first, second: False)
+    monkeypatch.setattr(folder_swap, "_swap", lambda first, second: False)
     assert writer(folder, "new").write(NEW) == ("old_only.txt",)
     assert folder.stat().st_ino == inode
     assert_whole(folder)
@@ -289,8 +290,8 @@ def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
 def test_writer_that_waits_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)
-    monkeypatch.setattr(replacement, "LOCK_S", 0.1)
-    with replacement.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
+    monkeypatch.setattr(folder_swap, "LOCK_S", 0.1)
+    with folder_swap.lock(folder.parent), pytest.raises(OutputError, match=r"has been writing here for 0\.1 s; wait"):
         writer(folder, "new").write(NEW)
     assert files_in(folder) == OLD
 

@@ -14,7 +14,8 @@ import pytest
 
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.jit import CompiledLoop, compiled
-from fingertip.foundation.output_set import SetWriter, replacement
+from fingertip.foundation.output_set import SetWriter
+from fingertip.foundation.output_set import swap as folder_swap
 from tests.conftest import run_python
 
 resource = pytest.importorskip("resource", reason="the system bounds no process, NOT TESTED HERE")
@@ -104,13 +105,13 @@ def test_a_folder_that_vanishes_while_it_is_written_is_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "area" / "board"
-    write = replacement.write_content
+    write = folder_swap.write_content
 
     def vanish(content: bytes, path: Path) -> None:
         shutil.rmtree(tmp_path / "area")
         write(content, path)
 
-    monkeypatch.setattr(replacement, "write_content", vanish)
+    monkeypatch.setattr(folder_swap, "write_content", vanish)
     with pytest.raises(OutputError, match=r"board: cannot be written \(No such file or directory\); choose another"):
         SetWriter(folder, "board", "finger", "new").write({"a": b"1", "b": b"2"})
     assert list(tmp_path.iterdir()) == []

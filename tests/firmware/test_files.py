@@ -13,9 +13,10 @@ from fingertip.board.bringup.wiring import SKETCH_PINS
 from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.catalogues.controllers import BOARDS
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.documents.firmware import BOARDS, BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION
+from fingertip.documents.firmware import BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION, find_load
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
@@ -160,7 +161,7 @@ def test_load_of_each_controller_follows_from_its_clock_and_the_measured_instruc
     targets = costs.read_costs()["targets"]
     for board in BOARDS:
         target = targets["Cortex-M4F" if "with floats" in board.core else "Cortex-M0+"]
-        found = {rate_hz: board.find_load(rate_hz) for rate_hz in (100.0, 2000.0, 2e6)}
+        found = {rate_hz: find_load(board, rate_hz) for rate_hz in (100.0, 2000.0, 2e6)}
         for load in found.values():
             assert load.mean == pytest.approx(CYCLES_PER_INSTRUCTION * target["instructions"]["slip"], abs=100)
             assert load.longest == pytest.approx(CYCLES_PER_INSTRUCTION * target["max_instructions"], abs=100)

@@ -20,8 +20,9 @@ from fingertip.design.new_design import PRESETS
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.pictures.steps import scene as drawing
+from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.pictures import SCENES, draw_steps
-from fingertip.pictures.steps.scene import Arrow, Bench, Label, Scene, draw_scene
+from fingertip.pictures.steps.scene import Arrow, Label, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip, some_of
 
 DESIGNS = [

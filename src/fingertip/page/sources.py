@@ -18,7 +18,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
-from fingertip.foundation.output_set.replacement import hash_content
+from fingertip.foundation.output_set.swap import hash_content
 
 """Folder of the board within the output folder of a design."""
 _MAKE = "fingertip make DESIGN"

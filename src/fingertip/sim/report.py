@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL, TRACE
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.output_set.replacement import hash_content
+from fingertip.foundation.output_set.swap import hash_content
 from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim.contact.surfaces import SURFACES

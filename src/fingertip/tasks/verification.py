@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
-from fingertip.foundation.output_set.replacement import (
+from fingertip.foundation.output_set.swap import (
     find_output_folder,
     is_folder,
     lock,

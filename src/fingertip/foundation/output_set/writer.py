@@ -21,7 +21,7 @@ from fingertip.foundation.input_files import (
     open_input,
     read_input,
 )
-from fingertip.foundation.output_set.replacement import (
+from fingertip.foundation.output_set.swap import (
     Content,
     find_unfinished,
     hash_content,

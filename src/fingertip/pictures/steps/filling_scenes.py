@@ -8,7 +8,8 @@ from fingertip.catalogues.hardware import LUER_MOUTH_MM, NOZZLE_DEPTH_MM, NOZZLE
 from fingertip.design.geometry.solids import Box, cylinder, difference
 from fingertip.filling.vents import place_vents
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given
+from fingertip.pictures.steps.objects import Bench
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
 
 _LIFT_MM = 12.0
 """Height of a lifted syringe above its cone [mm]."""

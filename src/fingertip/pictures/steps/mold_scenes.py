@@ -12,7 +12,8 @@ from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
 from fingertip.filling.vents import place_vents
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given
+from fingertip.pictures.steps.objects import Bench
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
 
 _SPARE_MM, _DROP_MM = 10.0, 2.5
 """Width of a spare piece, and radius of a drop [mm]."""

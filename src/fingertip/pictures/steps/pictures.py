@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from fingertip.design import Design
 from fingertip.pictures.steps import filling_scenes, mold_scenes, sensor_scenes
-from fingertip.pictures.steps.scene import Bench, Data, Scene, draw_scene
+from fingertip.pictures.steps.objects import Bench
+from fingertip.pictures.steps.scene import Data, Scene, draw_scene
 
 SCENES: Mapping[str, Callable[[Bench, Data], Scene]] = {
     name.rstrip("_"): scene

@@ -7,7 +7,8 @@ from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.solids import Box, ElbowTube, Point3, Solid, cylinder, intersection, union
 from fingertip.pictures.picture import HAND, place_on_hand
 from fingertip.pictures.raster import Camera, Colour
-from fingertip.pictures.steps.scene import Arrow, Bench, Data, Label, Paint, Scene, Shown, View, given
+from fingertip.pictures.steps.objects import Bench
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
 
 _LIFT_MM = 10.0
 _BEYOND_COLLAR_MM = 9.0

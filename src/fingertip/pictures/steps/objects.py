@@ -1,0 +1,169 @@
+"""Objects of the scenes: parts, seals, tools and hardware of a design, as meshes on one bench."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.insert import cavity, filled_bone
+from fingertip.cad.shapes.mold import runners, vents
+from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
+from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
+from fingertip.design import Design
+from fingertip.design.geometry.conic import ConicBody, offset_section
+from fingertip.design.geometry.seat import tape_span_mm
+from fingertip.design.geometry.solids import (
+    Box,
+    Cone,
+    Point3,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
+from fingertip.pictures.raster import Colour
+from fingertip.pictures.steps.scene import Paint, Shown, given
+
+_TOLERANCE_MM = 0.05
+_TAPE_SHOWN_MM = 0.2
+"""Thickness with which a tape is drawn: its own would not be seen [mm]."""
+_WALL_MM = 0.8
+"""Wall of drawn barrels and cups [mm]."""
+
+
+class Bench:
+    """Parts of one design and what lies with them, as meshes."""
+
+    def __init__(self, design: Design) -> None:
+        self.design, self.dims, self.layout = design, design.dimensions, design.mold_layout
+        self.evaluator = MeshEvaluator(_TOLERANCE_MM)
+        self.insert = "core" if design.mold.method == "sleeve" else "bone"
+        """Name of the part that lies in the mold while the skin is cast."""
+
+    @property
+    def head(self) -> Point3:
+        """Middle of the sensor's head, on the palmar flat."""
+        return 0.0, -self.dims.flat_depth, self.dims.sensor_z
+
+    @property
+    def apart_mm(self) -> float:
+        """Distance by which parts are drawn apart."""
+        return 1.2 * self.layout.palmar_height
+
+    def solid(self, solid: Solid, colour: Colour, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show a solid, shifted, and cut open along x = 0 if asked for."""
+        manifold = self.evaluator.manifold(solid)
+        if cut:
+            manifold = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0)
+        mesh = to_canonical_mesh(manifold)
+        return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
+
+    def part_solid(self, name: str) -> tuple[Solid, Colour]:
+        """Return solid and colour of a part."""
+        return PARTS[name].solid(self.design), PARTS[name].colour
+
+    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show a part."""
+        solid, colour = self.part_solid(name)
+        return self.solid(solid, colour, shift, cut=cut)
+
+    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show the sensor."""
+        return self.solid(sensor_body(self.design), Paint.SENSOR, shift, cut=cut)
+
+    def assembled_bone(self, *, cut: bool = False, lid: bool = True) -> list[Shown]:
+        """Show the bone with sensor and lid."""
+        shown = [self.part("bone", cut=cut), self.sensor(cut=cut)]
+        if lid and "lid" in parts_by_name(self.design):
+            shown.append(self.part("lid", cut=cut))
+        return shown
+
+    def in_mold(self, *, cut: bool = False) -> list[Shown]:
+        """Show bone with its sensor, or core, as it lies in the mold."""
+        return [self.part("core", cut=cut)] if self.insert == "core" else self.assembled_bone(cut=cut)
+
+    def bolts(
+        self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False
+    ) -> list[Shown]:
+        """Show the bolts of the mold and their nuts."""
+        return [
+            self.solid(item.solid, item.colour, nut_shift if "nut" in item.name else bolt_shift, cut=cut)
+            for item in hardware(self.design, ("mold_palmar", "mold_dorsal"))
+            if item.name.startswith("mold_")
+        ]
+
+    def chaplet_screw(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> list[Shown]:
+        """Show the screw of the chaplet; none without one."""
+        return [
+            self.solid(item.solid, item.colour, shift, cut=cut)
+            for item in hardware(self.design, ("mold_dorsal",))
+            if item.name == "chaplet_screw"
+        ]
+
+    def casting(self, *, cut: bool = False) -> Shown:
+        """Show the silicone as it leaves the mold, with runner and vents."""
+        cast = intersection(union(cavity(self.design), *runners(self.design)), self._block())
+        return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), Paint.SILICONE, cut=cut)
+
+    def vents(self) -> list[Shown]:
+        """Show the silicone in the vents, whole where the casting is cut open."""
+        return [self.solid(intersection(vent, self._block()), Paint.SILICONE) for vent in vents(self.design)]
+
+    def _block(self) -> Box:
+        m = self.layout
+        return Box((-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
+
+    def seat_tape(self) -> list[Shown]:
+        """Show the tape around the seat, on the collar or on the base below it; none without one."""
+        dims, span = self.dims, tape_span_mm(self.design)
+        if span is None:
+            return []
+        on_collar = span[1] <= self.design.bone.collar_length_mm
+        section = offset_section((dims.collar if on_collar else dims.bone_outline).section, _TAPE_SHOWN_MM)
+        around: Solid = SuperconicSolid(ConicBody(section, ((-span[1], 1.0), (-span[0], 1.0))))
+        if not on_collar:
+            far, flat = 2 * section.half_width, -dims.base_flat_depth - _TAPE_SHOWN_MM
+            around = difference(around, Box((-far, -2 * section.palmar, -2 * span[1]), (far, flat, 0.0)))
+        return [self.solid(difference(around, filled_bone(self.design)), Paint.TAPE)]
+
+    def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
+        """Show the syringe above its cone, its barrel cut open, with silicone up to a share of its volume.
+
+        `drawn_share` is the share up to which the plunger is pulled back at least.
+        """
+        inlet = given(self.layout.inlet)
+        centre, kind = (inlet.z, inlet.x), inlet.syringe
+        tip = self.layout.dorsal_height - NOZZLE_DEPTH_MM + lift_mm
+        shoulder = tip + NOZZLE_LENGTH_MM
+        bore, outer = kind.bore_mm / 2, kind.barrel_mm / 2
+        stroke = 1000.0 * kind.volume_ml / (math.pi * bore**2)
+        end, level = shoulder + 1.15 * stroke, shoulder + max(fill_share, drawn_share, 0.02) * stroke
+        mouth = (LUER_MOUTH_MM - LUER_TAPER * (LUER_DEPTH_MM - NOZZLE_DEPTH_MM)) / 2
+        nozzle = Cone("y", centre, tip, shoulder, mouth - LUER_TAPER * NOZZLE_DEPTH_MM / 2, mouth)
+        barrel = difference(
+            cylinder("y", centre, shoulder, end, outer), cylinder("y", centre, shoulder + _WALL_MM, end + 1.0, bore)
+        )
+        viewer_side = Box((-4 * outer, shoulder - 1.0, inlet.z - 4 * outer), (inlet.x, end + 1.0, inlet.z + 4 * outer))
+        plunger = union(
+            cylinder("y", centre, level, level + 3.0, 0.98 * bore), cylinder("y", centre, level, end + 6.0, 0.4 * bore),
+            cylinder("y", centre, end + 4.0, end + 6.0, bore),
+        )  # fmt: skip
+        silicone = cylinder("y", centre, shoulder + _WALL_MM, level, 0.99 * bore)
+        shown = [
+            self.solid(union(nozzle, difference(barrel, viewer_side)), Paint.GLASS),
+            self.solid(plunger, Paint.STEEL),
+        ]
+        return [*shown, self.solid(silicone, Paint.SILICONE)] if fill_share else shown
+
+    def cup(self, x: float, radius: float, height: float, level: float) -> list[Shown]:
+        """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
+        outside = cylinder("z", (x, 0.0), 0.0, height, radius + _WALL_MM)
+        inside = cylinder("z", (x, 0.0), _WALL_MM, height + 1.0, radius)
+        front = Box((x - 2 * radius, -2 * radius, _WALL_MM), (x + 2 * radius, 0.0, height + 1.0))
+        content = cylinder("z", (x, 0.0), _WALL_MM, _WALL_MM + level, 0.99 * radius)
+        return [self.solid(difference(outside, inside, front), Paint.GLASS), self.solid(content, Paint.SILICONE)]

@@ -19,15 +19,16 @@ from fingertip.design.formulas.amplifiers import choose_amplifier, select_rectif
 from fingertip.design.formulas.filter import (
     MANTISSAS,
     MAX_OHM,
+    MAX_SELECTABLE_F,
     MIN_CUTOFF_RATIO,
     MIN_OHM,
+    MIN_SELECTABLE_F,
     SELECTABLE_R1_OHM,
     SELECTABLE_R_LP_OHM,
     SERIES_CAPACITORS_UF,
     FilterComponents,
     ideal_components,
     r_lp_ohm,
-    selectable_range_f,
     to_farads,
 )
 from fingertip.design.parameters import Board
@@ -222,13 +223,20 @@ def select_capacitors(board: Board) -> Board:
     return board.model_copy(update={"capacitor_uf": _microfarads(c_f), "envelope_capacitor_uf": _microfarads(c_lp_f)})
 
 
+def _selectable_range_f(cutoff_hz: float, range_ohm: tuple[float, float]) -> tuple[float, float]:
+    """Range of the selectable capacitances [F] for which 1 / (C omega) lies in a range [ohm] at a cutoff [Hz]."""
+    values = (1.0 / (math.tau * cutoff_hz * ohm) for ohm in reversed(range_ohm))
+    low_f, high_f = (min(max(c_f, MIN_SELECTABLE_F), MAX_SELECTABLE_F) for c_f in values)
+    return low_f, high_f
+
+
 def select_filter_capacitor(board: Board) -> float:
     """Select C1 = C2 = C3 [F] with the smallest error among those that give R1 within `SELECTABLE_R1_OHM`.
 
     For each C the resistors are the best that exist. No combination of the two series within that range is therefore
     better. Of equal errors the smaller capacitor is selected.
     """
-    range_f = selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM)
+    range_f = _selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM)
     capacitors = capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE)
     return min(capacitors, key=lambda c_f: (round(filter_error(c_f, board), 9), c_f))
 
@@ -256,7 +264,7 @@ def _select_envelope_capacitor(board: Board) -> float:
     def error(c_f: float) -> float:
         return abs(math.log(pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz))
 
-    range_f = selectable_range_f(target_hz, SELECTABLE_R_LP_OHM)
+    range_f = _selectable_range_f(target_hz, SELECTABLE_R_LP_OHM)
     return min(
         capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE),
         key=lambda c_f: (round(error(c_f), 12), c_f),

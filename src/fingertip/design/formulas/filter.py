@@ -94,16 +94,6 @@ SELECTABLE_R_LP_OHM = (1e3, 10e3)
 """Range of R_LP for a capacitor that the board selects. The diode or the rectifier drives it."""
 
 
-def selectable_range_f(cutoff_hz: float, range_ohm: tuple[float, float]) -> tuple[float, float]:
-    """Range of the selectable capacitances [F] for which 1 / (C omega) lies in a range [ohm] at a cutoff [Hz]."""
-    low, high = (_ratio(1.0, math.tau * cutoff_hz * ohm) for ohm in (range_ohm[1], range_ohm[0]))
-    return _clamp(low), _clamp(high)
-
-
-def _clamp(c_f: float) -> float:
-    return min(max(c_f, MIN_SELECTABLE_F), MAX_SELECTABLE_F)
-
-
 def to_farads(microfarads: float) -> float:
     """Convert a capacitance from [uF] to [F]. Division makes 2.2 uF the float nearest to 2.2e-6."""
     return microfarads / 1e6

@@ -244,8 +244,8 @@ def test_a_converter_that_the_idle_level_saturates_is_warned_of() -> None:
 def test_margin_is_one_at_the_limit() -> None:
     for bound in ("at most", "at least"):
         for value, passed in ((1.0, True), (2.0, bound == "at least"), (0.5, bound == "at most")):
-            condition = GateCondition("x", "U1", value, 1.0, "", bound, "required", passed, "")  # type: ignore[arg-type]
-            assert (condition.margin >= 1.0) == passed
+            condition = GateCondition("x", value, 1.0, "", bound)  # type: ignore[arg-type]
+            assert (condition.margin >= 1.0) == condition.passed == passed
 
 
 def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:

@@ -266,10 +266,10 @@ def _gate_lines(values: BoardValues) -> list[str]:
 
     amplifier = CATALOGUE[values.amplifier]
     lines = [f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"]
-    required = {(c.name, c.subject, c.bound) for c in values.gate if c.level == "required" and c.passed}
+    required = {(c.name, c.subject, c.relation) for c in values.gate if c.level == "required" and c.passed}
     for condition in values.gate:
         is_repeated = condition.level == "advised" and condition.passed
-        if not is_repeated or (condition.name, condition.subject, condition.bound) not in required:
+        if not is_repeated or (condition.name, condition.subject, condition.relation) not in required:
             lines.append(f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}")
     return [*lines, describe_threshold_spread(values.threshold_spread)] if values.threshold_spread else lines
 

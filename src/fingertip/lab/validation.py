@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from fingertip.design import Design
+from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
@@ -66,14 +67,15 @@ class RequirementLimits:
 
 
 @dataclass(frozen=True)
-class Requirement:
+class Requirement(Comparison):
     """One requirement and the measured value."""
 
-    name: str
-    value: float
-    limit: float
-    passed: bool
-    message: str
+    message: str = ""
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the entry of this requirement in the JSON of a validation."""
+        data = {"name": self.name, "value": to_number(self.value), "limit": self.limit}
+        return data | {"passed": self.passed, "message": self.message}
 
 
 def check_detection(result: CampaignResult, detector: str, limits: RequirementLimits) -> Iterator[Requirement]:
@@ -81,32 +83,32 @@ def check_detection(result: CampaignResult, detector: str, limits: RequirementLi
     nominal = result.at_nominal_threshold(detector)
     found, least = nominal.found_share, limits.min_found
     text = f"{100 * found:.1f} % of {nominal.slips} slips found; at least {100 * least:g} %"
-    yield Requirement("found", found, least, found >= least, text)
+    yield Requirement("found", found, least, "", "at least", text)
     means = {name: mean for name, (mean, _, _) in nominal.group_delays(surface).items()}
     worst = max(means, key=lambda name: means[name])
     mean_s, limit_s = means[worst], limits.max_mean_s
     text = f"mean delay on the worst surface ({worst}) is {_ms(mean_s)}; at most {1000 * limit_s:g} ms"
-    yield Requirement("mean delay", mean_s, limit_s, mean_s <= limit_s, text)
+    yield Requirement("mean delay", mean_s, limit_s, "s", "at most", text)
     p90_s, limit_s = nominal.delay_s(0.9), limits.max_p90_s
     text = f"90th percentile of the delay is {_ms(p90_s)}; at most {1000 * limit_s:g} ms"
-    yield Requirement("p90 delay", p90_s, limit_s, p90_s <= limit_s, text)
+    yield Requirement("p90 delay", p90_s, limit_s, "s", "at most", text)
     rate, most = nominal.alarms_per_minute, limits.max_alarms_per_minute
     text = f"{rate:.2f} false alarms per minute, without {', '.join(REPORTED_SEPARATELY)}; at most {most:g}"
-    yield Requirement("alarms", rate, most, rate <= most, text)
+    yield Requirement("alarms", rate, most, "1/min", "at most", text)
 
 
 def check_closed_loop(summary: ClosedLoopSummary, limits: RequirementLimits) -> Iterator[Requirement]:
     """Check the requirements on the closed loop: objects held, reaction time and false grips."""
     held, least = summary.held / summary.count, limits.min_held
     text = f"{summary.held} of {summary.count} objects held; at least {100 * least:.3g} %"
-    yield Requirement("held", held, least, held >= least - 1e-9, text)
+    yield Requirement("held", held, least, "", "at least", text)
     slowest_s = math.inf if summary.unanswered else max(summary.reactions_s, default=0.0)
     limit_s = limits.max_reaction_s
     text = f"slowest reaction of the hand is {_ms(slowest_s)}; less than {1000 * limit_s:g} ms"
-    yield Requirement("reaction", slowest_s, limit_s, slowest_s < limit_s, text)
+    yield Requirement("reaction", slowest_s, limit_s, "s", "below", text)
     false, most = summary.false_grips, limits.max_false_grips
     text = f"{false} grip increases without slip; at most {most}"
-    yield Requirement("false grips", false, most, false <= most, text)
+    yield Requirement("false grips", false, most, "", "at most", text)
 
 
 def _ms(seconds: float) -> str:
@@ -135,7 +137,7 @@ class Validation:
         return {
             "detector": self.detector,
             "passed": self.passed,
-            "requirements": [asdict(one) | {"value": to_number(one.value)} for one in self.requirements],
+            "requirements": [one.as_data() for one in self.requirements],
             **tables.as_data(self.campaign, self.studies),
         }
 

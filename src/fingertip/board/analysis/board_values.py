@@ -86,7 +86,8 @@ class BoardValues(ComponentValues):
 
     def as_data(self) -> dict[str, Any]:
         """Return plain mappings and lists for JSON. Keys contain their units."""
-        plain: dict[str, Any] = _round_to_ten_digits(asdict(self))
+        gate = {"gate": [condition.as_data() for condition in self.gate]}
+        plain: dict[str, Any] = _round_to_ten_digits(asdict(self) | gate)
         return plain
 
 

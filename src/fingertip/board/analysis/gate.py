@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -43,6 +43,7 @@ from fingertip.design.formulas.amplifiers import (
 )
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
+from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.files import format_figure
 
 GOOD_OFFSET_RATIO = 0.25
@@ -52,26 +53,26 @@ Level = Literal["required", "advised"]
 
 
 @dataclass(frozen=True)
-class GateCondition:
+class GateCondition(Comparison):
     """One condition: a value that stays on one side of its limit."""
 
-    name: str
-    subject: str
+    subject: str = ""
     """Amplifier, net or component that the condition is about."""
-    value: float
-    limit: float
-    unit: str
-    bound: Literal["at least", "at most"]
-    level: Level
+    level: Level = "required"
     """Need for the condition: without a required one the board cannot work, without an advised one only badly."""
-    passed: bool
-    remedy: str
+    remedy: str = ""
     """Change that helps where it fails; empty where a rule refuses first."""
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the entry of this condition in values.json."""
+        keys = ("name", "subject", "value", "limit", "unit")
+        data = {key: getattr(self, key) for key in keys} | {"bound": self.relation, "level": self.level}
+        return data | {"passed": self.passed, "remedy": self.remedy}
 
     @property
     def margin(self) -> float:
         """Ratio of limit to value, or of value to limit for a lower bound: 1 or more where the condition holds."""
-        numerator, denominator = (self.limit, self.value) if self.bound == "at most" else (self.value, self.limit)
+        numerator, denominator = (self.limit, self.value) if self.relation == "at most" else (self.value, self.limit)
         if denominator > 0.0:
             return numerator / denominator
         return math.inf if self.passed else 0.0
@@ -81,14 +82,14 @@ def at_most(
     name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
 ) -> GateCondition:
     """Condition that a value does not exceed its limit."""
-    return GateCondition(name, subject, value, limit, unit, "at most", level, value <= limit, remedy)
+    return GateCondition(name, value, limit, unit, "at most", subject, level, remedy)
 
 
 def at_least(
     name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
 ) -> GateCondition:
     """Condition that a value does not fall below its limit."""
-    return GateCondition(name, subject, value, limit, unit, "at least", level, value >= limit, remedy)
+    return GateCondition(name, value, limit, unit, "at least", subject, level, remedy)
 
 
 CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
@@ -289,4 +290,4 @@ def describe_condition(condition: GateCondition) -> str:
     unit = f" {condition.unit}" if condition.unit else ""
     value, limit = (format_figure(number, 3) for number in (condition.value, condition.limit))
     verb = "is" if condition.passed else "must be" if condition.level == "required" else "should be"
-    return f"{condition.name} ({condition.subject}): {value}{unit}, {verb} {condition.bound} {limit}{unit}"
+    return f"{condition.name} ({condition.subject}): {value}{unit}, {verb} {condition.relation} {limit}{unit}"

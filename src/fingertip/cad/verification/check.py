@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.design.geometry.solids import Box, Solid, difference
+from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.files import round_for_output
 
 if TYPE_CHECKING:
@@ -100,7 +101,6 @@ def list_causes(check: str) -> tuple[str, ...]:
     raise LookupError(check)
 
 
-Relation = Literal["at most", "at least", "exactly"]
 State = Literal["passed", "warning", "failed"]
 
 VOLUME_TOLERANCE_MM3 = 1e-3
@@ -118,32 +118,11 @@ _MAX_REACH_MM = 500.0
 
 
 @dataclass(frozen=True)
-class Check:
-    """Verified property of a built part: `value` must be `relation` `limit`."""
+class Check(Comparison):
+    """Verified property of a built part."""
 
-    name: str
-    value: float
-    limit: float
-    unit: str
-    relation: Relation = "at most"
     warning: str = ""
     """Sentences on what is expected to go wrong although the value satisfies the limit; empty if nothing is."""
-
-    @property
-    def sign(self) -> str:
-        """Relation as a sign, for tables."""
-        return {"at most": "<=", "at least": ">=", "exactly": "="}[self.relation]
-
-    @property
-    def passed(self) -> bool:
-        """True if the value satisfies the limit."""
-        match self.relation:
-            case "at most":
-                return self.value <= self.limit
-            case "at least":
-                return self.value >= self.limit
-            case "exactly":
-                return self.value == self.limit
 
     @property
     def state(self) -> State:

@@ -96,7 +96,7 @@ class HelpCommand(TyperCommand):
             if parameter.param_type_name == "argument":
                 arguments.append(row)
                 usage.append(row[0] if parameter.required else f"[{row[0]}]")
-            elif parameter.rich_help_panel == COMMON or parameter.name == "help":
+            elif getattr(parameter, "rich_help_panel", None) == COMMON or parameter.name == "help":
                 common.append(row)
             else:
                 groups["Options"].append(row)
@@ -111,7 +111,7 @@ class HelpGroup(TyperGroup):
         subjects: dict[str, list[tuple[str, str]]] = {}
         for name in self.list_commands(ctx):
             command: Any = self.get_command(ctx, name)
-            subject = command.rich_help_panel or "Commands"
+            subject = getattr(command, "rich_help_panel", None) or "Commands"
             subjects.setdefault(subject, []).append((name, first_sentence(command.help or "")))
         width = max(len(name) for rows in subjects.values() for name, _ in rows)
         sections = {subject: [(f"{name:{width}}", text) for name, text in rows] for subject, rows in subjects.items()}

@@ -1,4 +1,4 @@
-"""What commands share: their decorator, options that mean the same in each, loading a design, checks of file names."""
+"""Options of the same meaning in each command, the decorator of commands, loading a design, and checks of file names."""
 
 from __future__ import annotations
 

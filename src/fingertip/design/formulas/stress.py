@@ -64,7 +64,7 @@ class LocalStress:
     place: str
     z_mm: float
     stress_per_n: float
-    """With stress concentration [MPa/N]."""
+    """Stress with its concentration [MPa/N]."""
     concentration: float = 1.0
     at_shock: bool = True
     """False for what a shock does not load."""

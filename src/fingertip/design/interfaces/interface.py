@@ -1,4 +1,4 @@
-"""What every interface of the bone to the proximal phalanx brings: shapes, sizes to check, strength and words.
+"""Interface of the bone to the proximal phalanx, and what each brings: shapes, sizes to check, strength and words.
 
 Its parameters stand in the table [bone], and its rules beside it.
 """
@@ -34,7 +34,7 @@ class JointInterface:
     face_on_plate: str
     """Face on which the bone stands while it prints, in words."""
     weakest: str
-    """What must not be pushed when the finger is taken out of the mold, in words."""
+    """Feature that must not be pushed when the finger is taken out of the mold, in words."""
     supports_below = "under the foot of the collar and the end of the base, outside"
     """Places of supports at the proximal end, in words."""
     supports_inside = ""

@@ -80,9 +80,9 @@ class Limit(NamedTuple):
     problem: str
     """Rest of the sentence that begins with the field's value and its unit, without a final full stop."""
     note: str = ""
-    """As in `Violation`."""
+    """Condition of the bounds, as in `Violation`."""
     alternatives: Mapping[str, Any] = MappingProxyType({})
-    """As in `Violation`."""
+    """Values of other fields, as in `Violation`."""
 
 
 LimitFunction = Callable[[DesignTables], Limit | None]

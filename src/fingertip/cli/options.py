@@ -1,4 +1,4 @@
-"""Options of the same meaning in each command, the decorator of commands, loading a design, and checks of file names."""
+"""Options of the same meaning in each command, their decorator, loading a design, and checks of file names."""
 
 from __future__ import annotations
 

@@ -241,6 +241,14 @@ def test_a_converter_that_the_idle_level_saturates_is_warned_of() -> None:
     assert find_smallest_margin(conditions) == find_smallest_margin(conditions, IDLE) < 1
 
 
+def test_a_loop_that_never_reaches_a_gain_of_one_has_no_phase_margin() -> None:
+    """Fuzzing found this one: its margin is infinite, which no JSON file can hold."""
+    changes = ["board.passband_gain=4477", "board.r5_ohm=1.798e6"]
+    conditions = board_values(Design.load("adult_finger", changes=changes)).gate
+    assert all(math.isfinite(condition.value) for condition in conditions)
+    assert "U1a" not in {c.subject for c in conditions if c.name == MARGIN}
+
+
 def test_margin_is_one_at_the_limit() -> None:
     for bound in ("at most", "at least"):
         for value, passed in ((1.0, True), (2.0, bound == "at least"), (0.5, bound == "at most")):

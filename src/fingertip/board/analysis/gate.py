@@ -244,6 +244,8 @@ def _check_stability(circuit: Circuit, amplifier: Amplifier, passband_gain: floa
         for name, margin_deg in compute_phase_margins_deg(circuit, network).items():
             margins[name] = min(margin_deg, margins.get(name, math.inf))
     for name, margin_deg in margins.items():
+        if margin_deg == math.inf:  # a loop whose gain never reaches 1 cannot oscillate, and has no phase margin
+            continue
         yield at_least(MARGIN, name, margin_deg, MIN_PHASE_MARGIN_DEG, "degree")
         yield at_least(
             MARGIN, name, margin_deg, GOOD_PHASE_MARGIN_DEG - 1e-6, "degree", "advised",

@@ -12,7 +12,7 @@ from fingertip.cad.printing.orientations import print_orientations, supports_by_
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, bed_pose, find_ceilings
 from fingertip.cad.shapes import insert as chaplet
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.insert import (
+from fingertip.cad.shapes.bridged_ceiling import (
     BRIDGE_STEP_MM,
     CEILING_STEPS_MM,
     bridge_ceiling,

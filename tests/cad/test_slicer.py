@@ -18,7 +18,7 @@ from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.print_files import LAYER_MM as SETTINGS_LAYER_MM
 from fingertip.cad.printing.print_files import slicer_settings
 from fingertip.cad.report import Build
-from fingertip.cad.shapes.insert import CEILING_STEPS_MM
+from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.slicer import parse_gcode, slice_to_gcode
 from fingertip.design import Design

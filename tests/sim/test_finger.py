@@ -31,7 +31,7 @@ from fingertip.sim.signal.interference import (
     compute_cable_v,
     compute_hum_v,
 )
-from fingertip.sim.signal.schema import Cable, Drift, Noise
+from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from tests.conftest import ROOT
 
 DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})

@@ -8,7 +8,9 @@ import typer
 
 from fingertip.cli.console import Console
 from fingertip.cli.options import OptionalDesignArgument, SetOption, command, load_design
-from fingertip.studio import DEFAULT_PORT
+
+DEFAULT_PORT = 8350
+"""Port at which the page is served unless another one is named."""
 
 
 @command

@@ -22,7 +22,7 @@ from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figu
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
-from fingertip.sim.signal.schema import OUTPUTS
+from fingertip.sim.signal.parameters import OUTPUTS
 from fingertip.slip.traces.truth import STICK_S, intervals, merge
 
 if TYPE_CHECKING:

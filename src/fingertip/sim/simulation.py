@@ -29,7 +29,7 @@ from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.runs.timeline import SLIDE_M
-from fingertip.sim.signal.schema import find_converter_warnings
+from fingertip.sim.signal.parameters import find_converter_warnings
 from fingertip.slip.traces.trace import Trace
 
 

@@ -26,7 +26,6 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
 from fingertip.foundation.toml_files import UnusableTomlError, check_values
-from fingertip.studio import DEFAULT_PORT
 from fingertip.studio.answers import (
     DOWNLOADS,
     answer_all_checks,
@@ -75,7 +74,7 @@ class StudioServer(ThreadingHTTPServer):
     request_queue_size = 128  # a connection beyond them waits a second before it tries again
     allow_reuse_address = os.name == "posix"  # elsewhere it would allow two servers on one port
 
-    def __init__(self, design: Design, port: int = DEFAULT_PORT) -> None:
+    def __init__(self, design: Design, port: int) -> None:
         self.design = design
         self._way_in: Path | None = None
         self.token = secrets.token_urlsafe(24)

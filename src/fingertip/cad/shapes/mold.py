@@ -10,16 +10,9 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
-from fingertip.cad.shapes.insert import (
-    CEILING_STEPS_MM,
-    above_collar_foot,
-    axis_z,
-    bridge_ceiling,
-    cavity,
-    contact_y,
-    screw_hole,
-)
+from fingertip.cad.shapes.insert import above_collar_foot, axis_z, cavity, contact_y, screw_hole
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, CrossSection, add_draft, offset_section

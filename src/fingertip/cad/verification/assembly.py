@@ -15,19 +15,13 @@ from typing import TYPE_CHECKING
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.insert import (
-    boss,
-    cavity,
-    cavity_outline,
+from fingertip.cad.shapes.bridged_ceiling import (
     ceiling_steps_volume_mm3,
-    contact_y,
     disc_slot_area_mm2,
-    filled_bone,
     half_slot,
-    head_y,
     hexagon_slot_area_mm2,
-    mold_insert,
 )
+from fingertip.cad.shapes.insert import boss, cavity, cavity_outline, contact_y, filled_bone, head_y, mold_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
     VOLUME_TOLERANCE_MM3,

@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
-from fingertip.sim.signal.schema import (
+from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
     PathTables,
     SimulationFile,

@@ -17,7 +17,7 @@ from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, smoothstep
-from fingertip.sim.signal.schema import ACCELERATION_M_S2
+from fingertip.sim.signal.parameters import ACCELERATION_M_S2
 
 GRAVITY_M_S2 = 9.80665
 CLEARANCE_M = 2e-3

@@ -21,7 +21,7 @@ from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.runs.files import Motor, SceneFile, Tap
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
-from fingertip.sim.signal.schema import ACCELERATION_M_S2
+from fingertip.sim.signal.parameters import ACCELERATION_M_S2
 
 SLIDE_M = 0.04
 LIFT_M = 0.05

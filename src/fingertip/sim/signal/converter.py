@@ -38,7 +38,7 @@ from fingertip.sim.signal.grid import (
     draw_noise,
     open_stream,
 )
-from fingertip.sim.signal.schema import ConverterInput
+from fingertip.sim.signal.parameters import ConverterInput
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, measure_noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput

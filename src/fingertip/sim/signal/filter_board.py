@@ -24,7 +24,7 @@ from fingertip.foundation.validation import find_column_issues, find_not_finite,
 from fingertip.sim.signal import envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
-from fingertip.sim.signal.schema import describe_missing_comparator
+from fingertip.sim.signal.parameters import describe_missing_comparator
 
 MAX_V = 1e4
 """Largest input voltage [V], of either sign. A diode that is driven harder has no current that a number can hold."""

@@ -35,7 +35,7 @@ from fingertip.sim.signal.grid import (
     open_stream,
 )
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
-from fingertip.sim.signal.schema import PathTables
+from fingertip.sim.signal.parameters import PathTables
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
@@ -75,7 +75,7 @@ class FingerDrive:
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at the instants of its converter, named as the outputs in `sim.signal.schema`.
+    """Signals of one finger at the instants of its converter, named as the outputs in `sim.signal.parameters`.
 
     A signal that no output needs is None.
     """

@@ -10,7 +10,7 @@ import numpy as np
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.sim.signal.grid import BASE_HZ, Grid, OpenStream, Stream
-from fingertip.sim.signal.schema import Cable, Drift, Noise
+from fingertip.sim.signal.parameters import Cable, Drift, Noise
 
 HAND_BAND_HZ = (30.0, 90.0)
 """Band of a hand's vibration [Hz]."""

@@ -85,15 +85,11 @@ ADC_TACTILE = "ADC_TACTILE"
 ADC_ENVELOPE = "ADC_ENVELOPE"
 VREF = "VREF"
 """Buffered supply of the bridge on a board for 3.3 V: a fixed ratio of the supply, without its ripple."""
-VREF_DIVIDER = "VREF_IN"
-"""Output of the voltage divider ahead of the buffer that drives `VREF`."""
 POWER_IN = "POWER_IN"
 """Supply at its connector, ahead of the protection against reversed polarity."""
 ADC_FILTERED = "ADC_FILTERED"
 VMID_OUT = "M_OUT"
 """`VMID` behind R24, at the output connector."""
-VMID_DIVIDER = "HALF"
-"""Output of the voltage divider that halves the supply, ahead of the buffer that drives `VMID`."""
 
 
 _REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")

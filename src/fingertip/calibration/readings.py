@@ -129,14 +129,11 @@ _FACTORS = {"inches": 25.4, "centimetres": 10.0}
 
 @dataclass(frozen=True)
 class Measured:
-    """Length with its readings."""
-
     length: Length
     readings_mm: tuple[float, ...]
 
     @property
     def mean_mm(self) -> float:
-        """Mean of the readings."""
         return math.fsum(self.readings_mm) / len(self.readings_mm)
 
 

@@ -49,8 +49,6 @@ class Weighing:
 
 @dataclass(frozen=True)
 class Weighings:
-    """Content of a file of weighings."""
-
     source: str
     """Name of the file in messages."""
     kind: str
@@ -161,8 +159,6 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """Fitted curve."""
-
     turn_on_n: float
     """Force at which the sensor begins to conduct [N], which is not fitted."""
     exponent: float
@@ -171,7 +167,6 @@ class PowerLaw:
     scatter: float
     """Relative standard deviation of a conductance about the curve."""
     count: int
-    """Number of weighings."""
     mean_log_force: float
     """Mean of ln(F - F0)."""
     squares: float

@@ -29,8 +29,6 @@ _AWG_36_MM = 0.127
 
 @dataclass(frozen=True)
 class Wires:
-    """Wires of a sensor."""
-
     max_diameter_mm: float
     """Largest diameter of one wire over its insulation."""
     conductor_awg: int

@@ -45,7 +45,6 @@ class SiliconeVolumes:
 
     @property
     def total_cm3(self) -> float:
-        """Total volume [cm3]."""
         return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
 
 
@@ -64,7 +63,6 @@ class Batch:
 
     @property
     def waste_g(self) -> float:
-        """Mass that does not go into the mold [g]."""
         return self.total_g - self.in_mold_g
 
 

@@ -28,8 +28,6 @@ _GRAVITY = 9.81
 
 @dataclass(frozen=True)
 class WeightReading:
-    """Expected reading of a weight on the pad."""
-
     mass_g: float
     sensor_ohm: float
     tactile_v: float
@@ -48,7 +46,6 @@ class DropRatio:
 
 
 def expect_open_v(design: Design) -> float:
-    """Expect the tactile voltage of an untouched finger [V]."""
     return Bridge.of_board(design).response.open_v
 
 
@@ -128,7 +125,6 @@ _STILL_S = 60
 
 
 def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
-    """Collect the figures of the acceptance sheet."""
     wires, idle, ratio = size_wires(design), expect_open_v(design), expect_drop_ratio(design)
     return {
         "design": design.name,
@@ -175,7 +171,6 @@ def _find_delay_ms(detection: Detection) -> float | None:
 
 
 def render_acceptance(data: dict[str, Any]) -> str:
-    """Render the data as a Markdown page."""
     masses = [f"{weight['mass_g']:g} g" for weight in data["weights"]]
     # What `fingertip detect` prints.
     slip_line = f"{DETECTED} {INTERVAL.format(onset='...', end='...')}"

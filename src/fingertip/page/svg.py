@@ -76,7 +76,6 @@ class Frame:
         return join(parts)
 
     def line(self, points: Points, colour: str, width: float = 1.5, dashes: str = "") -> Markup:
-        """Draw a line through points."""
         placed = [self.point(x, y) for x, y in points]
         return element(
             "path", d=path(placed), fill="none", stroke=colour, stroke_width=width, stroke_dasharray=dashes or None,
@@ -106,7 +105,6 @@ def figure_svg(width: float, height: float, title: str, *parts: str) -> Markup:
 
 
 def text(x: float, y: float, content: str, anchor: str = "start", weight: str = "") -> Markup:
-    """Place a text."""
     return element(
         "text", content, x=number(x), y=number(y), text_anchor=None if anchor == "start" else anchor,
         font_weight=weight or None,
@@ -114,7 +112,6 @@ def text(x: float, y: float, content: str, anchor: str = "start", weight: str = 
 
 
 def line(start: tuple[float, float], end: tuple[float, float], colour: str, width: float, dashes: str = "") -> Markup:
-    """Draw a straight line."""
     (x0, y0), (x1, y1) = start, end
     return element(
         "line", x1=number(x0), y1=number(y0), x2=number(x1), y2=number(y1), stroke=colour, stroke_width=width,

@@ -56,36 +56,26 @@ class BoardValues(ComponentValues):
     """Component values of one design's board, and the resulting response, noise and limits."""
 
     tactile_response: TactileResponse
-    """Tactile voltage as a function of the sensor's conductance."""
     target_response: FrequencyResponse
-    """Response that the design asks for."""
     achieved_response: FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
     output_offset: OutputOffset | None
     """Envelope offset due to the amplifiers' offsets; None in variant article: it is below the diode's threshold."""
     supply_ripple: SupplyRipple
-    """Effect of ripple on the supply."""
     noise: NoiseLevels
-    """Noise of the bridge and its amplifier, and the mean envelope due to it."""
     comparator_levels: ComparatorLevels | None
     """Thresholds of the comparator; None in variants without one."""
     aliasing: AliasAttenuation
-    """Attenuation of the frequencies that alias."""
     voltage_limits: VoltageLimits
-    """Levels at which the signals clip."""
     amplifier_loads: tuple[AmplifierLoad, ...]
-    """Load of each amplifier between bridge and envelope in the band of the vibrations."""
     filter_load_ohm: float
     """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
     threshold_spread: ThresholdSpread | None
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
-    """Conditions that the board must meet to work, each with its value and limit."""
     errata: tuple[Erratum, ...]
-    """Errata of the article, with notes on those that do not apply to this board."""
 
     def as_data(self) -> dict[str, Any]:
-        """Return plain mappings and lists for JSON. Keys contain their units."""
         gate = {"gate": [condition.as_data() for condition in self.gate]}
         plain: dict[str, Any] = _round_to_ten_digits(asdict(self) | gate)
         return plain
@@ -189,7 +179,6 @@ class SimulatedTouch:
 
     force_n: float
     rise_s: float
-    """Time in which the force rises."""
     min_filtered_v: float
 
 
@@ -201,7 +190,6 @@ KNOCK = SimulatedTouch(0.2, 0.004, -2.6)
 
 
 def describe_touches() -> str:
-    """Describe which touches drive the filtered signal below the TL082's input range."""
     limit, beyond = FAST_PRESSES
     return (
         f"in simulations of the article's board a press to {limit.force_n:g} N takes the filtered signal to "
@@ -228,7 +216,6 @@ class Erratum:
 
 
 def load_errata() -> tuple[Erratum, ...]:
-    """Load the errata of the article about its own board."""
     rows = json.loads((Path(__file__).parent / "errata.json").read_text("utf-8"))
     return tuple(
         Erratum(row["subject"], row["statement"], row["correction"].format(touches=describe_touches())) for row in rows
@@ -236,7 +223,6 @@ def load_errata() -> tuple[Erratum, ...]:
 
 
 def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
-    """List the errata, with notes on those that do not apply to a board."""
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
         notes["input range of the amplifiers"] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"

@@ -57,14 +57,12 @@ class GateCondition(Comparison):
     """One condition: a value that stays on one side of its limit."""
 
     subject: str = ""
-    """Amplifier, net or component that the condition is about."""
     level: Level = "required"
     """Need for the condition: without a required one the board cannot work, without an advised one only badly."""
     remedy: str = ""
     """Change that helps where it fails; empty where a rule refuses first."""
 
     def as_data(self) -> dict[str, Any]:
-        """Return the entry of this condition in values.json."""
         keys = ("name", "subject", "value", "limit", "unit")
         data = {key: getattr(self, key) for key in keys} | {"bound": self.relation, "level": self.level}
         return data | {"passed": self.passed, "remedy": self.remedy}
@@ -81,14 +79,12 @@ class GateCondition(Comparison):
 def at_most(
     name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
 ) -> GateCondition:
-    """Condition that a value does not exceed its limit."""
     return GateCondition(name, value, limit, unit, "at most", subject, level, remedy)
 
 
 def at_least(
     name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
 ) -> GateCondition:
-    """Condition that a value does not fall below its limit."""
     return GateCondition(name, value, limit, unit, "at least", subject, level, remedy)
 
 
@@ -288,7 +284,6 @@ def gate_warnings(conditions: Iterable[GateCondition]) -> Iterator[str]:
 
 
 def describe_condition(condition: GateCondition) -> str:
-    """Describe a condition: its subject, value and limit."""
     unit = f" {condition.unit}" if condition.unit else ""
     value, limit = (format_figure(number, 3) for number in (condition.value, condition.limit))
     verb = "is" if condition.passed else "must be" if condition.level == "required" else "should be"

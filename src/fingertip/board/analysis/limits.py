@@ -95,9 +95,7 @@ class VoltageLimits:
     has_filtered_output: bool
     """True if the filtered signal is at the output connector too."""
     adc_low_v: float
-    """Lower end of the ADC's input range."""
     adc_range_v: float
-    """Upper end of the ADC's input range."""
 
     @property
     def adc_overrange_v(self) -> float:
@@ -109,7 +107,6 @@ class VoltageLimits:
 
     @property
     def adc_range_text(self) -> str:
-        """Input range of the ADC in words."""
         return f"{'plus and minus' if self.adc_low_v else '0 to'} {self.adc_range_v:g} V"
 
 
@@ -122,7 +119,6 @@ def compute_voltage_limits(
     has_diode: bool,
     detector: Detector,
 ) -> VoltageLimits:
-    """Compute the voltage limits of a board."""
     quiescent = build_network(circuit, conducting=[] if has_diode else [RECTIFYING_DIODE])
     tactile_pin_ohm, envelope_pin_ohm = (
         quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, ADC_ENVELOPE)
@@ -160,7 +156,6 @@ def _operating_point(circuit: Circuit, supply: Supply, supply_v: float, force_n:
 
 
 def describe_filter_swing(limits: VoltageLimits) -> str:
-    """Describe the swing of the filter's signals."""
     if not limits.has_phase_reversal:
         return (
             f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down (typical, into "
@@ -174,7 +169,6 @@ def describe_filter_swing(limits: VoltageLimits) -> str:
 
 
 def describe_adc_range(limits: VoltageLimits) -> str:
-    """Describe whether the range of the ADC covers the board's outputs."""
     if not limits.adc_overrange_v:
         return f"an ADC with a range of {limits.adc_range_text} covers all signals"
     return (

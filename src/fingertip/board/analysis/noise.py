@@ -48,7 +48,6 @@ from fingertip.foundation.numerics import Array
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
 """Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""
 NOISE_BAND_HZ = (0.1, 1e6)
-"""Band over which noise is integrated."""
 NOISE_FORCE_N = 0.8
 """Force on the sensor: the middle one of the article's voltages."""
 HALF_WAVE_MEAN = 1.0 / math.sqrt(2.0 * math.pi)
@@ -85,9 +84,7 @@ class NoiseLevels:
     """RMS noise over `NOISE_BAND_HZ` against supply ground [V], for typical data-sheet values."""
 
     tactile_v: float
-    """RMS noise of the tactile voltage."""
     filtered_v: float
-    """RMS noise ahead of the rectifier."""
     filtered_without_limit_v: float
     """RMS noise ahead of the rectifier without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
@@ -173,7 +170,6 @@ def _thermal_noise(value: float) -> float:
 
 
 def compute_noise_levels(circuit: Circuit, gain_bandwidth_hz: float, envelope_gain: float | None) -> NoiseLevels:
-    """Compute the noise of a board."""
     board = add_noise(circuit, gain_bandwidth_hz)
     filtered_v = board.total_v(FILTERED)
     without_limit_v = filtered_v

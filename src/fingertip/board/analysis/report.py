@@ -49,44 +49,34 @@ BRIDGE_TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class Analysis:
-    """Results of the analysis of one board."""
-
     noise: tuple[Contribution, ...]
     """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
     noise_total_v: tuple[float, ...]
     noise_alternatives: tuple[NoiseAlternative, ...]
-    """Total noise of this variant and with changes that affect it, and the mean envelope due to it."""
     threshold_v: float
-    """Threshold of the detector, for comparison with the mean envelope due to noise."""
     amplifier: str
     """Dual amplifier of filter and rectifier."""
     aliasing: AliasAttenuation
     voltage_limits: VoltageLimits
     output_offset: OutputOffset | None
-    """Envelope offset; None in variant article."""
     supply_ripple: SupplyRipple
     comparator_levels: ComparatorLevels | None
     tolerance: Tolerance
-    """Tolerances that the design states."""
     offset: tuple[Contribution, ...]
     """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
     the bridge with the worst-case resistors of 0.1 % and no force. U3 is part of `output_offset`."""
     component_percent: dict[str, float]
-    """Tolerance of each component [%], as it is bought."""
     boards: int
-    """Number of boards for which `spread` is computed."""
     spread: dict[str, Spread]
     article_spread: dict[str, Spread]
     """Spread with C1 to C3 of the article's tolerance, for comparison."""
     sensitivity: dict[str, dict[str, float]]
 
     def as_data(self) -> dict[str, Any]:
-        """Return plain mappings and lists for JSON."""
         return {"nets": NETS, **asdict(self)}
 
 
 def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
-    """Analyse a design's board."""
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
     bandwidth_hz, has_diode = find_gain_bandwidth_hz(board), board.variant == "article"

@@ -27,11 +27,9 @@ from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3", "C14", "C20")
 """Components of the filter that have a tolerance. Variant article has neither C14 nor C20."""
 CUTOFF_CAPACITORS = ("C1", "C2", "C3")
-"""Capacitors that set the cutoff."""
 ARTICLE_CAPACITOR_PERCENT = 5.0
 """Tolerance [%] of the article's capacitors, with which others are compared."""
 QUANTITIES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", "section_hz")
-"""Quantities of the filter whose tolerance is computed."""
 
 
 @dataclass(frozen=True)
@@ -81,11 +79,9 @@ class Spread:
     low_95: float
     """Lower end of the central interval that contains 95 % of the boards."""
     high_95: float
-    """Upper end of the central interval that contains 95 % of the boards."""
     worst_low: float
     """Minimum over all corners of the tolerances."""
     worst_high: float
-    """Maximum over all corners of the tolerances."""
 
 
 def monte_carlo(
@@ -178,27 +174,20 @@ class ResponseBand:
     target: Array
     """Third-order Butterworth high-pass of the design's gain and cutoff."""
     nominal: Array
-    """Board with nominal values."""
     low: Array
     """Lower end of the band at each frequency by itself."""
     high: Array
-    """Upper end of the band at each frequency by itself."""
     target_cutoff_hz: float
     lower_hz: float
-    """Lower cutoff of the nominal board."""
     lower_ends_hz: Ends
     """Ends of the band of lower cutoffs."""
     upper_hz: float
-    """Upper cutoff of the nominal board."""
     upper_ends_hz: Ends
-    """Ends of the band of upper cutoffs."""
     percent: dict[str, float]
-    """Tolerance of each component [%], as it is bought."""
     boards: int
 
 
 def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -> ResponseBand:
-    """Compute the band of a design's board."""
     settings = design.board
     circuit = board_circuit(board_values(design))
     network = build_network(circuit, find_gain_bandwidth_hz(settings))
@@ -241,7 +230,6 @@ def _find_ends(values: Array) -> Ends:
 # Plot of the filter's response: target, nominal board and the band of boards within their tolerances.
 
 FORMATS = {".png": to_png, ".svg": to_svg}
-"""Renderers by the suffix of the file."""
 _FLOOR_DB = -25.0
 """Lowest level of the axis relative to the maximum [dB]: three times below it, nothing tells boards apart."""
 _HEADROOM_DB = 8.0

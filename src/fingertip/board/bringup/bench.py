@@ -48,8 +48,6 @@ _TONE_RATIOS = (0.6, 1.0, 2.0)
 
 @dataclass(frozen=True)
 class Bench:
-    """Parts and tones for the tests of one board."""
-
     dummy_ohm: tuple[float, float]
     """Resistors in place of the sensor: for the lighter and the firmer of two forces."""
     coupling_ohm: float
@@ -59,7 +57,6 @@ class Bench:
 
 
 def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, swing_v: float) -> Bench:
-    """Select parts and tones for a board."""
     # Values of E24 are in any kit of resistors; the expected readings follow from the values that are used.
     light_ohm, firm_ohm = (
         nearest_value(1.0 / sensor_conductance_s(force_n), "E24") for force_n, _ in ARTICLE_POINTS[1:]
@@ -93,8 +90,6 @@ _WRONG_VALUES = ((0.1, "a tenth of its value"), (0.5, "half its value"), (2.0, "
 
 @dataclass(frozen=True)
 class Fault:
-    """Fault of one part."""
-
     reference: str
     """Reference of the part; empty for a board without a fault."""
     description: str
@@ -107,7 +102,6 @@ class Fault:
 
     @property
     def sentence(self) -> str:
-        """The part and what is wrong with it."""
         return f"{self.reference} {self.description}"
 
 
@@ -155,7 +149,6 @@ def _replace(circuit: Circuit, part: Component) -> Circuit:
 
 HOST = "J3"
 METER_OHM = 10e6
-"""Input resistance of a multimeter."""
 TOP_HZ = 400.0
 """Tone at which S is measured: the upper end of a simple meter's range, where C25 attenuates most."""
 
@@ -174,12 +167,10 @@ class OutputPin:
 
     @property
     def constant_name(self) -> str:
-        """Name of the reading of its constant voltage with the sensor open."""
         return f"j3_{self.letter.lower()}_open_v"
 
     @property
     def tone_name(self) -> str:
-        """Name of the reading of its tone."""
         return f"j3_{self.letter.lower()}_{TOP_HZ:.0f}hz_v"
 
 
@@ -192,7 +183,6 @@ _PINS = (
 
 
 def list_output_pins(circuit: Circuit) -> tuple[OutputPin, ...]:
-    """List the pins of J3 that are measured."""
     nets = {net.name for net in circuit.nets if any(reference == HOST for reference, _ in net.nodes)}
     return tuple(pin for pin in _PINS if pin.net in nets)
 

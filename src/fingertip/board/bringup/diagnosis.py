@@ -96,7 +96,6 @@ _TWO_GROUNDS = (
 
 
 MIN_READINGS = 3
-"""Least number of readings for a diagnosis."""
 _MODEL_RATIO = 0.03
 """Error of a predicted reading beyond that of a good board, as a ratio of it."""
 _ALIKE = 4.0
@@ -130,10 +129,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Result of comparing readings with a board's limits."""
-
     failed: tuple[str, ...]
-    """Readings beyond their limits."""
     likely: tuple[Explanation, ...]
     """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed, or if no
     fault explains any that did."""

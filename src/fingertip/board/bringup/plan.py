@@ -309,7 +309,6 @@ class BringUp:
 
     board: Board
     identity: str
-    """Identifies the board by the values of its components."""
     before_power: Mapping[str, Limits]
     current: Mapping[str, Limits]
     levels: Mapping[str, Limits]
@@ -319,7 +318,6 @@ class BringUp:
 
     @property
     def all(self) -> dict[str, Limits]:
-        """All readings in the order in which they are taken."""
         levels = {name: self.levels[name] for name in _list_levels_in_order(self.board) if name in self.levels}
         return {**self.before_power, **self.current, **levels, **self.others}
 

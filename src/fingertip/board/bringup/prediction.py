@@ -90,7 +90,6 @@ class Board:
 
     @classmethod
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
-        """Board of a design with its circuit."""
         supply, supply_v = SUPPLIES[design.board.supply], design.board.supply_v
         rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
         margin_v = max(
@@ -165,7 +164,6 @@ def name_tone(net: str, hz: float) -> str:
 
 
 def is_tone(name: str) -> bool:
-    """Return whether a reading is taken while the tone sounds."""
     return name.endswith(_TONE_END)
 
 

@@ -28,8 +28,6 @@ _SUPPLY_RATIO = 1.1
 
 @dataclass(frozen=True)
 class Readings:
-    """Readings that were taken."""
-
     tone_v: float
     """RMS of the generator's tone [V]."""
     values: Mapping[str, float]
@@ -37,7 +35,6 @@ class Readings:
 
 
 def unit_of(name: str) -> str:
-    """Unit of a reading, by the end of its name."""
     return next(unit for end, unit in UNITS.items() if name.endswith(end))
 
 
@@ -119,7 +116,6 @@ class Sources:
     sentences: tuple[str, ...] = ()
     """Sentences on them, each without a full stop."""
     explain_all: bool = False
-    """True if they explain every reading that fails."""
 
 
 def find_sources(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Sources:

@@ -150,7 +150,6 @@ class _Batch:
 
 
 def has_diode(circuit: Circuit, reference: str) -> bool:
-    """Return whether a circuit has a diode of this reference."""
     return any(c.reference == reference and c.symbol.name == "1N4148W" for c in circuit.components)
 
 

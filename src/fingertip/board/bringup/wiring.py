@@ -40,13 +40,11 @@ _ROW, _HEAD, _FOOT, _GAP = 24, 34, 4, 26
 """Height of a pin's row, of the heading above the rows, of the space below them, and gap between connectors."""
 _BOARD_LEFT, _BOARD_RIGHT = 370, 590
 _PLUG = 96
-"""Width of a connector."""
 _DEVICE = 190
 """Width of what a connector leads to on the left."""
 _HOST_LEFT = 700
 _SIZE = 13
 _LINE = 19
-"""Distance of the lines of the notes."""
 _STROKE = 'stroke-width="2" fill="none"'
 
 
@@ -93,7 +91,6 @@ def _is_for_controller(circuit: Circuit) -> bool:
 
 
 def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
-    """Draw the wiring of a board."""
     sensor, supply, host = (circuit.component(r) for r in (SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR))
     signals, supply_signals = name_signals(circuit, supply_v), _name_supply_signals(circuit, supply_v)
     top = 2 * _MARGIN + _SIZE

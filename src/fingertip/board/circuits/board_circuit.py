@@ -79,7 +79,6 @@ _SIZES = {"filter": symbols.C_1206, "small": symbols.C_0603, "supply": symbols.C
 
 @functools.cache
 def load_rows() -> tuple[dict[str, str], ...]:
-    """Load the rows of the table."""
     with (Path(__file__).parent / "components.csv").open(encoding="utf-8", newline="") as file:
         return tuple(csv.DictReader(file))
 
@@ -110,7 +109,6 @@ def _list_properties(variant: str, supply: Supply) -> frozenset[str]:
 
 
 def _make_component(row: dict[str, str], values: ComponentValues, supply: Supply) -> Component:
-    """Make the component of a row, with footprint and rating for purchase."""
     reference, kind, role = row["reference"], row["kind"], row["role"]
     match kind:
         case "resistor" | "precision":

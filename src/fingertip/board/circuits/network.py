@@ -49,7 +49,6 @@ class AmplifierOutput(NamedTuple):
     amplifier: str
     """Reference of its component, with the letter of its unit: "U1a", or "U2" for a single amplifier."""
     reference: str
-    """Reference of its component."""
     net: str
 
 
@@ -81,8 +80,6 @@ class StateSpace:
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """Equations of a circuit, by terms."""
-
     terms: tuple[Term, ...]
     values: Mapping[str, Value]
     """Value of each quantity: conductance [S] of a resistor, capacitance [F]."""
@@ -119,7 +116,6 @@ class Network:
         return replace(self, terms=tuple(term for term in self.terms if term.equation in found))
 
     def with_values(self, values: Mapping[str, Value]) -> Network:
-        """Network with other values of some quantities."""
         return replace(self, values={**self.values, **values})
 
     def matrices(self) -> tuple[Array, Array]:

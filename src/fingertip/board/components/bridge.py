@@ -103,15 +103,10 @@ class Bridge:
     """Resistances [ohm] of the bridge and its amplifier."""
 
     sensor_top_ohm: float
-    """Resistance from the supply to the sensor."""
     sensor_shunt_ohm: float
-    """Resistance parallel to the sensor."""
     reference_top_ohm: float
-    """Resistance from the supply to the reference."""
     reference_bottom_ohm: float
-    """Resistance from the reference to the signal ground."""
     gain_ohm: float
-    """Resistance that sets the amplifier's gain."""
     signal_ground_ratio: float = 0.0
     """Voltage of the signal ground as a ratio of the supply: 0 is ground.
 
@@ -129,7 +124,6 @@ class Bridge:
 
     @property
     def gain(self) -> float:
-        """Gain A of the amplifier."""
         return 1.0 + GAIN_CONSTANT_OHM / self.gain_ohm
 
     def sensor_v(self, conductance_s: float, supply_v: float) -> float:

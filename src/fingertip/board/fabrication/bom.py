@@ -29,12 +29,10 @@ class BomLine:
 
     @property
     def references(self) -> list[str]:
-        """References of the components."""
         return [component.reference for component in self.components]
 
     @property
     def value(self) -> str:
-        """Value of each component."""
         return self.components[0].value
 
     @property
@@ -44,12 +42,10 @@ class BomLine:
 
     @property
     def rating(self) -> str:
-        """Requirements for purchase."""
         return self.components[0].rating
 
     @property
     def selection(self) -> Selection:
-        """Part to buy."""
         return select_part(self.components[0])
 
 
@@ -81,7 +77,6 @@ def purchased_components(circuit: Circuit) -> list[Component]:
 
 
 def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> bytes:
-    """Content of a CSV file, UTF-8."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -119,7 +114,6 @@ class RotationOffset:
     rotation_deg: int
     """Anticlockwise rotation to add to KiCad's [degree]."""
     source: str
-    """Key of the source."""
 
 
 def is_assembled(component: Component) -> bool:

@@ -15,8 +15,6 @@ from fingertip.foundation.errors import BoardError, Issue
 
 @dataclass(frozen=True)
 class ResistorRequirement:
-    """Requirement for a resistor."""
-
     tolerance_percent: float
     """Largest tolerance [%]; 0 asks for the tightest that exists."""
     power_w: float
@@ -35,10 +33,7 @@ class ResistorRequirement:
 
 @dataclass(frozen=True)
 class CapacitorRequirement:
-    """Requirement for a capacitor."""
-
     dielectrics: tuple[str, ...]
-    """Permitted dielectrics."""
     voltage_v: float
     """Smallest rated voltage [V]."""
     tolerance_percent: float
@@ -108,8 +103,6 @@ class Pin:
 
 @dataclass(frozen=True)
 class Symbol:
-    """Symbol of KiCad's own libraries."""
-
     library: str
     name: str
     description: str
@@ -180,12 +173,10 @@ class Circuit:
         raise KeyError(reference)
 
     def without(self, *references: str) -> Circuit:
-        """The circuit without some components."""
         nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
         return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
 
     def replace(self, reference: str, value: str) -> Circuit:
-        """The circuit with another value of one component."""
         components = (replace(c, value=value) if c.reference == reference else c for c in self.components)
         return Circuit(self.name, tuple(components), self.nets)
 

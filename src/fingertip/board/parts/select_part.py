@@ -52,13 +52,11 @@ class OrderingCode:
     source: str
 
     def is_made(self, ohm: float) -> bool:
-        """Return whether a resistance [ohm] is a value of the series, within its range."""
         if not self.min_ohm <= ohm <= self.max_ohm:
             return False
         return any(low == high for low, high in (find_preferred_neighbours(ohm, series) for series in self.series))
 
     def compose(self, ohm: float) -> ChipResistor:
-        """Compose the resistor of this series with a resistance [ohm]."""
         number = f"{self.prefix}{resistance_code(ohm)}{self.suffix}"
         part = Part(self.manufacturer, number, "", self.source)
         return ChipResistor(ohm, self.tolerance_percent, self.drift_ppm_per_k, self.power_w, self.package, part)
@@ -212,7 +210,6 @@ _X7R = CapacitorRequirement(("X7R",), 16.0, 0.0)
 _LARGE = CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
 """Large capacitors have no direct voltage across them and set no cutoff."""
 SUPPLY_CAPACITOR = CapacitorRequirement(("X7R",), 25.0, 10.0)
-"""Decoupling capacitors."""
 BULK_CAPACITOR = CapacitorRequirement(("X5R", "X7R"), 25.0, 10.0)
 """Large capacitors at the entry of the supply and across dividers, whose capacitance matters little."""
 

@@ -34,7 +34,6 @@ class Part:
     manufacturer: str
     """Name of the manufacturer; empty where the source names none."""
     number: str
-    """Manufacturer's part number."""
     lcsc: str
     """Number of the distributor LCSC, which is the assembly house's too; empty where no source gives it."""
     source: str
@@ -43,8 +42,6 @@ class Part:
 
 @dataclass(frozen=True)
 class ChipResistor:
-    """Chip resistor of the table."""
-
     ohm: float
     tolerance_percent: float
     drift_ppm_per_k: float
@@ -56,14 +53,11 @@ class ChipResistor:
 
 @dataclass(frozen=True)
 class ChipCapacitor:
-    """Chip capacitor of the table."""
-
     farad: float
     dielectric: str
     voltage_v: float
     tolerance_percent: float
     package: str
-    """Size by its inch code, such as 1206."""
     part: Part
 
 
@@ -74,15 +68,12 @@ class NamedPart:
     value: str
     """Value of the component in the circuit."""
     footprint: str
-    """Name of the footprint without its library."""
     part: Part | None
     reason: str
-    """Reason why there is no part."""
 
 
 @functools.cache
 def load_sources() -> dict[str, Source]:
-    """Load all sources by key."""
     return {row["key"]: Source(**row) for row in read_rows("sources.csv")}
 
 
@@ -157,7 +148,6 @@ class MatingPart:
     """Use of one of them: for the connector, for each of its wires, or for two of them."""
     part: Part | None
     reason: str
-    """Reason why there is no part."""
 
     def count(self, wires: int) -> int:
         """Count how many a cable of so many wires takes."""

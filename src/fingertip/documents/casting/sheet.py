@@ -314,8 +314,6 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
 
 @dataclass(frozen=True)
 class Step:
-    """Step of the procedure."""
-
     picture: str
     """Name of the scene in `fingertip.pictures.steps` that shows the step."""
     text: str
@@ -328,7 +326,6 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
 
 
 def steps(data: Data) -> list[Step]:
-    """List the steps of the procedure, in order."""
     weakest = INTERFACES[data["interface"]].weakest
     _, *pages = render("casting/procedure.md", **_add_uses(data), weakest=weakest).split("## ")
     return [Step(name, " ".join(text.split())) for name, _, text in (page.partition("\n") for page in pages)]

@@ -254,7 +254,7 @@ def batch_level(network: Network, hz: float, net: str) -> Array:
 
 def _solve(network: Network, omega: float, given: Mapping[str, float], net: str) -> Array:
     n = len(network.nets)
-    G, C = network.matrices()
+    G, C = network.matrices
     equations = G + 1j * omega * C if omega else G
     right = -equations[..., n:] @ np.array([given.get(name, 0.0) for name in network.inputs])
     solution: Array = np.linalg.solve(equations[..., :n], right[..., None])[..., 0]

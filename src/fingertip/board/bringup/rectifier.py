@@ -77,7 +77,7 @@ class _Batch:
         nets = conducting.nets
         networks = [_restrict(build_network(d.circuit, bandwidth_hz).drive(*given), nets) for d in drives]
         size, inputs = len(nets), networks[0].inputs
-        G, C = zip(*(network.matrices() for network in networks), strict=True)
+        G, C = zip(*(network.matrices for network in networks), strict=True)
         self._G, self._C = np.array(G)[:, :, :size], np.array(C)[:, :, :size]
         self._G_in = np.array(G)[:, :, size:]
         self._given = np.array([[d.given_v.get(name, 0.0) for name in inputs] for d in drives])

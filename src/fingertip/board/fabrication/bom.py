@@ -13,7 +13,7 @@ from fingertip.board.kicad.footprints import FOOTPRINTS, Point
 from fingertip.board.kicad.placement import Placement, rotate_offset
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import Part, load_sources, read_rows
+from fingertip.board.parts.table import load_sources, load_table
 
 COLUMNS = (
     "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", "Source",
@@ -25,28 +25,13 @@ COLUMNS = (
 class BomLine:
     """Line of a bill of materials: equal components."""
 
-    components: tuple[Component, ...]
-
-    @property
-    def references(self) -> list[str]:
-        return [component.reference for component in self.components]
-
-    @property
-    def value(self) -> str:
-        return self.components[0].value
-
-    @property
-    def footprint(self) -> str:
-        """Name of the footprint without its library."""
-        return self.components[0].footprint.split(":")[1]
-
-    @property
-    def rating(self) -> str:
-        return self.components[0].rating
-
-    @property
-    def selection(self) -> Selection:
-        return select_part(self.components[0])
+    components: list[Component]
+    references: list[str]
+    value: str
+    footprint: str
+    """Name of the footprint without its library."""
+    rating: str
+    selection: Selection
 
 
 def bill_of_materials(circuit: Circuit) -> bytes:
@@ -56,10 +41,14 @@ def bill_of_materials(circuit: Circuit) -> bytes:
     """
     rows = []
     for line in list_bom(circuit):
-        fields, selection = line.selection.fields, line.selection
-        what = (str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating)
-        alternate, source = _format_part(selection.alternate), _format_source(selection)
-        rows.append((*what, fields["Manufacturer"], fields["MPN"], alternate, fields["LCSC"], source, selection.reason))
+        fields, part, alternate = line.selection.fields, line.selection.part, line.selection.alternate
+        sources = dict.fromkeys(load_sources()[each.source].title for each in (part, alternate) if each)
+        rows.append((
+            str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
+            fields["Manufacturer"], fields["MPN"],
+            f"{alternate.manufacturer} {alternate.number}".strip() if alternate else "",
+            fields["LCSC"], "; alternate: ".join(sources), line.selection.reason,
+        ))  # fmt: skip
     return format_csv(COLUMNS, rows)
 
 
@@ -68,7 +57,10 @@ def list_bom(circuit: Circuit) -> list[BomLine]:
     groups: dict[tuple[str, str, str], list[Component]] = {}
     for component in purchased_components(circuit):
         groups.setdefault((component.value, component.footprint, component.rating), []).append(component)
-    return [BomLine(tuple(components)) for components in groups.values()]
+    return [
+        BomLine(found, [c.reference for c in found], value, footprint.split(":")[1], rating, select_part(found[0]))
+        for (value, footprint, rating), found in groups.items()
+    ]
 
 
 def purchased_components(circuit: Circuit) -> list[Component]:
@@ -82,16 +74,6 @@ def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> byt
     writer.writerow(columns)
     writer.writerows(rows)
     return text.getvalue().encode()
-
-
-def _format_source(selection: Selection) -> str:
-    parts = (selection.part, selection.alternate)
-    titles = [load_sources()[part.source].title for part in parts if part]
-    return "; alternate: ".join(dict.fromkeys(titles))
-
-
-def _format_part(part: Part | None) -> str:
-    return f"{part.manufacturer} {part.number}".strip() if part else ""
 
 
 # Files in the columns of the assembly house JLCPCB: bill of materials, and placement with its rotations.
@@ -176,8 +158,7 @@ def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:
 @functools.cache
 def load_rotations() -> tuple[RotationOffset, ...]:
     """Load the rotation offsets. The first whose pattern matches holds."""
-    rows = read_rows("rotations.csv")
-    return tuple(RotationOffset(row["footprint"], int(row["rotation_deg"]), row["source"]) for row in rows)
+    return load_table(RotationOffset, "rotations.csv")
 
 
 def find_rotation(footprint: str) -> RotationOffset | None:

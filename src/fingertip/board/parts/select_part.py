@@ -22,8 +22,7 @@ from fingertip.board.parts.table import (
     load_capacitors,
     load_named_parts,
     load_resistors,
-    parse_value,
-    read_rows,
+    load_table,
 )
 from fingertip.design.formulas.filter import MAX_1206_F, find_preferred_neighbours
 
@@ -65,22 +64,7 @@ class OrderingCode:
 @functools.cache
 def load_ordering_codes() -> tuple[OrderingCode, ...]:
     """Load the ordering codes. Of several that fit, the first is to be preferred."""
-    return tuple(
-        OrderingCode(
-            row["manufacturer"],
-            row["prefix"],
-            row["suffix"],
-            float(row["tolerance_percent"]),
-            float(row["drift_ppm_per_k"] or "inf"),
-            float(row["power_w"]),
-            row["package"],
-            parse_value(row["min_ohm"]),
-            parse_value(row["max_ohm"]),
-            tuple(row["series"].split()),
-            row["source"],
-        )
-        for row in read_rows("ordering_codes.csv")
-    )
+    return load_table(OrderingCode, "ordering_codes.csv")
 
 
 def resistance_code(ohm: float) -> str:

@@ -38,7 +38,6 @@ from fingertip.board.parts.circuit import (
     TACTILE,
     Circuit,
     Component,
-    Net,
     format_component_value,
     parse_component_value,
 )
@@ -162,10 +161,7 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
 
 
 def _thermal_noise(value: float) -> float:
-    """Johnson-Nyquist noise density sqrt(4 k T x).
-
-    It is a current density for a conductance [S] and a voltage density for a resistance [ohm].
-    """
+    """Johnson-Nyquist noise density sqrt(4 k T x): of the current for a conductance [S], or the voltage for [ohm]."""
     return math.sqrt(4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K * value)
 
 
@@ -232,19 +228,7 @@ def compare_noise_alternatives(
 
 
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    farad = nearest_value(
-        compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz),
-        "E6",
-        1e-12,
-        1e-3,
-    )
-    pins = {STAGE1_OUT: (LIMITING_CAPACITOR, "1"), FEEDBACK: (LIMITING_CAPACITOR, "2")}
-    nets = (Net(n.name, (*n.nodes, pins[n.name])) if n.name in pins else n for n in circuit.nets)
-    return Circuit(
-        circuit.name,
-        (
-            *circuit.components,
-            Component(LIMITING_CAPACITOR, format_component_value(farad), symbols.CAPACITOR, symbols.C_0603, ""),
-        ),
-        tuple(nets),
-    )
+    ideal_f = compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz)
+    value = format_component_value(nearest_value(ideal_f, "E6", 1e-12, 1e-3))
+    capacitor = Component(LIMITING_CAPACITOR, value, symbols.CAPACITOR, symbols.C_0603, "")
+    return circuit.connect(capacitor, {"1": STAGE1_OUT, "2": FEEDBACK})

@@ -176,9 +176,20 @@ class Circuit:
         nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
         return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
 
-    def replace(self, reference: str, value: str) -> Circuit:
-        components = (replace(c, value=value) if c.reference == reference else c for c in self.components)
-        return Circuit(self.name, tuple(components), self.nets)
+    def replace(self, reference: str, value: str, symbol: Symbol | None = None) -> Circuit:
+        """The circuit with another value of one component, and with another symbol if one is given."""
+        components = (
+            replace(c, value=value, symbol=symbol or c.symbol) if c.reference == reference else c
+            for c in self.components
+        )
+        return replace(self, components=tuple(components))
+
+    def connect(self, component: Component, pins: Mapping[str, str]) -> Circuit:
+        """The circuit with one more component, by pin number -> net name; a net that does not exist is made."""
+        nodes = {net.name: net.nodes for net in self.nets}
+        for number, net in pins.items():
+            nodes[net] = (*nodes.get(net, ()), (component.reference, number))
+        return Circuit(self.name, (*self.components, component), tuple(Net(*each) for each in nodes.items()))
 
 
 def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:

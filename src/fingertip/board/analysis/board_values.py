@@ -19,7 +19,6 @@ from fingertip.board.analysis.interference import (
 from fingertip.board.analysis.limits import (
     TactileResponse,
     VoltageLimits,
-    compute_output_swing,
     compute_tactile_response,
     compute_voltage_limits,
 )
@@ -125,9 +124,8 @@ def board_values(design: Design) -> BoardValues:
     achieved = compute_response(model, network.values, bandwidth_hz)
     envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
     limits = compute_voltage_limits(
-        circuit, supply, board.supply_v, compute_output_swing(amplifier, supply, board.supply_v),
-        achieved.passband_gain, has_diode, detector,
-    )  # fmt: skip
+        circuit, supply, board.supply_v, amplifier, achieved.passband_gain, has_diode, detector
+    )
     low_offset, offset = choose_low_offset_amplifier(board), None
     if not has_diode:
         offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground, low_offset)
@@ -135,12 +133,7 @@ def board_values(design: Design) -> BoardValues:
     if components.comparator_stage:
         levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
     ripple = compute_supply_ripple(
-        circuit,
-        bandwidth_hz,
-        board.cutoff_hz,
-        supply.signal_ground,
-        detector.threshold_v,
-        envelope_gain,
+        circuit, bandwidth_hz, board.cutoff_hz, supply.signal_ground, detector.threshold_v, envelope_gain
     )
     loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, limits.vibration_peak_v)
     spread = None

@@ -121,22 +121,15 @@ class SupplyRipple:
 
     low_hz: float
     high_hz: float
-    """Ends of the band that is searched, as `ripple_band_hz` gives them."""
+    """Ends of the band that is searched: half the cutoff, at most 30 Hz, and 100 kHz."""
     worst_hz: float
     gain: float
     """Largest gain from the supply to the filtered signal in this band [V/V]."""
     max_v: float
-    """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold.
-
-    In variant article: the peak that alone makes the diode conduct.
-    """
+    """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold, or in variant article
+    makes the diode conduct."""
     force_n: float = 0.0
     """Force on the sensor in the worst case [N]; 0: it is open, as always where the supply feeds the bridge."""
-
-
-def ripple_band_hz(cutoff_hz: float) -> tuple[float, float]:
-    """Band in which supply ripple counts [Hz]: from half the cutoff, at most 30 Hz, to 100 kHz."""
-    return min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
 
 
 def compute_supply_ripple(
@@ -147,7 +140,7 @@ def compute_supply_ripple(
     threshold_v: float,
     envelope_gain: float | None,
 ) -> SupplyRipple:
-    band_hz = ripple_band_hz(cutoff_hz)
+    band_hz = min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
     # What VREF and VMID leave of the ripple counts by the bridge's deflection, of which either end may be the larger.
     forces_n = (0.0, MAX_FORCE_N) if any(net.name == VREF for net in circuit.nets) else (0.0,)
     gain, worst_hz, force_n = max(

@@ -16,16 +16,12 @@ from fingertip.board.analysis.noise import (
     NETS,
     Contribution,
     NoiseAlternative,
-    NoisyNetwork,
     add_noise,
     compare_noise_alternatives,
     noise_budget,
 )
 from fingertip.board.analysis.response import model_filter
-from fingertip.board.analysis.thresholds import (
-    ComparatorLevels,
-    OutputOffset,
-)
+from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import (
     ARTICLE_CAPACITOR_PERCENT,
     Spread,
@@ -85,6 +81,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     toleranced = TolerancedFilter(model, network.values)
     noise, total = noise_budget(noisy)
     percent = component_tolerances(circuit)
+    offsets = zip(noisy.sources, zip(*(noisy.offsets_v(net) for net in NETS), strict=True), strict=True)
     return Analysis(
         noise=noise,
         noise_total_v=total,
@@ -100,7 +97,11 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         supply_ripple=values.supply_ripple,
         comparator_levels=values.comparator_levels,
         tolerance=values.tolerance,
-        offset=(*_offsets(noisy), _bridge_offset(network, board.supply_v)),
+        offset=(
+            # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
+            *(Contribution(source.name, volts) for source, volts in offsets if source.offset and any(volts)),
+            _bridge_offset(network, board.supply_v),
+        ),
         component_percent=percent,
         boards=boards,
         spread=monte_carlo(toleranced, percent, boards, seed),
@@ -127,13 +128,6 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
         cells.append(f"{20 * math.log10(find_gain_bandwidth_hz(design.board) / hz):.4f}")
         lines.append(",".join(cells))
     return "\n".join(lines) + "\n"
-
-
-def _offsets(board: NoisyNetwork) -> list[Contribution]:
-    columns = zip(*(board.offsets_v(net) for net in NETS), strict=True)
-    pairs = zip(board.sources, columns, strict=True)
-    # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
-    return [Contribution(source.name, volts) for source, volts in pairs if source.offset and any(volts)]
 
 
 def _bridge_offset(network: Network, supply_v: float) -> Contribution:

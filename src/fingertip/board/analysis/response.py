@@ -128,23 +128,16 @@ def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
 
 def model_envelope(circuit: Circuit, has_diode: bool) -> EnvelopeModel:
     """Expand the transfer function of a circuit's envelope alone."""
-    return EnvelopeModel(_model_peak_detector(circuit) if has_diode else _model_low_pass(circuit))
-
-
-def _model_low_pass(circuit: Circuit) -> Stage:
-    network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
-    (stage,) = find_stages(network, FILTERED, ENVELOPE)
-    return stage
-
-
-def _model_peak_detector(circuit: Circuit) -> Stage:
-    """Voltage over the diode's current; the pole ahead of the ADC, which loads it by a hundredth, is left out."""
+    if not has_diode:
+        network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
+        return EnvelopeModel(*find_stages(network, FILTERED, ENVELOPE))
+    # Voltage over the diode's current. The pole ahead of the ADC, which loads it by a hundredth, is left out.
     terms = build_network(circuit.without("R7")).restrict(ENVELOPE).terms
     admittance = tuple(
         tuple((term.factor, (term.quantity,)) for term in terms if term.net == ENVELOPE and term.order == order)
         for order in (0, 1)
     )
-    return Stage((((1.0, ()),),), admittance)
+    return EnvelopeModel(Stage((((1.0, ()),),), admittance))
 
 
 def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:

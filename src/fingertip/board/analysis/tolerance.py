@@ -236,18 +236,19 @@ _HEADROOM_DB = 8.0
 
 
 def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
-    """Plot a band as PNG or SVG.
-
-    The file holds no date and no version, so the same band gives the same bytes.
-    """
+    """Plot a band as PNG or SVG, without date and version, so that the same band gives the same bytes."""
     figure = new_figure(9, 5.4)
     axes = figure.add_subplot()
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
     nominal_db = _decibel(band.nominal)
     maximum_db = float(nominal_db.max())
+    groups: dict[float, list[str]] = {}
+    for name, value in band.percent.items():
+        groups.setdefault(value, []).append(name)
+    tolerances = "; ".join(f"{', '.join(names)} {value:g} %" for value, names in sorted(groups.items()))
     axes.fill_between(
         band.f_hz, _decibel(band.low), _decibel(band.high), color=BLUE, alpha=0.22, linewidth=0,
-        label=f"95 % of boards ({describe_tolerances(band.percent)})",
+        label=f"95 % of boards ({tolerances})",
     )  # fmt: skip
     axes.plot(band.f_hz, _decibel(band.target), color=ORANGE, linewidth=1.4, linestyle=(0, (5, 2)),
               label=f"target: Butterworth, third order, {format_figure(band.target_cutoff_hz)} Hz")  # fmt: skip
@@ -258,8 +259,9 @@ def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
     for hz, ends_hz, side in ((band.lower_hz, band.lower_ends_hz, -1), (band.upper_hz, band.upper_ends_hz, 1)):
         axes.plot([hz], [level_db], marker="o", color=RED, markersize=5)
         axes.hlines(level_db, *ends_hz, color=RED, linewidth=2.5)
+        ends = " to ".join(format_figure(end_hz, 3) for end_hz in ends_hz)
         axes.annotate(
-            f"−3 dB at {format_figure(hz)} Hz\n95 %: {describe_ends(ends_hz)} Hz", (hz, level_db),
+            f"−3 dB at {format_figure(hz)} Hz\n95 %: {ends} Hz", (hz, level_db),
             (14 * side, 4), textcoords="offset points", ha="left" if side > 0 else "right", va="bottom",
             color=RED, fontsize=9,
         )  # fmt: skip
@@ -271,20 +273,6 @@ def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
     style_axes(axes, "both")
     axes.legend(loc="upper left", frameon=False, fontsize=9)
     return FORMATS[suffix](figure)
-
-
-def describe_tolerances(percent: Mapping[str, float]) -> str:
-    """Describe the tolerances of the components: "R1, R2 1 %; C1, C2 10 %"."""
-    groups: dict[float, list[str]] = {}
-    for name, value in percent.items():
-        groups.setdefault(value, []).append(name)
-    parts = (f"{', '.join(names)} {value:g} %" for value, names in sorted(groups.items()))
-    return "; ".join(parts)
-
-
-def describe_ends(ends_hz: Ends) -> str:
-    """Describe the ends of a band of frequencies."""
-    return " to ".join(format_figure(hz, 3) for hz in ends_hz)
 
 
 def _decibel(magnitude: Array) -> Array:

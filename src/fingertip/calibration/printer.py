@@ -221,9 +221,12 @@ def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collec
     values = [
         _value(_SCALE, "%", printer.scale_percent, scale, uncertainty, fit),
         _value(_OFFSET, "mm", printer.offset_mm, fit.offset_mm, fit.offset_uncertainty_mm, fit),
-        *_clearances(design, fit),
-        _surface_error(printer.surface_error_mm, fit),
     ]
+    for path, surfaces in CLEARANCES.items():
+        # The printed gap is that of the design at half the offset more for each printed surface.
+        before, added = float(design.value(path)), surfaces / 2 * (fit.offset_mm - printer.offset_mm)
+        values.append(_value(path, "mm", before, before + added, surfaces / 2 * fit.offset_uncertainty_mm, fit))
+    values.append(_surface_error(printer.surface_error_mm, fit))
     kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
     wall = _min_wall(printer.min_wall_mm, measured)
     if isinstance(wall, CalibratedValue):
@@ -257,15 +260,6 @@ def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str
             Design.without_remedies(**tables)
             return path
     return None
-
-
-def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
-    """Clearances at which the printed gap is that of the design: half the offset more for each printed surface."""
-    for path, surfaces in CLEARANCES.items():
-        before = float(design.value(path))
-        added = surfaces / 2 * (fit.offset_mm - design.printer.offset_mm)
-        uncertainty = surfaces / 2 * fit.offset_uncertainty_mm
-        yield _value(path, "mm", before, before + added, uncertainty, fit)
 
 
 def _surface_error(before: float, fit: PrinterFit) -> CalibratedValue:

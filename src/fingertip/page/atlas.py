@@ -7,6 +7,7 @@ before is coloured. A parameter that a design does not use is shown on another d
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -105,7 +106,10 @@ def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None
 
 def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message: None) -> Iterator[AtlasPicture]:
     """Draw a picture for each parameter that shapes a part, in the order of a design file."""
-    bases = [("", design), *_load_others()]
+    bases = [("", design)]
+    for name, changes in _ELSEWHERE:
+        with suppress(DesignError):  # a change that a bundled design no longer takes: its parameters have no picture
+            bases.append((" with ".join((name, *changes)), Design.load(name, changes=changes)))
     used = [(label, base, _find_parts(base)) for label, base in bases]
     for path in PARAMETERS:
         for label, base, parts in used:
@@ -144,19 +148,8 @@ def list_changes(design: Design, path: str) -> Iterator[Design]:
     table, _, key = path.rpartition(".")
     for other in wanted:
         new = {**tables, table: {**tables[table], key: other}} if table else {**tables, key: other}
-        try:
+        with suppress(DesignError):
             yield Design.without_remedies(**new)
-        except DesignError:
-            continue
-
-
-def _load_others() -> Iterator[tuple[str, Design]]:
-    for name, changes in _ELSEWHERE:
-        try:
-            loaded = Design.load(name, changes=changes)
-        except DesignError:  # a change that a bundled design no longer takes: its parameters have no picture
-            continue
-        yield " with ".join((name, *changes)), loaded
 
 
 def _find_parts(design: Design) -> Mapping[str, tuple[str, ...]]:
@@ -272,18 +265,15 @@ def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
     """Render the atlas."""
     tables, moved = group_parameters(), shapes_of_parameters(design)
     links = (element("li", element("a", name or "design", href=f"#t-{name}")) for name in tables)
-    sections = (
-        element(
-            "section",
-            element("h2", name or "design", id=f"t-{name}"),
-            *_describe_table(design, name),
-            element(
-                "ul", *(_render_entry(design, one, pictures.get(one.path), moved) for one in entries), class_="atlas"
-            ),
-            aria_labelledby=f"t-{name}",
-        )
-        for name, entries in tables.items()
-    )
+    sections = []
+    for name, entries in tables.items():
+        parts = [element("h2", name or "design", id=f"t-{name}")]
+        table = getattr(design, name) if name else None
+        if said := " ".join((type(table).__doc__ or "").split()) if isinstance(table, ParameterTable) else "":
+            parts.append(element("p", said))
+        listed = (_render_entry(design, one, pictures.get(one.path), moved) for one in entries)
+        parts.append(element("ul", *listed, class_="atlas"))
+        sections.append(element("section", *parts, aria_labelledby=f"t-{name}"))
     body = (
         element("a", "Skip to the parameters", href="#content", class_="skip"),
         element(
@@ -294,12 +284,6 @@ def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
     )  # fmt: skip
     style = read_asset("page.css") + read_asset("atlas.css")
     return render_document(f"{design.name}: parameters", body, style, ())
-
-
-def _describe_table(design: Design, name: str) -> list[Markup]:
-    table = getattr(design, name) if name else None
-    said = " ".join((type(table).__doc__ or "").split()) if isinstance(table, ParameterTable) else ""
-    return [element("p", said)] if said else []
 
 
 def _render_entry(

@@ -63,8 +63,7 @@ def read_sources(design: Design, folder: Path) -> Sources:
         raise OutputError(Issue(str(folder), message))
     files = dict(_read_set(folder, manifest))
     required = (*(f"{part}.stl" for part in parts_by_name(design)), REPORT, SHEET)
-    found = [name for name in required if name in files]
-    changed = [name for name in found if hash_content(files[name]) != manifest.files[name]]
+    changed = [name for name in required if name in files and hash_content(files[name]) != manifest.files[name]]
     issues = [Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files]
     message = f"was changed after it was written; {_MAKE} makes it again."
     issues += [Issue(str(folder / name), message) for name in changed]

@@ -140,16 +140,20 @@ def _list_assembled(circuit: Circuit) -> list[BomLine]:
     return [line for line in list_bom(circuit) if is_assembled(line.components[0])]
 
 
-def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:
-    """Centres [mm] and rotations [degree] of the components that the house fits.
+def placement_file(circuit: Circuit, placement: Placement, *, for_house: bool) -> bytes:
+    """Places [mm] and rotations [degree] of the components that are not soldered by hand.
 
-    The origin is the lower left corner of the board, as in the gerbers.
+    They are those that KiCad states, or for the house the centres of the pads, and its rotations. The origin is the
+    lower left corner of the board, as in the gerbers.
     """
     rows = []
     for component in filter(is_assembled, purchased_components(circuit)):
         position = placement.positions[component.reference]
-        x, y = rotate_offset(position.angle, *find_pad_centre(component.footprint))
-        rotation = (position.angle + find_rotation_deg(component.footprint)) % 360
+        x, y, rotation = 0.0, 0.0, position.angle
+        if for_house:
+            x, y = rotate_offset(position.angle, *find_pad_centre(component.footprint))
+            offset = find_rotation(component.footprint)
+            rotation = (rotation + (offset.rotation_deg if offset else 0)) % 360
         mid_x, mid_y = position.x + x, placement.height - position.y - y
         rows.append((component.reference, f"{mid_x:.4f}mm", f"{mid_y:.4f}mm", "Top", str(rotation)))
     return format_csv(PLACEMENT_COLUMNS, rows)
@@ -165,12 +169,6 @@ def find_rotation(footprint: str) -> RotationOffset | None:
     """Find the rotation offset of a footprint, "library:name"; None if the table has none."""
     name = footprint.split(":")[1]
     return next((offset for offset in load_rotations() if re.match(offset.pattern, name)), None)
-
-
-def find_rotation_deg(footprint: str) -> int:
-    """Find the rotation offset of a footprint [degree]; 0 if the table has none."""
-    offset = find_rotation(footprint)
-    return offset.rotation_deg if offset else 0
 
 
 def find_pad_centre(footprint: str) -> Point:

@@ -138,7 +138,6 @@ class Measured:
 
 
 def identify_coupon(design: Design) -> str:
-    """Identify the coupon of a design by its nominal lengths."""
     return hash_parameters({length.name: length.nominal_mm for length in list_lengths(design)})[:8]
 
 

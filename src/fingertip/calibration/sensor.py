@@ -39,12 +39,9 @@ MAX_FORCE_N = 1000.0
 
 @dataclass(frozen=True)
 class Weighing:
-    """Known force, and the reading of the sensor under it."""
-
     force_n: float
     reading: float
     line: int
-    """Line in the file."""
 
 
 @dataclass(frozen=True)
@@ -231,8 +228,6 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class SensorCalibration:
-    """Calibrated force curve, and the fit that it follows from."""
-
     law: PowerLaw
     points: tuple[CurvePoint, ...]
     """Curve under each weight of the file, in the order of the weights."""

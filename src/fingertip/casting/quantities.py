@@ -53,7 +53,6 @@ class Batch:
     """Quantities for one mixing cup [g]."""
 
     in_mold_g: float
-    """Mass of silicone that fills the mold."""
     with_waste_g: float
     """Mass with the extra silicone that stays on cup, stirrer and syringe or funnel."""
     total_g: float

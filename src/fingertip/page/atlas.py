@@ -43,7 +43,6 @@ _WIDTH_PX, _HEIGHT_PX, _MARGIN_PX = 420, 280, 14
 _SMALL_SHARE, _LEAST_RING_PX, _LARGEST_RING_PX = 0.012, 16.0, 60.0
 _RING = (120, 20, 70)
 _COLOURS = 96
-"""Number of colours of a picture."""
 _FACTOR = 1.3
 """Factor by which a number is changed."""
 _SHARES = (1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.1, -0.1)
@@ -68,8 +67,6 @@ _ELSEWHERE = (
 
 @dataclass(frozen=True)
 class AtlasPicture:
-    """Picture of what a parameter changes."""
-
     path: str
     part: str
     view: str
@@ -81,14 +78,12 @@ class AtlasPicture:
 
     @property
     def caption(self) -> str:
-        """Sentence on what the picture shows."""
         unit = format_unit(find_unit(PARAMETERS[self.path]))
         change = f"{format_value(self.before)} to {format_value(self.after)}{unit}"
         where = f"; drawn on {self.drawn_on}" if self.drawn_on else ""
         return f"{self.part.replace('_', ' ')}, {self.view}: from {change}{where}"
 
     def render(self) -> Markup:
-        """Render the picture with its caption."""
         image = element("img", src=embed(self.png, "image/png"), alt=f"{self.path}: {self.caption}")
         return element("figure", image, element("figcaption", self.caption))
 
@@ -262,7 +257,6 @@ _LEGEND = (
 
 
 def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
-    """Render the atlas."""
     tables, moved = group_parameters(), shapes_of_parameters(design)
     links = (element("li", element("a", name or "design", href=f"#t-{name}")) for name in tables)
     sections = []

@@ -20,7 +20,6 @@ class Markup(str):
 
 
 def element(name: str, /, *children: str, **attributes: str | float | bool | None) -> Markup:
-    """Build an element."""
     pairs = ""
     for key, value in attributes.items():
         if value is not None and value is not False:

@@ -80,7 +80,6 @@ def render_back(board: Node, title: str) -> Markup:
 
 
 def _mark_part(reference: str, drawn: Sequence[Markup]) -> Markup:
-    """Group what belongs to a component."""
     return element("g", *drawn, data_part=reference or None)
 
 
@@ -160,7 +159,6 @@ class Pad:
 
 
 def list_pads(footprint: Node) -> Iterator[Pad]:
-    """Yield the pads of a component."""
     x, y, angle = find_place(footprint)
     for pad in footprint.children("pad"):
         px, py, own = find_place(pad)
@@ -213,7 +211,6 @@ def _draw_graphics(footprint: Node, layer: str) -> list[Markup]:
 
 
 def name_part(footprint: Node) -> str:
-    """Return the reference of a component."""
     text = _find_reference(footprint)
     return text.words[2] if text else ""
 

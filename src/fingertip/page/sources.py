@@ -40,7 +40,6 @@ class Sources:
 
     design: Design
     report: Mapping[str, Any]
-    """Content of report.json."""
     files: Mapping[str, bytes]
     """Path, such as "bone.stl" or "board/bom.csv" -> content."""
     remarks: Mapping[str, str]

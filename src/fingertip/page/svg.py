@@ -16,8 +16,6 @@ _CHARACTER = 6.4
 
 @dataclass(frozen=True)
 class Axis:
-    """Range of one axis."""
-
     low: float
     high: float
     label: str
@@ -58,7 +56,6 @@ class Frame:
         return self.left + across * self.width, self.top + (1.0 - up) * self.height
 
     def axes(self, *, label_x: bool = True, wanted_y: int = 5) -> Markup:
-        """Draw grid, ticks and labels."""
         right, bottom = self.left + self.width, self.top + self.height
         parts = []
         for value in self.x.ticks(8):
@@ -135,7 +132,6 @@ def legend(x: float, y: float, entries: Iterable[tuple[str, str, str]]) -> Marku
 
 
 def path(points: Iterable[tuple[float, float]], places: int = 1) -> str:
-    """Write points as the data of a path."""
     return "M" + "L".join(f"{number(x, places)} {number(y, places)}" for x, y in points)
 
 

@@ -85,7 +85,6 @@ class OutputCurrent:
     amplifier: str
     """Reference, with the letter of its unit."""
     reference: str
-    """Reference of its component."""
     gain: Spectrum
     """Voltage of the output [V/V]."""
     filter_s: Spectrum

@@ -103,8 +103,6 @@ class NoiseAlternative:
 
 @dataclass(frozen=True, eq=False)
 class NoisyNetwork:
-    """Network of a circuit with the sources of its noise and its offsets."""
-
     network: Network
     sources: tuple[Source, ...]
 

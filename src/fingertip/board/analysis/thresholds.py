@@ -103,7 +103,6 @@ class OutputOffset:
 def compute_output_offset(
     circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, low_offset: Amplifier
 ) -> OutputOffset:
-    """Compute the envelope offset of a board with a precision rectifier."""
     conducting, blocked = (
         _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode) for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
     )

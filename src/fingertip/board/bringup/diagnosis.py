@@ -30,8 +30,6 @@ _GROUND = name_voltage(VMID)
 
 @dataclass(frozen=True)
 class Mistake:
-    """Way to take the readings wrongly."""
-
     sentence: str
     remedy: str
     apply: Callable[[Voltages], Voltages]

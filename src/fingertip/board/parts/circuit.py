@@ -146,8 +146,6 @@ Node = tuple[str, str]
 
 @dataclass(frozen=True)
 class Net:
-    """Pins that are connected to each other."""
-
     name: str
     nodes: tuple[Node, ...]
 
@@ -162,7 +160,6 @@ class Circuit:
 
     @functools.cached_property
     def net_by_pin(self) -> Mapping[Node, str]:
-        """Name of the net of each connected pin."""
         return {node: net.name for net in self.nets for node in net.nodes}
 
     def component(self, reference: str) -> Component:

@@ -210,7 +210,6 @@ def _row(plan: BringUp, name: str, where: str, last: str) -> Row:
 
 
 def _figures(limits: Limits, unit: str) -> tuple[str, str]:
-    """Expected reading and limits as text."""
     if unit == "ohm":
         if math.isinf(limits.high_v):
             return "-", f"above {format_ohm(limits.low_v)}"
@@ -230,7 +229,6 @@ def _join(words: list[str]) -> str:
 
 
 def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
-    """Find the place of the red probe for a net."""
     if net in _PROBES:
         return _PROBES[net]
     reference, name = _ENDS[net]

@@ -64,7 +64,6 @@ def casting_sheet_data(
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """The casting sheet of a design as plain data."""
     bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
     compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
     joint = {

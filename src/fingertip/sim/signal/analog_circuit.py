@@ -218,7 +218,7 @@ def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
     states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
     saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}
     network = board.network.drive(*saturated) if saturated else board.network
-    system = network.state_space()
+    system = network.state_space
     n = system.A.shape[-1]
     A, B = (matrix.reshape(-1, *matrix.shape[-2:]) for matrix in (system.A, system.B))
     # The inputs are the voltage u, which comes first, and the saturated outputs, which are constant.

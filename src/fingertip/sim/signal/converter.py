@@ -56,7 +56,7 @@ class AntiAliasFilter:
 
     def __init__(self, circuit: Circuit, source: str, pin: str, step_s: float) -> None:
         network = build_network(circuit).drive(source)
-        system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space()
+        system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space
         step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
         # The loop has two states, the second of which is the voltage at the pin. One pole stands in both.
         last = int(np.argmax(system.rows[pin][: len(system.A)]))

@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.silicones import SILICONES
 from fingertip.design.parameters.bone import Bone, Hand, Strength
-from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, suggest_name, text
+from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, suggest_name, text
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
@@ -23,6 +23,7 @@ from fingertip.foundation.errors import DesignError, Issue
 __all__ = [
     "ELECTRONIC_TABLES",
     "PARAMETERS",
+    "Above",
     "Board",
     "Bone",
     "ChosenSilicone",

@@ -8,7 +8,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -41,20 +41,17 @@ class Bounds:
         )
 
 
-def quantity(
-    default: float,
-    unit: str,
-    description: str,
-    *,
-    minimum: float | None = None,
-    above: float | None = None,
-    maximum: float | None = None,
-    verified: bool = True,
-) -> Any:
-    """Declare a number with a unit."""
-    if not verified:
-        description += " (unverified)"
-    return Field(default, ge=minimum, gt=above, le=maximum, description=description, json_schema_extra={"unit": unit})
+class Above(NamedTuple):
+    """Lower bound that is not valid itself."""
+
+    bound: float
+
+
+def quantity(default: float, unit: str, bounds: tuple[float | Above, float], description: str) -> Any:
+    """Declare a number with a unit and its lower and upper bound."""
+    low, high = bounds
+    ge, gt = (None, low.bound) if isinstance(low, Above) else (low, None)
+    return Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
 
 
 def choice(default: str, description: str) -> Any:

@@ -63,7 +63,6 @@ class Build:
 
     @property
     def passed(self) -> bool:
-        """True if every check passed."""
         return all(check.passed for check in self.checks)
 
     def __repr__(self) -> str:

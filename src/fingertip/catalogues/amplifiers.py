@@ -31,8 +31,6 @@ SOURCES = {
 
 @dataclass(frozen=True)
 class Amplifier:
-    """Type of operational amplifier."""
-
     name: str
     symbol: str
     """Name of its symbol in KiCad's library: its own, or a dual amplifier's whose pins are drawn at the same places."""

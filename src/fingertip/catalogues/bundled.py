@@ -66,6 +66,5 @@ def _describe_unknown(name: str, path: Path, kinds: Sequence[FileKind], known: S
 
 
 def _join(words: Iterable[str]) -> str:
-    """Join words as "a, b or c"."""
     *first, last = words
     return f"{', '.join(first)} or {last}" if first else last

@@ -18,8 +18,6 @@ from fingertip.foundation.toml_files import read_toml
 
 @dataclass(frozen=True)
 class FileKind:
-    """A kind of TOML file."""
-
     name: str
     names: frozenset[str]
     """Names that may stand at the top level of the file. A test compares them with the models of the files."""
@@ -91,7 +89,6 @@ KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
 
 
 def read_file(path: Path, kind: FileKind) -> dict[str, Any]:
-    """Read a file of a kind. Raises TomlFileError."""
     tables = read_toml(path, kind.describe())
     _require_kind(path, tables, kind)
     return tables

@@ -24,7 +24,6 @@ class Thread:
 
     @property
     def label(self) -> str:
-        """Trade name, such as M3."""
         return f"M{self.diameter_mm:g}"
 
 
@@ -49,7 +48,6 @@ apart as its flats (ISO 4032 gives both)."""
 
 
 def find_thread(diameter_mm: float) -> Thread:
-    """Find the thread of a nominal diameter [mm], such as 2 for M2."""
     return next(thread for thread in THREADS if thread.diameter_mm == diameter_mm)
 
 
@@ -60,8 +58,6 @@ def select_thread(hole_mm: float) -> Thread:
 
 @dataclass(frozen=True)
 class Syringe:
-    """Disposable syringe with a Luer slip tip."""
-
     name: str
     volume_ml: float
     bore_mm: float

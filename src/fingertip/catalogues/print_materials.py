@@ -15,8 +15,6 @@ Process = Literal["sla", "fdm", "powder"]
 
 @dataclass(frozen=True)
 class PrintMaterial:
-    """Material of a printed part."""
-
     name: str
     label: str
     process: Process

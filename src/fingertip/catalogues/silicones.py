@@ -72,8 +72,6 @@ class MaterialProperty:
 
 @dataclass(frozen=True)
 class Silicone:
-    """Two-part silicone rubber."""
-
     name: str
     label: str
     cure: Cure

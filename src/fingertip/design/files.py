@@ -23,8 +23,6 @@ from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_
 
 @dataclass(frozen=True)
 class LoadedTables:
-    """Contents of files, merged with changes."""
-
     tables: dict[str, Any]
     before: dict[str, Any]
     """The tables without the changes."""
@@ -89,7 +87,6 @@ def parse_change(change: str) -> dict[str, Any]:
 
 
 def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
-    """Merge nested tables in place."""
     for key, value in new.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
             _merge(into[key], value)
@@ -98,7 +95,6 @@ def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
 
 
 def _flatten(tables: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the dotted names of nested tables."""
     for name, value in tables.items():
         if isinstance(value, Mapping):
             yield from (f"{name}.{inner}" for inner in _flatten(value))
@@ -112,8 +108,6 @@ _MAX_COLUMN_WIDTH = 60
 
 @dataclass(frozen=True)
 class Parameter:
-    """Entry of one parameter in the list of all parameters."""
-
     path: str
     """Dotted name, such as "mold.draft_deg"."""
     default: Any
@@ -124,7 +118,6 @@ class Parameter:
 
 
 def list_parameters() -> Iterator[Parameter]:
-    """Yield every parameter of a design file, in its order."""
     for path, field in PARAMETERS.items():
         yield Parameter(path, field.default, find_unit(field), _format_bounds(field), field.description or "")
 

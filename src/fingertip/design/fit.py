@@ -123,7 +123,6 @@ def _search(
     begin: Mapping[str, float],
     broken: Callable[[Mapping[str, float]], list[BrokenRule]],
 ) -> tuple[float, dict[str, float]]:
-    """Change values, and keep what does not raise the score. Return score and values."""
     rng, values = random.Random(seed), dict(begin)
     found = broken(values)
     best, improved = _score(found), 0
@@ -175,7 +174,6 @@ def _list_repairs(
 
 
 def _is_used(tables: DesignTables, name: str) -> bool:
-    """Return whether a free parameter matters: those of the joint do so in a clevis with tendon and stops only."""
     if name.startswith("hand."):
         return tables.dimensions.joint is not None and bool(tables.value(name))
     return True

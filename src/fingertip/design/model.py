@@ -148,7 +148,6 @@ class Design(DesignTables):
     def _validate(
         self, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()
     ) -> None:
-        """Fill in the tables, or raise `DesignError`."""
         try:
             super().__init__(**tables)
         except ValidationError as error:

@@ -30,7 +30,6 @@ _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 
 
 def list_hands() -> dict[str, Path]:
-    """List the bundled hands by name."""
     return {path.stem: path for path in sorted((PARAMS / "hands").glob("*.toml"))}
 
 
@@ -154,12 +153,10 @@ def write_new_design(
 
 
 def _write(design: Design, base: str) -> str:
-    """Write the text of the file."""
     return "\n".join(_list_lines(design, base)) + "\n"
 
 
 def _list_lines(design: Design, base: str) -> Iterator[str]:
-    """Yield the lines of the file."""
     parameters = {parameter.path: parameter for parameter in list_parameters()}
     name = parameters.pop("name")
     joint = _JOINT_PARAMETERS if design.dimensions.joint else ()
@@ -202,5 +199,4 @@ def _format_block(design: Design, parameters: Iterable[Parameter], prefix: str =
 
 
 def _summarise(table: Any) -> str:
-    """Return the docstring of a table in one line."""
     return " ".join((inspect.getdoc(table) or "").split())

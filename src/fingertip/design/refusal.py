@@ -47,7 +47,6 @@ class Search:
     """Design whose values are tried too."""
 
     def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
-        """Return whether tables pass all rules, or the one rule and its prerequisites."""
         if only is not None:
             return RuleChecker(tables, self.invalid).passes(only)
         return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
@@ -130,17 +129,14 @@ def _blend(first: float, last: float, share: float) -> float:
 
 
 def find_parameter_bounds(name: str) -> Bounds:
-    """Return the bounds of a numeric parameter."""
     return find_bounds(PARAMETERS[name])
 
 
 def is_number(name: str) -> bool:
-    """Return whether a parameter is numeric."""
     return PARAMETERS[name].annotation in (float, int)
 
 
 def as_typed(name: str, value: float) -> float:
-    """Return a value with the parameter's type: rounded if it is a whole number."""
     return round(value) if PARAMETERS[name].annotation is int else value
 
 
@@ -154,7 +150,6 @@ def round_inwards(name: str, value: float, up: bool) -> float:
 
 
 def round_digits(value: float, digits: int, up: bool) -> float:
-    """Round a number up or down to a number of significant digits."""
     if value == 0.0 or math.isinf(value):
         return value
     if abs(value) < SMALLEST:  # has no more digits to round
@@ -210,8 +205,6 @@ class PassingRange:
 
 @dataclass
 class Refusal:
-    """A design that breaks rules."""
-
     tables: DesignTables
     broken: tuple[BrokenRule, ...]
     before: DesignTables
@@ -224,18 +217,15 @@ class Refusal:
 
     @cached_property
     def blamed(self) -> dict[str, list[BrokenRule]]:
-        """Broken rules by the field they blame."""
         found: dict[str, list[BrokenRule]] = {}
         for broken in self.broken:
             found.setdefault(broken.rule.field, []).append(broken)
         return found
 
     def reads(self, name: str) -> frozenset[str]:
-        """Return the parameters that the broken rules which blame a field read."""
         return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
 
     def resolves(self, values: Mapping[str, Any]) -> bool:
-        """Return whether the design passes all rules with these values."""
         return self.search.passes(self.tables.with_values(values))
 
 

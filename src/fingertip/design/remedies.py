@@ -122,7 +122,6 @@ def _return_blamed_choice(refusal: Refusal) -> Values:
 
 
 def _move_to_bounds(refusal: Refusal) -> Values:
-    """Move every blamed field to the bound of its own rules."""
     ranges = {name: _find_range(refusal, name) for name in refusal.blamed}
     known = {name: passing for name, passing in ranges.items() if passing is not None}
     values = {name: passing.value for name, passing in known.items()}
@@ -201,7 +200,6 @@ def _return_towards_before(refusal: Refusal) -> Values:
 
 
 def _leave_out_needless(refusal: Refusal, values: Values) -> Values:
-    """Leave out values without which the rest still resolves the refusal."""
     for name in list(values):
         fewer = {other: value for other, value in values.items() if other != name}
         if fewer and refusal.resolves(fewer):
@@ -210,7 +208,6 @@ def _leave_out_needless(refusal: Refusal, values: Values) -> Values:
 
 
 def _use_bounds(refusal: Refusal, values: Values) -> Values:
-    """Replace values of blamed fields by the bounds of their rules, where that passes too."""
     for name in values:
         if name in refusal.blamed and (passing := _find_range(refusal, name)):
             exact = {**values, name: passing.value}
@@ -257,7 +254,6 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
 
 
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
-    """Yield the first problem of each field that a broken rule blames, without a remedy."""
     blamed: set[str] = set()
     for broken in find_violations(rules, tables):
         if broken.rule.field not in blamed:

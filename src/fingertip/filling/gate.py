@@ -26,12 +26,10 @@ from fingertip.foundation.numerics import Array
 
 @lru_cache(maxsize=32)
 def follow_design_front(design: Design) -> Course:
-    """Compute the way of the front through the cavity of a design."""
     return follow_front(build_grid(design), gate_opening(design))
 
 
 def gate_opening(design: Design) -> Opening:
-    """Return the mouth of the gate in the cavity."""
     layout, dims = design.mold_layout, design.dimensions
     inlet = layout.inlet
     if inlet is None:
@@ -42,7 +40,6 @@ def gate_opening(design: Design) -> Opening:
 
 
 def list_ducts(design: Design) -> tuple[Duct, ...]:
-    """List the ducts from the plunger, or from the funnel, to the gate."""
     layout, mold = design.mold_layout, design.mold
     inlet = layout.inlet
     if inlet is None:
@@ -77,7 +74,6 @@ def pressure_pa(design: Design, silicone: Silicone) -> float:
 
 
 def build_grid(design: Design) -> SkinGrid:
-    """Build the grid of the cavity, closed where the chaplet's boss stands."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return build_skin_grid(design)

@@ -74,7 +74,6 @@ class Filling:
 
 
 def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
-    """Compute how a network fills through its gate."""
     solver = RowElimination(network, np.stack((gate, network.volume_mm3), axis=1))
     fronts = [_full_front(network, solver)]
     for injected in _volumes(network.total_mm3, levels)[::-1]:
@@ -271,7 +270,6 @@ class _Field:
 def find_air(
     network: FlowNetwork, arrival_mm3: Array, vents: tuple[ClosingVent, ...]
 ) -> tuple[tuple[LastPoint, ...], tuple[TrappedAir, ...]]:
-    """Find last points, the last first, and trapped air, the largest first."""
     arrival = np.where(network.is_open, arrival_mm3, -np.inf)
     a, b, _ = network.links
     basin = _climb(arrival, a, b)

@@ -32,7 +32,6 @@ def predict_mold_filling(design: Design) -> FillingPrediction:
 
 
 def largest_pocket(prediction: FillingPrediction) -> AirPocket | None:
-    """Return the largest air pocket; None if there is none."""
     return max(prediction.air_pockets, key=lambda pocket: pocket.volume_mm3, default=None)
 
 

@@ -43,7 +43,6 @@ class Mouth:
     """Share of the mouth's area that each sample stands for, with the sum 1."""
 
     def shares(self, count: int) -> Array:
-        """Compute the share of a unit inflow that enters each of `count` nodes."""
         shares: Array = np.bincount(self.nodes.ravel(), (self.weights * self.areas[:, None]).ravel(), count).astype(
             float
         )
@@ -143,17 +142,11 @@ _TERMS = 12
 
 
 class Duct(Protocol):
-    """Duct that fills from its inlet."""
+    @property
+    def volume_mm3(self) -> float: ...
 
     @property
-    def volume_mm3(self) -> float:
-        """Volume."""
-        ...
-
-    @property
-    def resistance(self) -> float:
-        """Resistance of the full duct [1/mm3]."""
-        ...
+    def resistance(self) -> float: ...
 
     @property
     def resistance_integral(self) -> float:
@@ -163,14 +156,11 @@ class Duct(Protocol):
 
 @dataclass(frozen=True)
 class RoundDuct:
-    """Duct of circular section."""
-
     diameter_mm: float
     length_mm: float
 
     @property
     def volume_mm3(self) -> float:
-        """Volume."""
         return math.pi / 4.0 * self.diameter_mm**2 * self.length_mm
 
     @property
@@ -194,7 +184,6 @@ class ConicalDuct:
 
     @property
     def volume_mm3(self) -> float:
-        """Volume."""
         a, b = self.inlet_diameter_mm, self.outlet_diameter_mm
         return math.pi / 12.0 * (a * a + a * b + b * b) * self.length_mm
 
@@ -217,15 +206,12 @@ class ConicalDuct:
 
 @dataclass(frozen=True)
 class RectangularDuct:
-    """Duct of rectangular section."""
-
     width_mm: float
     height_mm: float
     length_mm: float
 
     @property
     def volume_mm3(self) -> float:
-        """Volume."""
         return self.width_mm * self.height_mm * self.length_mm
 
     @property

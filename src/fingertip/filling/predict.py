@@ -64,8 +64,6 @@ class Opening:
 
 @dataclass(frozen=True)
 class LastPoint:
-    """Point that fills later than all points around it."""
-
     point_mm: Point3
     arrival_mm3: float
     arrival_s: float
@@ -143,7 +141,6 @@ def syringe_pressure_pa(force_n: float, bore_mm: float) -> float:
 
 
 def head_pressure_pa(density_g_cm3: float, height_mm: float) -> float:
-    """Compute the pressure of a column of silicone."""
     return density_g_cm3 * _GRAVITY_M_S2 * height_mm
 
 
@@ -189,7 +186,6 @@ def place_of(course: Course, node: int) -> Point3:
 def predict_filling(
     course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
 ) -> FillingPrediction:
-    """Predict how a cavity fills."""
     grid, filling = course.grid, course.filling
     clock = _Clock.of(filling, course.mouth_resistance, ducts, viscosity_pa_s / pressure_pa)
     volume, arrival = filling.network.total_mm3, filling.arrival_mm3

@@ -46,7 +46,6 @@ class Layer:
 def link_layer(
     inner: Array, outer: Array, *, has_pole: bool, is_periodic: bool, is_closed: Callable[[Array], Mask] | None = None
 ) -> Layer:
-    """Link the layer between two surfaces."""
     middle = 0.5 * (inner + outer)
     if is_periodic:
         inner, outer, middle_wrapped = (np.concatenate((a, a[:, :1]), axis=1) for a in (inner, outer, middle))
@@ -161,7 +160,6 @@ def hexahedron_volumes(inner: Array, outer: Array) -> Array:
 
 
 def _determinant(a: Array, b: Array, c: Array) -> Array:
-    """Compute a . (b x c) in the last axis."""
     result: Array = (
         a[..., 0] * (b[..., 1] * c[..., 2] - b[..., 2] * c[..., 1])
         + a[..., 1] * (b[..., 2] * c[..., 0] - b[..., 0] * c[..., 2])
@@ -178,7 +176,6 @@ def vector_areas(surface: Array) -> Array:
 
 
 def _sum_of_four(small: Array) -> Array:
-    """Sum the four small quads of each quad."""
     return small[::2, ::2] + small[1::2, ::2] + small[::2, 1::2] + small[1::2, 1::2]
 
 
@@ -214,7 +211,6 @@ class SkinGrid:
 def build_skin_grid(
     design: Design, rows: int = ROWS, columns: int = COLUMNS, is_closed: Callable[[Array], Mask] | None = None
 ) -> SkinGrid:
-    """Build the grid of a design's cavity."""
     outer, shrinkage = design.dimensions.outer, design.dimensions.shrinkage
     body, flat, scale = design.dimensions.insert_body()
     straight, tip = _rows(outer, body, rows)

@@ -59,7 +59,6 @@ class Vent:
 
 
 def list_openings(vents: Iterable[Vent]) -> list[Opening]:
-    """List the mouths of vents in the cavity."""
     return [Opening(vent.point_mm, vent.diameter_mm) for vent in vents]
 
 

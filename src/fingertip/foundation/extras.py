@@ -42,7 +42,6 @@ def is_installed(module: str) -> bool:
 
 
 def install_command(*modules: str) -> str:
-    """Return the command that installs optional packages."""
     names = dict.fromkeys(EXTRAS[module] for module in modules)
     return f'pip install "fingertip[{",".join(names)}]"'
 
@@ -64,7 +63,6 @@ def require(field: str, *modules: str, subject: str = "", alternative: str = "")
 
 
 def load(module: str, field: str, *, subject: str = "", alternative: str = "") -> Any:
-    """Import a module of an optional package and return it. Raises MissingLibraryError."""
     package = module.partition(".")[0]
     require(field, package, subject=subject, alternative=alternative)
     try:

@@ -65,7 +65,6 @@ def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
 
 
 def _report_loading() -> None:
-    """Report, once in a process, that compiled loops are loaded."""
     global _is_reported
     if _progress and not _is_reported:
         _is_reported = True

@@ -62,7 +62,6 @@ def find_signal(error: BaseException) -> int | None:
 
 
 def exit_code(error: BaseException) -> int:
-    """Return the exit code of an interrupted process, as a shell gives it."""
     return 128 + (find_signal(error) or signal.SIGINT)
 
 

@@ -51,7 +51,6 @@ class _Plan:
     """Scale of the files."""
 
     def at(self, point: Point, piece: str) -> Point:
-        """Place a point of a piece on the picture [pixels]."""
         dx, dy = self.shifts[piece]
         x, y = self.growth * point[0] + dx, self.growth * point[1] + dy
         return (x - self.left) * self.scale, (self.top - y) * self.scale

@@ -33,8 +33,6 @@ _LINE_MM = 1.7
 
 @dataclass(frozen=True)
 class _Symbol:
-    """Marker of one kind of point, and its entry in the legend."""
-
     marker: str
     colour: str
     size: float
@@ -49,15 +47,12 @@ _AIR = _Symbol("X", RED, 130, "air pocket: a bubble stays here")
 
 @dataclass(frozen=True)
 class _Mark:
-    """Point with its symbol and its text."""
-
     point_mm: Point3
     symbol: _Symbol
     text: str
 
 
 def draw_mold_filling(design: Design) -> bytes:
-    """Draw the filling of a design's mold as a PNG. Raises MissingLibraryError."""
     silicone, prediction = design.silicone.material, predict_mold_filling(design)
     how = (
         f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
@@ -73,7 +68,6 @@ def draw_mold_filling(design: Design) -> bytes:
 def draw_filling(
     grid: SkinGrid, prediction: FillingPrediction, gate: Opening, vents: Sequence[Opening], title: str
 ) -> bytes:
-    """Draw a filling as a PNG. Raises MissingLibraryError."""
     figure = new_figure(14.0, 7.4)
     levels = _choose_levels(prediction.fill_s)
     views = (_unroll(grid.layer), _look(grid.layer, 1), _look(grid.layer, -1))
@@ -160,7 +154,6 @@ class _View:
 
 
 def _grid_values(layer: Layer, values: Array) -> Array:
-    """Arrange node values by row and column, the pole as a last row."""
     rows, columns = layer.network.shape
     return np.concatenate((values[:-1].reshape(rows, columns), np.full((1, columns), values[-1])))
 

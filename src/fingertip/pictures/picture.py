@@ -81,8 +81,6 @@ Mark = tuple[str, Point3]
 
 @dataclass(frozen=True)
 class PlacedMesh:
-    """Mesh at the position where it is drawn."""
-
     label: str
     mesh: Mesh
     colour: Colour

@@ -56,8 +56,6 @@ class Feature:
 
 @dataclass(frozen=True)
 class Section:
-    """Contents of one section."""
-
     title: str
     parts: Mapping[str, Solid]
     dashed: Sequence[tuple[Solid, float]]

@@ -54,8 +54,6 @@ class BrepMeasurements:
 
 @dataclass(frozen=True)
 class StepFiles:
-    """Result of a STEP job."""
-
     contents: dict[str, bytes]
     """File name -> bytes."""
     measurements: dict[str, BrepMeasurements]
@@ -105,18 +103,15 @@ class StepProcess:
         self._folder.remove()
 
     def _steps(self) -> list[str]:
-        """Steps that the process has begun."""
         status_file = self._folder.path / STATUS_FILE
         return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
 
     def _share_begun(self) -> float:
-        """Share of the steps that have begun: each part is made and written, each measured solid is measured."""
         steps = len(("starting", "loading", "hardware", "assembly"))
         steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
         return (len(self._steps()) - 1) / steps
 
     def _kill(self) -> None:
-        """Kill the process and its child process, if they still run."""
         if sys.platform == "win32":
             self._process.kill()
             return

@@ -129,12 +129,10 @@ class _ForkedJob:
             raise self._crash_error()
 
     def wait_for_solids(self) -> None:
-        """Wait until the solids have been saved."""
         if self._process and isinstance(error := self._receive(), FingertipError):
             raise error
 
     def wait_for_measurements(self) -> JobMeasurements:
-        """Wait for the measurements."""
         answer = self._receive() if self._process else JobMeasurements({}, {})
         assert isinstance(answer, JobMeasurements)
         return answer

@@ -85,7 +85,6 @@ def _place_colours(blocks: list[str]) -> Iterator[str]:
 
 
 def _coloured_entity(block: str) -> int:
-    """Return the number of the entity that a colour block colours."""
     styled = _STYLED_ITEM.search(block)
     assert styled is not None, "a colour block without a styled item"
     return int(styled[1])

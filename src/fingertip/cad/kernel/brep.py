@@ -119,7 +119,6 @@ class BrepEvaluator:
 
 
 def assemble(title: str, parts: Iterable[tuple[str, cq.Solid, tuple[float, float, float]]]) -> cq.Assembly:
-    """Join named, coloured solids in an assembly."""
     assembly = cq.Assembly(name=title)
     for name, solid, colour in parts:
         assembly.add(solid, name=name, color=cq.Color(*colour))
@@ -167,7 +166,6 @@ def save(shape: Any, path: Path) -> None:
 
 
 def load(path: Path) -> Any:
-    """Read a shape that `save` wrote."""
     shape = TopoDS_Shape()
     BinTools.Read_s(shape, str(path))
     return cq.Shape.cast(shape)

@@ -53,7 +53,6 @@ class Mesh:
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
     def area(self) -> float:
-        """Compute the surface area [mm2]."""
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 

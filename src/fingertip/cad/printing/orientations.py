@@ -101,7 +101,6 @@ class Supports:
 
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
-    """Return the supports of each printed part of a design."""
     dims, orientations = design.dimensions, print_orientations(design)
     every = {
         "bone": _bone(design),
@@ -156,7 +155,6 @@ def _lid(design: Design, lies: Orientation) -> Supports:
 
 
 def _rim(design: Design) -> str:
-    """Name the rim of the chaplet's facet, which may be a ledge; silicone covers it, and nothing else touches it."""
     return "; at the distal rim of the facet" if design.dimensions.chaplet else ""
 
 
@@ -166,7 +164,6 @@ def _facet(design: Design, inset_mm: float = 0.0, growth: float = 1.0) -> tuple[
 
 
 def _mold(hollows: str) -> Supports:
-    """Supports of a mold half: none, because all its ceilings are short bridges."""
     return Supports((), "nowhere: all ceilings are short bridges", hollows)
 
 

@@ -22,8 +22,6 @@ _SHIFT_DIGITS = 3
 
 @dataclass(frozen=True)
 class PlateKind:
-    """Process for which plates are made."""
-
     name: str
     gap_mm: float
     """Distance between two parts, seen from above [mm]."""
@@ -134,12 +132,10 @@ _MOLD_INFILL_PERCENT, _SOLID_PERCENT = 40, 100
 
 
 def infill_percent(part: str) -> int:
-    """Infill of a part."""
     return _MOLD_INFILL_PERCENT if part.startswith("mold") else _SOLID_PERCENT
 
 
 def needs_brim(orientation: Orientation) -> bool:
-    """Return whether a part gets a brim: those that stand on end do."""
     return orientation.rotate_x_deg == 0.0
 
 
@@ -190,8 +186,6 @@ PRINT_FOLDER = "print"
 
 @dataclass(frozen=True)
 class PrintFiles:
-    """Files of the printed parts."""
-
     contents: Mapping[str, bytes]
     """File name -> bytes; no file has been written."""
     plates: Mapping[str, tuple[str, ...]]

@@ -21,7 +21,6 @@ _OVERLAP_MM = 0.2
 
 
 def bone(design: Design) -> Solid:
-    """Build the printable bone."""
     added, removed = interface_of(design).shapes(design)
     cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design), tie_hole(design))
     hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
@@ -60,7 +59,6 @@ def sensor_recess(design: Design) -> Solid:
 
 
 def trough(design: Design, fold: TailFold) -> Solid:
-    """Build the trough for the end of a folded tail, open on the dorsal side."""
     half_width = design.dimensions.tail_half_width
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal  # past the bone
     return Box((-half_width, fold.floor_y, fold.nose_z - _OVERLAP_MM), (half_width, dorsal, fold.trough_end_z))
@@ -225,5 +223,4 @@ def lid_seal(design: Design) -> tuple[Solid, ...]:
 
 
 def seals(design: Design) -> tuple[Solid, ...]:
-    """Build everything that closes the hollows of the bone in the mold."""
     return (tape(design), *passage_seal(design), *lid_seal(design), *pilot_hole(design))

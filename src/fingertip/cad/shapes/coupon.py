@@ -159,7 +159,6 @@ def list_heights(design: Design) -> tuple[Height, ...]:
 
 
 def _pocket(design: Design, layout: Layout) -> Solid:
-    """Build the sensor's pocket with the beginning of its tail's slot, open at the top of its tile."""
     dims, spot = design.dimensions, layout.sensor
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     low, high = dims.sensor_z - head - tail_mm(design), dims.sensor_z + head + _PAST_MM
@@ -180,7 +179,6 @@ def _sensor_hole(design: Design, layout: Layout) -> tuple[Solid, ...]:
 
 
 def _recess(design: Design, layout: Layout) -> Solid:
-    """Build the recess of the slice, through its ring."""
     flat = design.dimensions.base_flat_depth + design.mold.fit_clearance_mm
     at = (layout.ring.centre[0], layout.ring.low[1] + AROUND_MM, 0.0)
     recess = base_recess(design)[0]
@@ -191,7 +189,6 @@ def _recess(design: Design, layout: Layout) -> Solid:
 
 
 def _nut_trap(design: Design, layout: Layout) -> tuple[Solid, ...]:
-    """Build the trap of the first bolt's nut, and the hole of the bolt below it."""
     x, z = design.mold_layout.bolts[0]
     face = (x, -design.mold_layout.palmar_height, z)
     at = (*layout.tongue.centre, _tongue_top_mm(design))
@@ -199,13 +196,11 @@ def _nut_trap(design: Design, layout: Layout) -> tuple[Solid, ...]:
 
 
 def _socket(design: Design, spot: Spot) -> Solid:
-    """Build the socket of the larger key, open at the top."""
     x, z, _ = design.mold_layout.keys[0]
     return _place(key_sockets(design)[0], _UP_FROM_DORSAL, (x, 0.0, z), (*spot.centre, _socket_top_mm(design)))
 
 
 def _luer(design: Design, spot: Spot) -> Solid:
-    """Build the Luer cone, its mouth at the top."""
     inlet, (cone,) = design.mold_layout.inlet, luer_cone(design)
     assert inlet
     face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
@@ -227,7 +222,6 @@ def _letters(design: Design, layout: Layout) -> list[Solid]:
 
 
 def _place(solid: Solid, turns: Literal[-1, 1], point: Point3, at: Point3) -> Solid:
-    """Turn a solid and move it, such that a point of the design comes to lie at a point of the coupon."""
     x, y, z = point
     return Placed(solid, turns, (at[0] - x, at[1] + turns * z, at[2] - turns * y))
 
@@ -238,7 +232,6 @@ def _slice_z() -> float:
 
 
 def _tongue_top_mm(design: Design) -> float:
-    """Height of the tongue above the bed [mm]."""
     return design.mold.nut_depth_mm + _FLOOR_MM
 
 

@@ -55,12 +55,10 @@ class Spot:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Centre of the rectangle."""
         return self.low[0] + self.size[0] / 2, self.low[1] + self.size[1] / 2
 
     @property
     def high(self) -> tuple[float, float]:
-        """Corner opposite to `low`."""
         return self.low[0] + self.size[0], self.low[1] + self.size[1]
 
     def box(self, low_z: float, high_z: float) -> Box:
@@ -99,7 +97,6 @@ class Layout:
 
 @lru_cache(maxsize=8)
 def lay_out(design: Design) -> Layout:
-    """Lay out the frame and its features."""
     dims, mold = design.dimensions, design.mold
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     reach, unit = _socket_radius(design) + AROUND_MM, text_unit_mm(design)
@@ -189,7 +186,6 @@ def _recess_half_width(design: Design) -> float:
 
 
 def _socket_radius(design: Design) -> float:
-    """Radius of the key's socket at its mouth [mm]."""
     _, _, root = design.mold_layout.keys[0]
     return root / 2 + design.mold.key_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
 
@@ -204,5 +200,4 @@ def tail_mm(design: Design) -> float:
 
 
 def slice_height(design: Design) -> float:
-    """Height of the slice from its palmar flat to its dorsal side [mm]."""
     return design.dimensions.base_flat_depth + design.dimensions.bone_outline.section.dorsal

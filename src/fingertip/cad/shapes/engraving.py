@@ -50,8 +50,6 @@ _GLYPHS = {
 
 @dataclass(frozen=True)
 class TextLine:
-    """Line of text to engrave."""
-
     text: str
     unit_mm: float
     """Size of a grid unit [mm]."""

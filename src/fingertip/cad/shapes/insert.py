@@ -39,7 +39,6 @@ def facet_cut(design: Design, inset_mm: float = 0.0) -> tuple[Solid, ...]:
 
 
 def pilot_hole(design: Design) -> tuple[Solid, ...]:
-    """Build the hole in the bone for the screw; none without a chaplet."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
@@ -109,7 +108,6 @@ def axis_z(design: Design) -> float:
 
 
 def head_y(design: Design) -> float:
-    """Height of the bottom of the counterbore, under the head of the screw [mm]."""
     chaplet = design.dimensions.chaplet
     assert chaplet
     length = chaplet.screw_length(design.mold_layout.dorsal_height)
@@ -133,14 +131,12 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
 
 def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    """Cut the palmar flats and the facet on which the chaplet stands."""
     cut = _cut_flat(design, body, inset_mm)
     facets = facet_cut(design, inset_mm)
     return difference(cut, *facets) if facets else cut
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    """Cut the palmar flat, `inset_mm` deeper than the bone's, and that of the base."""
     section, dims = body.section, design.dimensions
     # The cutting boxes extend past the outline by a length that scales with the design.
     margin = section.half_width
@@ -207,7 +203,6 @@ def mold_insert(design: Design) -> Solid:
 
 
 def skin_interior(design: Design) -> Solid:
-    """Build the region that the finished, unstretched skin encloses."""
     return filled_bone(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
 
 

@@ -70,7 +70,6 @@ def luer_cone(design: Design) -> tuple[Solid, ...]:
 
 
 def sprue(design: Design, inlet: Inlet) -> Solid:
-    """Build the sprue from the end of the Luer cone to the parting plane."""
     radius = (LUER_MOUTH_MM - LUER_TAPER * LUER_DEPTH_MM) / 2
     top = design.mold_layout.dorsal_height - LUER_DEPTH_MM
     # It reaches into the cone by a length that leaves no coincident face.
@@ -119,12 +118,10 @@ def gate_and_funnel(design: Design) -> tuple[Solid, ...]:
 
 
 def vents(design: Design) -> tuple[Solid, ...]:
-    """Build the vents."""
     return tuple(_vent(design, vent) for vent in place_vents(design))
 
 
 def side_vents(design: Design) -> tuple[Solid, ...]:
-    """Build the vents in the parting plane."""
     return tuple(_vent(design, vent) for vent in place_vents(design) if vent.kind == "side")
 
 
@@ -163,7 +160,6 @@ def _begin_dorsal(design: Design, vent: Vent) -> float:
 
 
 def openings(design: Design) -> Solid:
-    """Build all of it as one solid."""
     return union(*runners(design), *luer_cone(design))
 
 
@@ -237,7 +233,6 @@ def _drafted_extrusion(
 
 
 def bolt_holes(design: Design) -> tuple[Solid, ...]:
-    """Build the clearance holes for the clamp bolts, through both halves."""
     m = design.mold_layout
     radius, low, high = design.mold.bolt_diameter_mm / 2, -2 * m.palmar_height, 2 * m.dorsal_height
     return tuple(cylinder("y", (z, x), low, high, radius) for x, z in m.bolts)
@@ -261,7 +256,6 @@ def keys(design: Design) -> tuple[Solid, ...]:
 
 
 def key_sockets(design: Design) -> tuple[Solid, ...]:
-    """Build the sockets of the palmar half: the keys, larger by their clearance."""
     return key_frustums(design, design.mold.key_clearance_mm)
 
 

@@ -21,8 +21,6 @@ from fingertip.filling.vents import place_vents
 
 @dataclass(frozen=True)
 class Part:
-    """Part of the fingertip that is printed or cast."""
-
     name: str
     solid: Callable[[Design], Solid]
     """Function that builds the part for a design."""
@@ -69,7 +67,6 @@ PARTS: dict[str, Part] = {
 
 
 def parts_by_name(design: Design) -> dict[str, Part]:
-    """Return the parts of a design by name: all of `PARTS`, but the core only if the skin is a sleeve."""
     return {name: part for name, part in PARTS.items() if part.exists_in(design)}
 
 
@@ -122,7 +119,6 @@ def screw(thread: Thread, x: float, z: float, under_head_y: float, length: float
 
 
 def _mold_bolts(design: Design) -> list[HardwareItem]:
-    """Build the bolts, which enter from the dorsal face, and their nuts at the bottom of the traps."""
     m, bolts = design.mold_layout, size_clamp_bolts(design.mold, design.mold_layout)
     thread, top = bolts.thread, -m.palmar_height + design.mold.nut_depth_mm
     items = []

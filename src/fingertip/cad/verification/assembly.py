@@ -57,7 +57,6 @@ _BREP_VOLUME_ERROR = 2e-6
 
 
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
-    """Check identities between the given parts on meshes."""
     if "skin" in parts:
         yield check_zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
@@ -95,7 +94,6 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
 def check_brep_assembly(
     design: Design, parts: Mapping[str, BrepMeasurements], volumes_mm3: Mapping[str, float]
 ) -> Iterator[Check]:
-    """Check the volume balances on B-rep solids."""
     if "cavity" in volumes_mm3:
         growth = design.dimensions.shrinkage**3
         skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]
@@ -161,7 +159,6 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
 
 
 def _demolding_overlap(half: Manifold, cast: Manifold, direction: float) -> float:
-    """Compute the largest overlap [mm3] of a half with the cast parts while it is pulled off along y."""
     pulled = (half.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
     return max(float((position ^ cast).volume()) for position in pulled)
 
@@ -229,7 +226,6 @@ _FINGER = ("bone", "lid", "skin")
 
 
 def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the clevis of a design that has one."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     if joint is None:
         return
@@ -242,7 +238,6 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
 
 def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: float) -> Iterator[Check]:
-    """Check the walls of the eyes around the pin and beside the joint's gap."""
     dims, half_length = design.dimensions, 1.0
     reach = 2 * (joint.radius + dims.collar.section.dorsal + dims.collar.section.palmar)
     heights = Box(
@@ -268,7 +263,6 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
 
 
 def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator, wall: float) -> Check:
-    """Check the walls around the tendon's anchor along its first millimetres in each cheek."""
     inner = anchor.inner_half_width
     length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
     hole = cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius)
@@ -304,7 +298,6 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
 
 
 def _overlap(finger: list[Manifold], hand: Manifold, joint: Joint, angle_deg: float) -> float:
-    """Compute the volume [mm3] that finger and hand share if the finger is bent by an angle."""
     return float(sum((_turn(part, joint, angle_deg) ^ hand).volume() for part in finger))
 
 

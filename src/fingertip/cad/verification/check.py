@@ -164,7 +164,6 @@ def list_warnings(checks: Sequence[Check]) -> list[str]:
 
 
 def check_zero_volume(name: str, volume_mm3: float) -> Check:
-    """Check that a volume is zero, apart from rounding."""
     return Check(name, volume_mm3, VOLUME_TOLERANCE_MM3, "mm3")
 
 

@@ -60,7 +60,6 @@ when they are pressed together."""
 
 
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check both halves of the mold."""
     yield from _check_openings(design, evaluator)
     clearances = _measure_recess(design, evaluator)
     yield from _check_recess_clearance(design, evaluator, clearances)
@@ -115,7 +114,6 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
 
 
 def _measure_recess(design: Design, evaluator: MeshEvaluator) -> tuple[float, float]:
-    """Measure the clearances [mm] of palmar and dorsal half around the base of bone or core."""
     base = _insert_base(design, evaluator)
     palmar, dorsal = (
         search_distance(partial(base.min_gap, evaluator.manifold(half(design))), design.mold.fit_clearance_mm)
@@ -127,7 +125,6 @@ def _measure_recess(design: Design, evaluator: MeshEvaluator) -> tuple[float, fl
 def _check_recess_clearance(
     design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]
 ) -> Iterator[Check]:
-    """Check the clearance between each half and the base of bone or core in the recess."""
     minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
     if minimum <= 0.0:
         return  # the mesh is too coarse to measure the clearance; the overlap checks still apply
@@ -275,7 +272,6 @@ _GRAVITY_M_S2 = 9.81
 
 
 def check_filling(design: Design) -> Iterator[Check]:
-    """Check the filling of a mold with the silicone of its design."""
     prediction, silicone = predict_mold_filling(design), design.silicone.material
     allowed_s = silicone.filling_limit_s
     syringe = design.mold_layout.inlet.syringe if design.mold_layout.inlet else None
@@ -331,7 +327,6 @@ _DEEPER_MM = 0.1
 
 
 def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the seals of an overmolding, and the seat of bone or core."""
     if design.mold.method == "overmold":
         yield Check("mold.open_paths", flooded_mm3(design, evaluator), VOLUME_TOLERANCE_MM3, "mm3")
     yield Check("mold.leak_length", leak_mm(design), _MAX_LEAK_SHARE * design.mold.recess_length_mm, "mm")
@@ -355,7 +350,6 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
 
 
 def _hollows(design: Design) -> Solid:
-    """Build the hollows of the bone, a little below its surface."""
     hollows = [bone.sensor_recess(design)]
     if not design.dimensions.window_opens_into_gap:
         hollows.append(bone.cable_channel(design))

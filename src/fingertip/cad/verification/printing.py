@@ -109,7 +109,6 @@ def _may_be_supported(
 
 
 def _is_within(points: Array, box: tuple[float, ...]) -> NDArray[np.bool_]:
-    """Return for each point whether it lies within a bounding box."""
     low, high = np.array(box[:3]), np.array(box[3:])
     return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 
@@ -138,7 +137,6 @@ def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[
 def check_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
 ) -> Iterator[Check]:
-    """Check the files for the printer, read back from their bytes."""
     for file, data in prints.contents.items():
         if file in prints.plates:
             continue
@@ -177,7 +175,6 @@ def _check_plates(
 
 
 def _bounds(item: threemf.Item, mesh: Mesh) -> Array:
-    """Find the lowest and highest corner of an object on its plate, shape (2, 3) [mm]."""
     assert item.rotation is not None
     placed = Pose(item.rotation, item.shift).apply(mesh).vertices
     return np.stack([placed.min(axis=0), placed.max(axis=0)])

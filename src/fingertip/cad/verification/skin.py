@@ -101,7 +101,6 @@ def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
 
 
 def distance_to_surface(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
-    """Measure the distance [mm] of each point (n, 3) from the surface."""
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
     best = _distance_to_end(body, folded)
@@ -142,7 +141,6 @@ class Patch:
         return within
 
     def distance(self, points: Array, steps: int) -> Array:
-        """Measure the distance [mm] of points from the patch."""
         if not len(points):
             return np.zeros(0)
         t, v = self._start(points)
@@ -224,7 +222,6 @@ _SECTIONS = 24
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
-    """Check the thickness of the skin, with the bone in place and off it, and its mesh against the outer surface."""
     interior, outside = _interior(design, evaluator), _outer_surface(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
@@ -234,7 +231,6 @@ def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator
 
 
 def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
-    """Measure the smallest thickness of the skin [mm]."""
     return _thickness(_interior(design, evaluator), _outer_surface(design, evaluator))
 
 
@@ -250,7 +246,6 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
 
 
 def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
-    """Evaluate what the skin encloses, above the plane where it is cut square."""
     return above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
 
 

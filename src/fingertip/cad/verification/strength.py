@@ -84,16 +84,12 @@ def measure_section(polygons: Sequence[Array]) -> Section | None:
 
 @dataclass(frozen=True)
 class LoadPoint:
-    """Point at which the finger is loaded."""
-
     name: str
     position_mm: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Weakness:
-    """Place and load at which the bone breaks first."""
-
     load: str
     """Name of the load point."""
     z_mm: float
@@ -112,8 +108,6 @@ class Weakness:
 
 @dataclass(frozen=True)
 class BoneStrength:
-    """Safety factors of a bone."""
-
     material: PrintMaterial
     weakest: Weakness
     by_load: tuple[Weakness, ...]
@@ -167,7 +161,6 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
 
 
 def _find_weakest(places: Iterable[Weakness]) -> Weakness:
-    """Find the place with the largest stress per newton."""
     return max(places, key=lambda weakness: weakness.stress_per_n)
 
 

@@ -30,8 +30,6 @@ MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
 
 @dataclass(frozen=True)
 class VerifiedParts:
-    """Meshes of the parts, the contents of their files, and the checks made on them."""
-
     meshes: Mapping[str, Mesh]
     contents: Mapping[str, bytes]
     """File name -> bytes; no file has been written."""

@@ -25,12 +25,10 @@ from fingertip.design.parameters import Board
 
 
 def total_supply_v(board: Board) -> float:
-    """Voltage between both rails of the amplifiers [V]."""
     return 2.0 * board.supply_v if board.supply == "split" else board.supply_v
 
 
 def works_on_supply(amplifier: Amplifier, board: Board) -> bool:
-    """Return whether a board's supply lies within the range of an amplifier."""
     return amplifier.min_supply_v <= total_supply_v(board) <= amplifier.max_supply_v
 
 
@@ -44,7 +42,6 @@ def choose_amplifier(board: Board) -> Amplifier:
 
 
 def choose_automatically(board: Board) -> str:
-    """Return the name of the amplifier that "auto" stands for."""
     if (board.variant, board.supply) == ("article", "split"):
         return ARTICLE_AMPLIFIER
     if board.variant == "comparator":
@@ -53,13 +50,11 @@ def choose_automatically(board: Board) -> str:
 
 
 def choose_low_offset_amplifier(board: Board) -> Amplifier:
-    """Return the amplifier of low offset that works on a board's supply."""
     preferred = CATALOGUE[LOW_OFFSET_AMPLIFIER]
     return preferred if works_on_supply(preferred, board) else CATALOGUE[LOW_VOLTAGE_AMPLIFIER]
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:
-    """Return the gain-bandwidth product of the board's dual amplifier [Hz]."""
     return choose_amplifier(board).bandwidth_hz
 
 

@@ -48,7 +48,6 @@ class StressFactors:
     height: float = 1.0
 
     def combined_with(self, other: StressFactors) -> StressFactors:
-        """Take the larger factor in each direction."""
         return StressFactors(max(self.width, other.width), max(self.height, other.height))
 
 

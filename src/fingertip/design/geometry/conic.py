@@ -115,15 +115,12 @@ class CrossSection:
         return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
 
     def area(self) -> float:
-        """Return the area [mm2] at scale 1."""
         halves = self.palmar * arc_area(self.palmar_weight) + self.dorsal * arc_area(self.dorsal_weight)
         return 2.0 * self.half_width * halves
 
 
 @dataclass(frozen=True)
 class Tip:
-    """Rounded end of a body."""
-
     z: float
     """Height of the apex [mm]."""
     weight: float

@@ -71,12 +71,10 @@ class Dimensions:
 
     @cached_property
     def taper_end_z(self) -> float:
-        """Height at which the straight taper ends and the rounded tip begins."""
         return self._design.skin.length_mm - self._design.skin.tip_length_mm
 
     @cached_property
     def outer(self) -> ConicBody:
-        """Outer surface of the skin, which is also the mold's cavity."""
         skin = self._design.skin
         section = CrossSection(
             skin.width_mm / 2,
@@ -90,7 +88,6 @@ class Dimensions:
 
     @cached_property
     def joint(self) -> Joint | None:
-        """Joint of a clevis; None for other interfaces."""
         bone, hand = self._design.bone, self._design.hand
         if bone.interface != "clevis":
             return None
@@ -108,7 +105,6 @@ class Dimensions:
 
     @cached_property
     def base_end_z(self) -> float:
-        """Proximal end of the base, with the eyes of a clevis."""
         return self.joint.low_z if self.joint else -self._design.bone.base_length_mm
 
     @cached_property
@@ -134,7 +130,6 @@ class Dimensions:
 
     @cached_property
     def bone_outline(self) -> ConicBody:
-        """Bone with its base, before the palmar flat is cut."""
         skin, bone = self._design.skin, self._design.bone
         half_width = skin.width_mm / 2
         section = CrossSection(
@@ -155,7 +150,6 @@ class Dimensions:
 
     @cached_property
     def sensor_z(self) -> float:
-        """Centre of the active area."""
         return self._design.skin.length_mm - self._design.sensor.distance_from_tip_mm
 
     @cached_property
@@ -181,7 +175,6 @@ class Dimensions:
 
     @cached_property
     def pocket_depth(self) -> float:
-        """Depth of the sensor's pocket: sensor and adhesive film."""
         return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm
 
     @cached_property
@@ -202,7 +195,6 @@ class Dimensions:
 
     @cached_property
     def fold(self) -> TailFold | None:
-        """Course of a folded tail; None if it is straight."""
         sensor = self._design.sensor
         if sensor.tail == "straight":
             return None
@@ -235,7 +227,6 @@ class Dimensions:
 
     @cached_property
     def tail_passes_collar(self) -> bool:
-        """True if the tail runs out through the collar (a long or folded one) or ends under the skin (a short one)."""
         return self.fold is not None or self.tail_end_z < 0.0
 
     @cached_property
@@ -245,7 +236,6 @@ class Dimensions:
 
     @property
     def relief_proximal_z(self) -> float:
-        """Proximal face of the recess for the solder joints, where the cable channel begins."""
         return self.tail_end_z - self.relief_half_length
 
     @cached_property
@@ -269,7 +259,6 @@ class Dimensions:
 
     @cached_property
     def tie_hole_z(self) -> float:
-        """Centre of the hole for the cable tie."""
         bone, fold = self._design.bone, self.fold
         if fold:
             return fold.window_low_z - bone.wall_mm - bone.tie_hole_diameter_mm / 2
@@ -324,7 +313,6 @@ class Dimensions:
 
     @cached_property
     def chaplet(self) -> Chaplet | None:
-        """Support of bone or core near the tip; None without one."""
         mold = self._design.mold
         if mold.chaplet_diameter_mm == 0.0:
             return None
@@ -338,7 +326,6 @@ class Dimensions:
 
     @cached_property
     def shrinkage(self) -> float:
-        """Linear size of the cavity divided by that of the cured skin."""
         return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:

@@ -64,7 +64,6 @@ class Chaplet:
 
     @property
     def hole_radius(self) -> float:
-        """Radius of the hole in the mold, which the screw passes."""
         return (self.thread.diameter_mm + _HOLE_CLEARANCE_MM) / 2
 
     @property
@@ -74,17 +73,14 @@ class Chaplet:
 
     @property
     def pilot_radius(self) -> float:
-        """Radius of the hole in the bone, into which the screw cuts its thread."""
         return _PILOT_RATIO * self.thread.diameter_mm / 2
 
     @property
     def engaged(self) -> float:
-        """Engaged length of the screw."""
         return _ENGAGED_DIAMETERS * self.thread.diameter_mm
 
     @property
     def pilot_depth(self) -> float:
-        """Depth of the hole in the bone, below the facet."""
         return self.engaged + _PILOT_END_MM
 
     @property
@@ -136,7 +132,6 @@ class Joint:
 
     @property
     def eye_radius(self) -> float:
-        """Radius of the bone's eyes."""
         return self.radius - self.clearance
 
     @property
@@ -146,7 +141,6 @@ class Joint:
 
     @property
     def low_z(self) -> float:
-        """Proximal end of the eyes."""
         return self.axis_z - self.radius
 
     def stopped_profile(self, reach: float) -> tuple[tuple[float, float], ...]:
@@ -232,7 +226,6 @@ class TailFold:
 
     @property
     def trough_end_z(self) -> float:
-        """Distal end of the trough."""
         return self.tabs_end_z + END_ROOM_MM
 
 

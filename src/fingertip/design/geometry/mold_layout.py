@@ -68,7 +68,6 @@ class MoldLayout:
 
     @cached_property
     def nut_circumradius(self) -> float:
-        """Radius of the circle through the corners of a nut trap."""
         return self._design.mold.nut_width_mm / math.sqrt(3)
 
     @cached_property
@@ -84,18 +83,15 @@ class MoldLayout:
 
     @cached_property
     def _column_x(self) -> float:
-        """Distance of the bolts and keys from the middle plane."""
         cavity = self._design.skin.width_mm / 2 * self._dims.shrinkage
         return cavity + self._design.mold.land_mm + self._half_column
 
     @cached_property
     def half_width(self) -> float:
-        """Half the width of the mold."""
         return self._column_x + self._half_column + self._design.mold.land_mm
 
     @cached_property
     def palmar_height(self) -> float:
-        """Height of the palmar half."""
         return self._design.skin.semi_axis_palmar_mm * self._dims.shrinkage + self._design.mold.wall_mm
 
     @cached_property
@@ -109,7 +105,6 @@ class MoldLayout:
 
     @cached_property
     def proximal_z(self) -> float:
-        """Proximal face of the mold."""
         return -self._design.mold.recess_length_mm
 
     @cached_property
@@ -125,12 +120,10 @@ class MoldLayout:
 
     @cached_property
     def _end_to_bolt(self) -> float:
-        """Distance of the bolts from the end of the mold."""
         return self._design.mold.land_mm + self.nut_circumradius
 
     @cached_property
     def _small_key_radius(self) -> float:
-        """Radius of the smaller key at its root."""
         return 0.4 * self._design.mold.key_diameter_mm
 
     @cached_property
@@ -170,12 +163,10 @@ class MoldLayout:
 
     @cached_property
     def _bolts_z(self) -> tuple[float, float]:
-        """Heights of the proximal and the distal pair of bolts."""
         return self.proximal_z + self._end_to_bolt, self.distal_z - self._end_to_bolt
 
     @cached_property
     def bolts(self) -> tuple[tuple[float, float], ...]:
-        """(x, z) of each clamp bolt."""
         return tuple((x, z) for x in (-self._column_x, self._column_x) for z in self._bolts_z)
 
     def _key_reach(self, root: float) -> float:
@@ -185,7 +176,6 @@ class MoldLayout:
 
     @property
     def _small_key_reach(self) -> float:
-        """Reach of the smaller key's socket."""
         return self._key_reach(2 * self._small_key_radius)
 
     def clear_side_z(self, z: float, width: float) -> float:
@@ -211,7 +201,6 @@ class MoldLayout:
 
     @cached_property
     def pry_z(self) -> float:
-        """Centre of the pry slots."""
         low, high = self._bolts_z
         return (low + high) / 2
 

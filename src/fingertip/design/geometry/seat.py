@@ -201,7 +201,6 @@ class Loss:
 
     @property
     def left_mm(self) -> float:
-        """Thickness that is left [mm]; 0 where bone and mold touch."""
         return max(0.0, self.point.thickness_mm - self.loss_mm)
 
 

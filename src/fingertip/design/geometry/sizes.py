@@ -34,7 +34,6 @@ class Tolerance:
     high: float
 
     def text(self) -> str:
-        """Write the deviations as on a drawing; a fit is tried where calipers cannot check them."""
         if self.high - self.low < 2.0 * MIN_TOLERANCE_MM - 1e-9:
             return FIT
         if round(self.high + self.low, 2) == 0.0:
@@ -44,7 +43,6 @@ class Tolerance:
 
 
 def size_text(value: float) -> str:
-    """Write a size to a hundredth of a millimetre."""
     return f"{round(value, 2) + 0.0:g}"
 
 
@@ -55,12 +53,10 @@ def _deviation_text(deviation: float, sign: str = "") -> str:
 
 
 def symmetric(deviation: float) -> Tolerance:
-    """Create a tolerance that is equal on both sides."""
     return Tolerance(-deviation, deviation)
 
 
 def general(size: float) -> Tolerance:
-    """Look up the general tolerance of a size [mm]."""
     return symmetric(next((deviation for limit, deviation in _GENERAL_MM if size <= limit), _GENERAL_MM[-1][1]))
 
 
@@ -131,7 +127,6 @@ class Length:
 
     @property
     def value(self) -> float:
-        """Size in the model [mm]."""
         return abs(self.end[AXES[self.axis]] - self.start[AXES[self.axis]])
 
     @property
@@ -140,7 +135,6 @@ class Length:
         return self.value + self.added_mm
 
     def text(self) -> str:
-        """Write the size as on the drawing."""
         text = _with_tolerance(("Ø" if self.is_diameter else "") + size_text(self.printed), self.tolerance)
         return f"({text})" if self.is_reference else text
 
@@ -180,7 +174,6 @@ class Circle:
         return not any((direction_deg - low) % 360.0 < high - low for low, high in self.hidden_deg)
 
     def text(self) -> str:
-        """Write the size as on the drawing."""
         count = f"{self.count}× " if self.count > 1 else ""
         return _with_tolerance(count + ("R" if self.is_radius else "Ø") + size_text(self.printed), self.tolerance)
 
@@ -212,7 +205,6 @@ class PartDrawing:
 
     @property
     def views(self) -> tuple[ViewName, ...]:
-        """Views on the sheet."""
         return ("front", self.plan, "end", "section")
 
     @property

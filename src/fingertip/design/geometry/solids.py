@@ -118,30 +118,22 @@ class DraftedExtrusion:
 
 @dataclass(frozen=True)
 class Union:
-    """Boolean union of solids."""
-
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Boolean difference: `solid` minus every solid of `subtracted`."""
-
     solid: Solid
     subtracted: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Intersection:
-    """Boolean intersection of solids."""
-
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """Solid scaled about the origin."""
-
     solid: Solid
     factor: float
 

@@ -15,7 +15,6 @@ INTERFACES: Mapping[str, JointInterface] = {one.name: one for one in (*RIGID_INT
 
 
 def interface_of(design: DesignTables) -> JointInterface:
-    """Return the interface of a design."""
     return INTERFACES[design.bone.interface]
 
 

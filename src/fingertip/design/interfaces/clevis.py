@@ -217,7 +217,6 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
 
 
 def pin_bore(joint: Joint, half_length: float) -> Solid:
-    """Build the bore of the joint's pin."""
     return cylinder("x", (joint.axis_y, joint.axis_z), -half_length, half_length, joint.pin_radius)
 
 

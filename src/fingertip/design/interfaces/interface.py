@@ -55,7 +55,6 @@ class JointInterface:
         return 0.0
 
     def low_z(self, design: DesignTables) -> float:
-        """Proximal end of the bone."""
         return -design.bone.base_length_mm
 
     def sizes(self, design: DesignTables) -> list[Size]:
@@ -98,12 +97,10 @@ class JointInterface:
 
 
 def middle_y(dims: Dimensions) -> float:
-    """Middle of the base's height."""
     return (dims.bone_outline.section.dorsal - dims.base_flat_depth) / 2
 
 
 def base_size(dims: Dimensions) -> tuple[float, float]:
-    """Width and height of the base."""
     section = dims.bone_outline.section
     return 2 * section.half_width, section.dorsal + dims.base_flat_depth
 
@@ -141,11 +138,9 @@ class CrossBolted(JointInterface):
     """Interface that a bolt across it holds in place."""
 
     def cross_bolt_z(self, design: DesignTables) -> float:
-        """Axis of the cross bolt."""
         raise NotImplementedError
 
     def bolt_hole(self, design: DesignTables) -> Solid:
-        """Build the hole of the cross bolt."""
         dims = design.dimensions
         across = 2 * dims.bone_outline.section.half_width
         centre = (middle_y(dims), self.cross_bolt_z(design))

@@ -129,7 +129,6 @@ def _flats_deg(bone: Bone) -> tuple[tuple[float, float], ...]:
 
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
 def post_not_higher_than_base(design: DesignTables) -> Violation | None:
-    """The base is higher than the post, so that it ends in a shoulder."""
     height = min(design.bone.post_height_mm, design.bone.post_width_mm)
     maximum = base_size(design.dimensions)[1] - 2 * _MIN_SHOULDER
     if design.bone.interface != "post" or height <= maximum + SLACK:
@@ -139,7 +138,6 @@ def post_not_higher_than_base(design: DesignTables) -> Violation | None:
 
 @RULES.rule("bone.post_width_mm", bone_left_at_sides, bone_left_dorsally, post_not_higher_than_base)
 def post_within_base(design: DesignTables) -> Violation | None:
-    """The post is not wider than the base."""
     height = design.bone.post_height_mm
 
     def holds(width: float) -> bool:
@@ -198,7 +196,6 @@ class Socket(CrossBolted):
         return self.hole_factors(design, z, design.bone.socket_diameter_mm + 2 * design.bone.wall_mm)
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        """List the cross bolt, which passes through the whole bone."""
         return self.list_bolt(design, design.dimensions.bone_outline.section.half_width * 2)
 
     def mounting(self, design: DesignTables) -> dict[str, Any]:
@@ -215,7 +212,6 @@ class Socket(CrossBolted):
 
 @RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
 def socket_within_base(design: DesignTables) -> Violation | None:
-    """The base keeps a wall around the socket."""
     wall, diameter = design.bone.wall_mm, design.bone.socket_diameter_mm
     if design.bone.interface != "socket" or base_holds_circle(design, (diameter - SLACK) / 2 + wall):
         return None
@@ -226,7 +222,6 @@ def socket_within_base(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.cross_bolt_diameter_mm")
 def cross_bolt_within_interface(design: DesignTables) -> Limit | None:
-    """Post or socket keeps a wall around the hole of the cross bolt."""
     bone = design.bone
     if bone.interface == "socket":
         across, along = bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm
@@ -370,7 +365,6 @@ def flange_high_enough(design: DesignTables) -> Limit | None:
 
 @RULES.rule("bone.flange_spacing_y_mm")
 def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
-    """Two rows of the flange's bolt holes keep a wall between them."""
     bone = design.bone
     minimum = bone.flange_hole_diameter_mm + bone.wall_mm
     if bone.interface != "flange" or not 0.0 < bone.flange_spacing_y_mm < minimum - SLACK:
@@ -383,7 +377,6 @@ def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
 
 @RULES.at_least("bone.flange_thickness_mm")
 def flange_prints(design: DesignTables) -> Limit | None:
-    """The flange is not thinner than a wall."""
     return Limit(design.bone.wall_mm, "is thinner than a wall") if design.bone.interface == "flange" else None
 
 

@@ -72,7 +72,6 @@ class Tables(BaseModel):
         return max(0.0, self.mold.fit_clearance_mm - self.printer.offset_mm)
 
     def value(self, path: str) -> Any:
-        """Return the value of a parameter, such as "mold.draft_deg"."""
         table, _, key = path.rpartition(".")
         return getattr(getattr(self, table), key) if table else getattr(self, key)
 

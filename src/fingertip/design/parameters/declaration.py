@@ -33,7 +33,6 @@ class Bounds:
     maximum: float | None = None
 
     def contain(self, value: float) -> bool:
-        """Return whether a value lies within the bounds."""
         return (
             (self.minimum is None or value >= self.minimum)
             and (self.above is None or value > self.above)
@@ -55,7 +54,6 @@ def quantity(default: float, unit: str, bounds: tuple[float | Above, float], des
 
 
 def choice(default: str, description: str) -> Any:
-    """Declare a word from a fixed list, which is the field's Literal type."""
     return Field(default, description=description)
 
 
@@ -71,13 +69,11 @@ def find_allowed(field: FieldInfo) -> str:
 
 
 def find_unit(field: FieldInfo) -> str:
-    """Return the unit of a parameter; "" if it has none."""
     extra = field.json_schema_extra
     return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
 
 
 def find_bounds(field: FieldInfo) -> Bounds:
-    """Return the bounds of a numeric parameter."""
     found: dict[str, float] = {}
     for constraint in field.metadata:
         for key, name in (("ge", "minimum"), ("gt", "above"), ("le", "maximum")):
@@ -208,7 +204,6 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
 
 
 def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
-    """Find the model of the table that a parameter stands in."""
     for step in location[:-1]:
         info = model.model_fields.get(step)
         if info and isinstance(info.annotation, type) and issubclass(info.annotation, BaseModel):
@@ -217,7 +212,6 @@ def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseMod
 
 
 def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
-    """Show how a parameter of a table is set."""
     defaults = {key: info.default for key, info in _find_table([*location, ""], model).model_fields.items()}
     numbers = {key: value for key, value in defaults.items() if isinstance(value, float)}
     example = next((f"{key}={value:g}" for key, value in numbers.items()), "KEY=VALUE")

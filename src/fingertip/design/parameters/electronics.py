@@ -89,7 +89,8 @@ class Detector(ParameterTable):
         0.5e-3,
         "V",
         (0, 1),
-        "RMS noise of the sampled voltages without ADC quantisation; default: 0.6 steps of 12 bits over 3.3 V. (unverified)",
+        "RMS noise of the sampled voltages without ADC quantisation; default: 0.6 steps of 12 bits over 3.3 V. "
+        "(unverified)",
     )
     adc_bits: int = quantity(12, "bit", (8, 24), "Resolution of the ADC.")
     adc_range_v: float = quantity(3.3, "V", (0.01, 100), "Upper end of the ADC's input range.")
@@ -99,7 +100,6 @@ class Detector(ParameterTable):
 
     @property
     def adc_low_v(self) -> float:
-        """Lower end of the ADC's input range [V]."""
         return -self.adc_range_v if self.adc_polarity == "bipolar" else 0.0
 
     @property
@@ -109,5 +109,4 @@ class Detector(ParameterTable):
 
     @property
     def adc_range_text(self) -> str:
-        """Input range of the ADC in words."""
         return f"+/-{self.adc_range_v:g} V" if self.adc_low_v else f"0 to {self.adc_range_v:g} V"

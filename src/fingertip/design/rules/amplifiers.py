@@ -63,7 +63,6 @@ MAX_SPLIT_V = 5.5
 
 @RULES.rule("board.supply_v")
 def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
-    """The voltage lies within the range of the supply."""
     supply, supply_v = design.board.supply, design.board.supply_v
     minimum, maximum = SUPPLY_RANGES_V[supply]
     if minimum <= supply_v <= maximum:
@@ -78,7 +77,6 @@ def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.amplifier", voltage_fits_the_supply)
 def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
-    """The supply lies within the range of the amplifier."""
     amplifier, supply_v = choose_amplifier(design.board), total_supply_v(design.board)
     if works_on_supply(amplifier, design.board):
         return None
@@ -90,7 +88,6 @@ def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
 def amplifier_fast_enough(design: DesignTables) -> Violation | None:
-    """The amplifier has enough bandwidth for the gain at the cutoff."""
     amplifier, G, f_c = choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
     GBW = amplifier.bandwidth_hz
     if BANDWIDTH_MARGIN * G * f_c <= GBW:
@@ -156,7 +153,6 @@ def first_stage_is_stable(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.capacitor_uf", amplifier_withstands_the_supply)
 def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
-    """The amplifier can drive the filter's capacitors and resistors."""
     board = design.board
     if board.capacitor_series != "given":
         return None
@@ -175,7 +171,6 @@ def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter)
 def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
-    """The amplifier can charge the envelope's capacitor through variant article's diode."""
     board = design.board
     if board.variant != "article" or board.capacitor_series != "given":
         return None
@@ -211,7 +206,6 @@ def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violat
 
 @RULES.at_most("board.supply_v", slack=0.0)
 def comparator_withstands_the_supply(design: DesignTables) -> Limit | None:
-    """The supply does not exceed the comparator's maximum."""
     if design.board.variant != "comparator":
         return None
     return Limit(MAX_COMPARATOR_V, "is too much for variant comparator's LMV331")

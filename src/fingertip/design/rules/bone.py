@@ -29,14 +29,12 @@ _DIRECTIONS = 16
 
 @WALL_RULES.at_least("bone.wall_mm")
 def walls_print(design: DesignTables) -> Limit | None:
-    """The bone's minimum wall is not below the printer's."""
     minimum = design.printer.min_wall_mm
     return Limit(minimum, f"is thinner than the {minimum:g} mm of printer.min_wall_mm")
 
 
 @RULES.at_most("bone.relief_length_mm")
 def relief_clear_of_pocket(design: DesignTables) -> Limit | None:
-    """The recess for the solder joints ends before the sensor's pocket."""
     dims = design.dimensions
     if dims.fold:
         return None
@@ -46,7 +44,6 @@ def relief_clear_of_pocket(design: DesignTables) -> Limit | None:
 
 @RULES.rule("sensor.distance_from_tip_mm")
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
-    """The solder joints lie above or below the collar."""
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
     if dims.fold:
         return None
@@ -63,7 +60,6 @@ def relief_clear_of_collar(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.collar_inset_mm", bone_left_at_sides, bone_left_dorsally)
 def collar_carries_skin(design: DesignTables) -> Limit | None:
-    """The collar's face is high enough to carry the end of the skin."""
     dims = design.dimensions
     sides = min(
         _thickness_at_collar(design, half, thickness) - _MIN_COLLAR_HEIGHT
@@ -123,7 +119,6 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.tie_hole_diameter_mm")
 def tie_hole_within_back(design: DesignTables) -> Limit | None:
-    """The tie hole fits the back of the base."""
     dims, wall = design.dimensions, design.bone.wall_mm
     if dims.window_opens_into_gap:
         return None

@@ -27,12 +27,10 @@ Interval = tuple[float, float]
 
 
 def at_least(minimum: float) -> tuple[Interval, ...]:
-    """Return the values from `minimum` on."""
     return ((minimum, math.inf),)
 
 
 def at_most(maximum: float) -> tuple[Interval, ...]:
-    """Return the values up to `maximum`."""
     return ((-math.inf, maximum),)
 
 
@@ -62,8 +60,6 @@ RuleFunction = Callable[[DesignTables], Violation | None]
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """A rule between parameters."""
-
     field: str
     """Field that the rule blames."""
     check: RuleFunction
@@ -105,11 +101,9 @@ class Ruleset:
         return add
 
     def at_most(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
-        """Add a rule whose function returns the maximum of `field`."""
         return self._bound(field, prerequisites, lambda value, limit: value <= limit + slack, at_most)
 
     def at_least(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
-        """Add a rule whose function returns the minimum of `field`."""
         return self._bound(field, prerequisites, lambda value, limit: value >= limit - slack, at_least)
 
     def _bound(
@@ -140,8 +134,6 @@ class Ruleset:
 
 @dataclass(frozen=True)
 class BrokenRule:
-    """A rule that a design breaks."""
-
     rule: Rule
     violation: Violation
     design: DesignTables
@@ -220,11 +212,9 @@ class RecordingTables:
         self.reads: set[str] = set()
 
     def as_tables(self) -> DesignTables:
-        """Return this object with the type of what it stands for."""
         return cast(DesignTables, self)
 
     def record(self, name: str) -> None:
-        """Record that a parameter is read. Raises `InvalidParameterError`."""
         self.reads.add(name)
         if name in self._invalid:
             raise InvalidParameterError(name)
@@ -243,8 +233,6 @@ class RecordingTables:
 
 
 class _RecordingTable:
-    """Stand-in for one table."""
-
     def __init__(self, recorder: RecordingTables, name: str, table: BaseModel) -> None:
         self._recorder, self._name, self._table = recorder, name, table
 

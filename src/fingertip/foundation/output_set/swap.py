@@ -32,7 +32,6 @@ Content = bytes | Path
 
 
 def hash_content(content: Content) -> str:
-    """Return the SHA-256 hash."""
     if isinstance(content, Path):
         with content.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -40,7 +39,6 @@ def hash_content(content: Content) -> str:
 
 
 def write_content(content: Content, path: Path) -> None:
-    """Write the content to a file."""
     if isinstance(content, Path):
         shutil.copyfile(content, path)
     else:
@@ -127,7 +125,6 @@ def read_plan(commit: Path) -> tuple[list[str], list[str]]:
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a path is a folder and no link to one."""
     return path.is_dir() and not path.is_symlink()
 
 

@@ -226,7 +226,6 @@ class SetWriter:
         return removed
 
     def _foreign(self, names: Collection[str]) -> set[str]:
-        """Names of existing files that are somebody's own."""
         manifest, foreign = self._read_manifest(), set()
         for name in names:
             path = self.folder / name
@@ -289,7 +288,6 @@ class Manifest:
     """Name of each file -> SHA-256 hash."""
 
     def to_bytes(self) -> bytes:
-        """Content of the file."""
         return (json.dumps(asdict(self) | {"files": dict(sorted(self.files.items()))}, indent=2) + "\n").encode()
 
 
@@ -316,7 +314,6 @@ def hash_parameters(data: object) -> str:
 
 
 def hash_file(path: Path) -> str:
-    """Hash the content of a file in a folder that may be a stranger's. Raises InputFileError."""
     with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

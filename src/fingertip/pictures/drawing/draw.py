@@ -35,7 +35,6 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
-    """List the printed parts of a design with what their sheets show."""
     printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
     return tuple(_as_printed(design, _DRAWINGS[name](design)) for name in printed)
 
@@ -67,12 +66,10 @@ PDF = "drawing.pdf"
 
 
 def svg_name(part: str) -> str:
-    """Name of the file with the sheet of a part."""
     return f"drawing_{part}.svg"
 
 
 def file_names(design: Design) -> tuple[str, ...]:
-    """List the files of a drawing."""
     return (*(svg_name(drawing.part) for drawing in part_drawings(design)), PDF)
 
 

@@ -74,15 +74,12 @@ class PlacedView:
     """Place of the part's origin on paper."""
 
     def on_paper(self, point: Point) -> Point:
-        """Place a point of the view."""
         return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
 
     def place(self, point: Point3) -> Point:
-        """Place a point of the part."""
         return self.on_paper(self.projection.flatten(point))
 
     def bounds(self) -> tuple[float, float, float, float]:
-        """Return left, bottom, right and top on paper."""
         left, bottom, right, top = self.view.bounds()
         return *self.on_paper((left, bottom)), *self.on_paper((right, top))
 
@@ -99,7 +96,6 @@ def _beside_section_line(name: ViewName) -> float:
 
 
 def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading: Heading) -> Sheet:
-    """Lay out the sheet of a part. The scale in the heading is filled in. Raises GeometryError."""
     missing = ""
     for paper, (name, scale) in CHOICES:
         for arrangement in _arrangements(part.plan):

@@ -41,7 +41,6 @@ _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or
 
 
 def bone_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the bone shows."""
     dims, section, pilot = design.dimensions, design.dimensions.bone_outline.section, _find_pilot(design, "bone")
     tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
@@ -61,7 +60,6 @@ def bone_drawing(design: Design) -> PartDrawing:
 
 
 def core_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of a sleeve's core shows."""
     dims, inset, scale = design.dimensions, design.mold.sleeve_interference_mm, design.dimensions.shrinkage
     pilot, tip = _find_pilot(design, "core"), dims.bone_outline.tip
     assert tip
@@ -80,7 +78,6 @@ def core_drawing(design: Design) -> PartDrawing:
 
 
 def lid_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the lid shows."""
     dims, fold, gap = design.dimensions, design.dimensions.fold, design.sensor.clearance_mm
     closing = 2 * design.printer.offset_mm  # lid and trough both grow
     assert fold
@@ -204,7 +201,6 @@ def _pilot_axis(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
 
 
 def palmar_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the palmar half shows."""
     m, mold = design.mold_layout, design.mold
     low, thread = -m.palmar_height, select_thread(mold.bolt_diameter_mm)
     x, z = max(m.bolts)
@@ -228,7 +224,6 @@ def palmar_drawing(design: Design) -> PartDrawing:
 
 
 def dorsal_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the dorsal half shows."""
     m, mold, chaplet = design.mold_layout, design.mold, design.dimensions.chaplet
     high = m.dorsal_height
     sizes = [*_common_sizes(design, "palmar", high), *_key_sizes(design, "palmar", 0.0, "key")]

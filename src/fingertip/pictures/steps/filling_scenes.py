@@ -43,7 +43,6 @@ def _vent_labels(bench: Bench, text: str) -> list[Label]:
 
 
 def try_cone(bench: Bench, data: Data) -> Scene:
-    """Show the empty syringe above the cone of the empty mold."""
     m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.syringe(lift_mm=_LIFT_MM)),
@@ -68,14 +67,12 @@ def try_syringe(bench: Bench, data: Data) -> Scene:
 
 
 def _into_cone(bench: Bench) -> Arrow:
-    """Show the way of the nozzle into its cone."""
     m, inlet = bench.layout, given(bench.layout.inlet)
     x, z = inlet.x, inlet.z + 10.0
     return Arrow((x, m.dorsal_height + _LIFT_MM - 1.0, z), (x, m.dorsal_height + 2.0, z))
 
 
 def measure(bench: Bench, data: Data) -> Scene:
-    """Show where to measure the sensor of the closed mold."""
     low = bench.dims.base_end_z
     return Scene(
         tuple(_closed(bench)),
@@ -119,7 +116,6 @@ def leave(bench: Bench, data: Data) -> Scene:
 
 
 def stand(bench: Bench, data: Data) -> Scene:
-    """Show the mold that gravity fills, its funnel up."""
     m = bench.layout
     return Scene(
         tuple(_closed(bench)),
@@ -133,7 +129,6 @@ def stand(bench: Bench, data: Data) -> Scene:
 
 
 def pour(bench: Bench, data: Data) -> Scene:
-    """Show the stream into the funnel, the mold cut open."""
     m = bench.layout
     stream = cylinder("z", (m.gate_x, 0.0), m.distal_z - 2.0, m.distal_z + 25.0, 0.6)
     return Scene(
@@ -184,7 +179,6 @@ def weigh(bench: Bench, data: Data) -> Scene:
 
 
 def degas(bench: Bench, data: Data) -> Scene:
-    """Show the cup under vacuum, large enough for the foam."""
     level = _find_level_mm(data)
     bell = difference(
         cylinder("z", (0.0, 0.0), -2.0, 75.0, 45.0), cylinder("z", (0.0, 0.0), 0.0, 72.0, 42.0),
@@ -202,7 +196,6 @@ def degas(bench: Bench, data: Data) -> Scene:
 
 
 def load_syringe(bench: Bench, data: Data) -> Scene:
-    """Show the syringe with its silicone."""
     filling, inlet = data["filling"], given(bench.layout.inlet)
     shown = bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"])
     high = max(float(item.mesh.vertices[:, 1].max()) for item in shown)

@@ -45,7 +45,6 @@ def cure_test(bench: Bench, data: Data) -> Scene:
 
 
 def close_empty(bench: Bench, data: Data) -> Scene:
-    """Show the halves before they close, with keys and sockets."""
     m, apart = bench.layout, bench.apart_mm
     x, z, _ = max(m.keys, key=lambda key: -key[0])
     return Scene(
@@ -62,7 +61,6 @@ def close_empty(bench: Bench, data: Data) -> Scene:
 
 
 def try_fit(bench: Bench, data: Data) -> Scene:
-    """Show bone or core above its recess."""
     m, apart = bench.layout, bench.apart_mm
     base = -bench.design.mold.recess_length_mm / 2
     return Scene(
@@ -111,7 +109,6 @@ def _drill(z: float, low: float, high: float, radius: float) -> Solid:
 
 
 def release(bench: Bench, data: Data) -> Scene:
-    """Show both cavities, opened like a book."""
     m = bench.layout
     dorsal = bench.part("mold_dorsal")
     beside = 2 * m.half_width + 6.0
@@ -130,7 +127,6 @@ def release(bench: Bench, data: Data) -> Scene:
 
 
 def seat_tape(bench: Bench, data: Data) -> Scene:
-    """Show the tape around the seat."""
     seat, dims = data["fit"]["seat_tape"], bench.dims
     half = dims.bone_outline.section.half_width
     middle, floor = -(seat["from_mm"] + seat["to_mm"]) / 2, -dims.base_flat_depth
@@ -150,7 +146,6 @@ def seat_tape(bench: Bench, data: Data) -> Scene:
 
 
 def core_only(bench: Bench, data: Data) -> Scene:
-    """Show the core in the palmar half."""
     return Scene(
         (bench.part("core"), bench.part("mold_palmar")),
         View.DORSAL,
@@ -159,7 +154,6 @@ def core_only(bench: Bench, data: Data) -> Scene:
 
 
 def prime(bench: Bench, data: Data) -> Scene:
-    """Show where the primer goes on the bone."""
     dims = bench.dims
     _, y, z = bench.head
     return Scene(
@@ -209,7 +203,6 @@ def hold(bench: Bench, data: Data) -> Scene:
 
 
 def bolt(bench: Bench, data: Data) -> Scene:
-    """Show bolts and nuts on their way into the closed mold."""
     m, apart = bench.layout, bench.apart_mm
     (x, z), count = m.bolts[0], data["mold"]["bolts"]
     return Scene(
@@ -266,7 +259,6 @@ def patch(bench: Bench, data: Data) -> Scene:
 
 
 def roll_off(bench: Bench, data: Data) -> Scene:
-    """Show the core on its way out of the skin."""
     out = bench.design.skin.length_mm * 0.7
     low = bench.dims.base_end_z
     return Scene(

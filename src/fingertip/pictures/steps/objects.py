@@ -64,20 +64,16 @@ class Bench:
         return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
 
     def part_solid(self, name: str) -> tuple[Solid, Colour]:
-        """Return solid and colour of a part."""
         return PARTS[name].solid(self.design), PARTS[name].colour
 
     def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
-        """Show a part."""
         solid, colour = self.part_solid(name)
         return self.solid(solid, colour, shift, cut=cut)
 
     def sensor(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
-        """Show the sensor."""
         return self.solid(sensor_body(self.design), Paint.SENSOR, shift, cut=cut)
 
     def assembled_bone(self, *, cut: bool = False, lid: bool = True) -> list[Shown]:
-        """Show the bone with sensor and lid."""
         shown = [self.part("bone", cut=cut), self.sensor(cut=cut)]
         if lid and "lid" in parts_by_name(self.design):
             shown.append(self.part("lid", cut=cut))
@@ -90,7 +86,6 @@ class Bench:
     def bolts(
         self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False
     ) -> list[Shown]:
-        """Show the bolts of the mold and their nuts."""
         return [
             self.solid(item.solid, item.colour, nut_shift if "nut" in item.name else bolt_shift, cut=cut)
             for item in hardware(self.design, ("mold_palmar", "mold_dorsal"))
@@ -106,7 +101,6 @@ class Bench:
         ]
 
     def casting(self, *, cut: bool = False) -> Shown:
-        """Show the silicone as it leaves the mold, with runner and vents."""
         cast = intersection(union(cavity(self.design), *runners(self.design)), self._block())
         return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), Paint.SILICONE, cut=cut)
 

@@ -35,16 +35,12 @@ _HEAD_PX, _HEAD_ANGLE = 13.0, math.radians(24.0)
 
 @dataclass(frozen=True)
 class Shown:
-    """Mesh at the place where it is drawn."""
-
     mesh: Mesh
     colour: Colour
 
 
 @dataclass(frozen=True)
 class Label:
-    """Text that names a point."""
-
     text: str
     """One line, or several that are separated by line feeds."""
     point_mm: Point3
@@ -69,7 +65,6 @@ class Scene:
 
 
 def draw_scene(scene: Scene) -> bytes:
-    """Draw a scene as a PNG, as large as its parts allow within the margins."""
     ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
     centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)

@@ -16,7 +16,6 @@ _BEYOND_COLLAR_MM = 9.0
 
 
 def place_sensor(bench: Bench, data: Data) -> Scene:
-    """Show the sensor on its way into pocket and slot, through the collar where its tail passes it."""
     dims, (x, y, z) = bench.dims, bench.head
     if dims.tail_passes_collar:
         out = 0.6 * (dims.sensor.length_mm - dims.sensor.head_diameter_mm)
@@ -107,7 +106,6 @@ def _film_mm(bench: Bench) -> float:
 
 
 def solder_tabs(bench: Bench, data: Data) -> Scene:
-    """Show the flat sensor with its wires."""
     wire, film = data["fit"]["wire_mm"], _film_mm(bench)
     return Scene(
         tuple(_straight_sensor(bench, film, wire, (0.0, 0.0, 0.0))),
@@ -137,7 +135,6 @@ def thread(bench: Bench, data: Data) -> Scene:
 
 
 def fold(bench: Bench, data: Data) -> Scene:
-    """Show the folded tail around the nose, cut open."""
     course = given(bench.dims.fold)
     return Scene(
         tuple(bench.assembled_bone(cut=True, lid=False)),
@@ -180,7 +177,6 @@ def bend_wires(bench: Bench, data: Data) -> Scene:
 
 
 def stick_lid(bench: Bench, data: Data) -> Scene:
-    """Show the lid above its trough."""
     course = given(bench.dims.fold)
     lid = bench.part("lid", (0.0, _LIFT_MM, 0.0))
     middle = (course.nose_z + course.trough_end_z) / 2
@@ -196,7 +192,6 @@ def stick_lid(bench: Bench, data: Data) -> Scene:
 
 
 def cover_sensor(bench: Bench, data: Data) -> Scene:
-    """Show the tape over pocket and slot."""
     (_, y, z) = bench.head
     return Scene(
         (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE)),
@@ -261,7 +256,6 @@ def _on_hand(bench: Bench) -> tuple[tuple[Shown, ...], list[Point3]]:
 
 
 def pin(bench: Bench, data: Data) -> Scene:
-    """Show the pin of the joint on its way in."""
     joint, half = given(bench.dims.joint), bench.dims.pin_length / 2
     out = 2.5 * half
     shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half - out, half - out, joint.pin_radius)
@@ -277,19 +271,16 @@ def pin(bench: Bench, data: Data) -> Scene:
 
 
 def bend(bench: Bench, data: Data) -> Scene:
-    """Show the finger on the hand at both stops."""
     shown, edges = _on_hand(bench)
     texts = ("straight:\nmust stop here", f"bent by {data['joint']['travel_deg']:g} degrees:\nmust stop here")
     return Scene(shown, View.SIDE, tuple(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
 
 
 def try_anchor(bench: Bench, data: Data) -> Scene:
-    """Show the anchor pin in its hole."""
     return _show_anchor(bench, "anchor pin: try it,\ntake it out again")
 
 
 def anchor(bench: Bench, data: Data) -> Scene:
-    """Show the anchor pin of the tendon."""
     return _show_anchor(bench, "anchor pin; the tendon\nis knotted here")
 
 
@@ -305,7 +296,6 @@ def _show_anchor(bench: Bench, text: str) -> Scene:
 
 
 def wire_loop(bench: Bench, data: Data) -> Scene:
-    """Show where the wires cross the joint."""
     shown, edges = _on_hand(bench)
     return Scene(
         shown,

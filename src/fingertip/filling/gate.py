@@ -13,13 +13,7 @@ from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
 from fingertip.filling.mouth import ConicalDuct, Duct, RectangularDuct, RoundDuct
-from fingertip.filling.predict import (
-    Course,
-    Opening,
-    follow_front,
-    head_pressure_pa,
-    syringe_pressure_pa,
-)
+from fingertip.filling.predict import Course, Opening, follow_front, head_pressure_pa, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 

@@ -7,11 +7,7 @@ from functools import lru_cache
 
 from fingertip.design import Design
 from fingertip.filling.gate import follow_design_front, list_ducts, pressure_pa
-from fingertip.filling.predict import (
-    AirPocket,
-    FillingPrediction,
-    predict_filling,
-)
+from fingertip.filling.predict import AirPocket, FillingPrediction, predict_filling
 from fingertip.filling.vents import is_at_collar, list_openings, vent_cavity
 
 MAX_AIR_MM3 = 1.0

@@ -17,12 +17,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.filling.gate import follow_design_front
-from fingertip.filling.predict import (
-    Opening,
-    Point3,
-    find_last_points,
-    place_of,
-)
+from fingertip.filling.predict import Opening, Point3, find_last_points, place_of
 
 _AT_COLLAR_MM = 0.6
 """Height above the collar up to which its gap vents the cavity [mm]."""

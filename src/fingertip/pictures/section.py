@@ -258,12 +258,7 @@ class _PlacedName:
 
 
 def _place_names(
-    features: Sequence[Feature],
-    font: Font,
-    low_z: float,
-    scale: float,
-    width_px: int,
-    length_px: float,
+    features: Sequence[Feature], font: Font, low_z: float, scale: float, width_px: int, length_px: float
 ) -> list[_PlacedName]:
     """Place names in as few rows as their widths allow, each as near as possible to what it names."""
     left = (width_px - length_px) / 2

@@ -179,10 +179,7 @@ def main() -> None:
     try:
         answer: dict[str, object] = asdict(run_job(job, folder))
     except FingertipError as error:
-        answer = {
-            "error": type(error).__name__,
-            "issues": [[issue.field, issue.message] for issue in error.issues],
-        }
+        answer = {"error": type(error).__name__, "issues": [[issue.field, issue.message] for issue in error.issues]}
     (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")
 
 

@@ -189,10 +189,7 @@ def _prism(p: Prism) -> Any:
 
 def _elbow(e: ElbowTube) -> Any:
     down = cq.Solid.makeCylinder(
-        e.radius,
-        e.start_z - e.exit_z - e.bend_radius,
-        cq.Vector(0, e.start_y, e.start_z),
-        cq.Vector(0, 0, -1),
+        e.radius, e.start_z - e.exit_z - e.bend_radius, cq.Vector(0, e.start_y, e.start_z), cq.Vector(0, 0, -1)
     )
     turn_y, turn_z = e.start_y + e.bend_radius, e.exit_z + e.bend_radius
     circle = cq.Wire.makeCircle(e.radius, cq.Vector(0, e.start_y, turn_z), cq.Vector(0, 0, -1))

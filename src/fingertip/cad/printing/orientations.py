@@ -69,10 +69,7 @@ def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
     """
     rotation, printer = math.radians(print_orientations(design)[name].rotate_x_deg), design.printer
     x, y, z = mesh.vertices.T
-    depth, height = (
-        math.cos(rotation) * y - math.sin(rotation) * z,
-        math.sin(rotation) * y + math.cos(rotation) * z,
-    )
+    depth, height = (math.cos(rotation) * y - math.sin(rotation) * z, math.sin(rotation) * y + math.cos(rotation) * z)
     footprint = sorted(float(along.max() - along.min()) for along in (x, depth))
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
     excess = [size - limit for size, limit in zip(footprint, bed, strict=True)]

@@ -12,12 +12,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
-from fingertip.design.geometry.solids import (
-    Box,
-    Prism,
-    Solid,
-    difference,
-)
+from fingertip.design.geometry.solids import Box, Prism, Solid, difference
 
 BRIDGE_STEP_MM = 0.25
 """Height of a step [mm]: more than a layer of 0.2 mm, at the smallest scale of a print too (printer.scale_percent).

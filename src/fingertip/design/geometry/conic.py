@@ -183,10 +183,7 @@ TANGENT_STEP_MM = 0.05
 def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
     """Enlarge a section: half width and both half heights grow by `gap_mm` [mm]."""
     return replace(
-        section,
-        half_width=section.half_width + gap_mm,
-        palmar=section.palmar + gap_mm,
-        dorsal=section.dorsal + gap_mm,
+        section, half_width=section.half_width + gap_mm, palmar=section.palmar + gap_mm, dorsal=section.dorsal + gap_mm
     )
 
 

@@ -225,10 +225,7 @@ class MoldLayout:
             second = max(second, self._key_beside_inlet_z)
             reach = self._key_reach(mold.key_diameter_mm)
             first = self._bolts_z[1] - self.nut_circumradius - mold.land_mm - reach
-        return (
-            (-self._column_x, first, mold.key_diameter_mm),
-            (self._column_x, second, 2 * self._small_key_radius),
-        )
+        return ((-self._column_x, first, mold.key_diameter_mm), (self._column_x, second, 2 * self._small_key_radius))
 
 
 _BOLT_LENGTHS_MM = (

@@ -257,10 +257,7 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
 
 
 def find_losses(
-    design: Tables,
-    dims: Dimensions,
-    fit_clearance_mm: float | None = None,
-    points: Sequence[SkinPoint] | None = None,
+    design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
 ) -> tuple[Loss, ...]:
     """Find the worst loss of silicone at each point, over all positions that the contacts allow."""
     contacts = list_contacts(design, dims, fit_clearance_mm)

@@ -128,9 +128,7 @@ def anchor_within_collar(design: DesignTables) -> Violation | None:
     low, high = joint.axis_y - highest, joint.axis_y - lowest
     fits = low <= high and _keeps_wall(design, anchor, highest)
     return Violation(
-        f"{distance:g} mm leaves {what}",
-        ((low, high),) if fits else (),
-        alternatives={"hand.tendon_distance_mm": 0.0},
+        f"{distance:g} mm leaves {what}", ((low, high),) if fits else (), alternatives={"hand.tendon_distance_mm": 0.0}
     )
 
 

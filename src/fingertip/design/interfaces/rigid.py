@@ -9,15 +9,7 @@ from typing import Any
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design.formulas.stress import LocalStress, StressFactors, at_shoulder
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.sizes import (
-    ARROW_DEG,
-    INNER,
-    OUTER,
-    STEP,
-    Circle,
-    Length,
-    Size,
-)
+from fingertip.design.geometry.sizes import ARROW_DEG, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, Solid, cylinder, intersection
 from fingertip.design.interfaces.interface import (
     MATING_PLAY_MM,

@@ -107,7 +107,7 @@ REPLACED_PARAMETERS = {
     "board.gain_bandwidth_hz": (
         "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
         f"board.amplifier={AUTO}, or one of {_DUALS}."
-    ),
+    )
 }
 """Parameters of earlier versions, and what to write in their place."""
 

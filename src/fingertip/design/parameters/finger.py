@@ -19,8 +19,7 @@ class Sensor(ParameterTable):
         11.5, "mm", (3, 60), "Distance from the tip of the skin to the centre of the active area."
     )
     tail: Literal["straight", "folded"] = choice(
-        "straight",
-        "straight: out through the base; folded: once around the bone, its end in a trough under a lid.",
+        "straight", "straight: out through the base; folded: once around the bone, its end in a trough under a lid."
     )
     fold_radius_mm: float = quantity(
         2.5, "mm", (0.8, 6), "Radius at which a folded tail bends; Interlink allows no less than 2.5."

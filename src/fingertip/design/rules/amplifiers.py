@@ -82,7 +82,7 @@ def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
         return None
     return Violation(
         f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
-        f"{supply_v:g} V across it",
+        f"{supply_v:g} V across it"
     )
 
 

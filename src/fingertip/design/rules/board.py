@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.formulas import filter as filter_components
-from fingertip.design.formulas.amplifiers import (
-    BAND_CUTOFFS,
-)
+from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.design.formulas.filter import (
     CAPACITOR_SERIES,
     MAX_1206_F,

@@ -74,11 +74,7 @@ def _into_cone(bench: Bench) -> Arrow:
 
 def measure(bench: Bench, data: Data) -> Scene:
     low = bench.dims.base_end_z
-    return Scene(
-        tuple(_closed(bench)),
-        View.DORSAL,
-        (Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)),),
-    )
+    return Scene(tuple(_closed(bench)), View.DORSAL, (Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)),))
 
 
 def fill(bench: Bench, data: Data) -> Scene:

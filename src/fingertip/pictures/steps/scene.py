@@ -16,9 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.design.geometry.solids import (
-    Point3,
-)
+from fingertip.design.geometry.solids import Point3
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 

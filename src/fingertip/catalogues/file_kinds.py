@@ -95,10 +95,7 @@ def read_file(path: Path, kind: FileKind) -> dict[str, Any]:
 
 
 def identify_kind(path: Path) -> FileKind | None:
-    """Identify the kind of a file by its names; None if the file cannot be read or none of its names is known.
-
-    Raises TomlFileError.
-    """
+    """Identify the kind of a file by its names; None if it cannot be read or no name is known. Raises TomlFileError."""
     try:
         tables = read_toml(path)
     except TomlFileError:

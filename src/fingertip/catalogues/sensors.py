@@ -23,10 +23,7 @@ Source: three sensors under 2.6 N in a divider with a converter of 10 bits gave 
 
 @dataclass(frozen=True)
 class ForceSensor:
-    """Outline of a flat force-sensing resistor as bought.
-
-    The head is the round end. The tail is the strip that leads from the head to the two solder tabs.
-    """
+    """Outline of a flat force-sensing resistor as bought: round head, and tail that leads to the two solder tabs."""
 
     model: str
     label: str

@@ -31,10 +31,7 @@ class LoadedTables:
 
 
 def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN) -> LoadedTables:
-    """Merge TOML files, and then changes of the form `table.key=value`, into nested tables; later values win.
-
-    Raises DesignError.
-    """
+    """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError."""
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
     before: dict[str, Any] = {}
@@ -146,10 +143,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def to_toml(design: Tables, heading: str = "") -> str:
-    """Write a whole design as TOML, each parameter with its description and bounds in a comment.
-
-    Reading the text gives an equal design.
-    """
+    """Write a whole design as TOML that reads back as equal, with descriptions and bounds as comments."""
     import tomlkit  # noqa: PLC0415
 
     described = {parameter.path: parameter for parameter in list_parameters()}

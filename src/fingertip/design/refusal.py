@@ -32,10 +32,7 @@ _DIGITS = (3, 4, 5)
 
 @dataclass(frozen=True)
 class Search:
-    """Search for passing values near a design.
-
-    Every value it returns was checked with all rules, or with the one rule that is asked for.
-    """
+    """Search for values near a design that pass all rules, or the one rule that is asked for; each was checked."""
 
     rules: tuple[Rule, ...]
     """Rules to pass, those that take long last."""

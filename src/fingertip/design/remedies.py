@@ -175,10 +175,7 @@ def _candidates(refusal: Refusal, broken: BrokenRule) -> Iterator[str]:
 
 
 def _return_towards_before(refusal: Refusal) -> Values:
-    """Find the changed parameters that must return towards their values before the change, and how far.
-
-    The defaults pass all rules, so that this succeeds for every design.
-    """
+    """Return changed parameters towards their values before; the defaults pass all rules, so this succeeds always."""
     before = refusal.before
     if not refusal.search.passes(before):
         before = DesignTables()

@@ -109,10 +109,7 @@ def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
 
 
 def _full_front(network: FlowNetwork, solver: RowElimination) -> Front:
-    """Solve the full cavity: a Neumann problem with one node held at zero, then shifted to the minimum zero.
-
-    The pressure is that of the moment before the last node fills.
-    """
+    """Solve the full cavity as the last node fills: a Neumann problem, shifted to the minimum zero."""
     total = network.total_mm3
     wet = network.is_open.copy()
     last = int(np.flatnonzero(wet)[0])

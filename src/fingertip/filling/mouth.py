@@ -117,10 +117,7 @@ def _sample_weights() -> Array:
 
 
 def _project(quad: NDArray[np.intp], corners: Array, target: Array) -> tuple[Array, NDArray[np.intp], Array]:
-    """Find the point of a bilinear quad nearest to a target, by Gauss-Newton steps kept within the quad.
-
-    Returns the point, the quad and the weights of its corners.
-    """
+    """Find the point of a bilinear quad nearest to a target, by Gauss-Newton steps within it: point, quad, weights."""
     p00, p10, p01, p11 = corners
     s, t = 0.5, 0.5
     for _ in range(4):
@@ -228,10 +225,7 @@ class RectangularDuct:
 
 
 def fill_in_series(ducts: Iterable[Duct]) -> tuple[float, float, float]:
-    """Fill ducts one after the other.
-
-    Returns their resistance [1/mm3], their volume [mm3], and the integral of the growing resistance over volume [1].
-    """
+    """Fill ducts in turn: their resistance [1/mm3], volume [mm3], and the integral of the growing resistance [1]."""
     resistance = volume = integral = 0.0
     for duct in ducts:
         integral += resistance * duct.volume_mm3 + duct.resistance_integral

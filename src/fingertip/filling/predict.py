@@ -286,10 +286,7 @@ class _Clock:
         return cls(*fill_in_series(ducts), injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
 
     def time_s(self, volume_mm3: Array) -> Array:
-        """Compute the times at which volumes have entered the cavity.
-
-        Between fronts the integral is interpolated as cubic in the volume, with the resistance as its slope.
-        """
+        """Compute the times of injected volumes: between fronts the integral is cubic, with the resistance as slope."""
         v = np.concatenate(([0.0], self.injected_mm3))
         integral = np.concatenate(([0.0], self.integral))
         slope = np.concatenate(([0.0], self.resistance))

@@ -158,10 +158,7 @@ def _as_compiled(argument: Any, copy: bool) -> Any:
 
 
 def _compile_cached(function: Function, *helpers: Function) -> Function:
-    """Compile a function and cache the result on disk; where no folder can be written, compile it for this process.
-
-    A division by 0 gives infinity or NaN, as in arrays.
-    """
+    """Compile a function and cache it, or for this process alone where no folder can be written; 1 / 0 is infinity."""
     for helper in helpers:  # numba's cache notices changes in the function's own file only
         importlib.import_module("numba.extending").register_jitable(helper)
     njit = importlib.import_module("numba").njit

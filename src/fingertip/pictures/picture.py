@@ -34,10 +34,7 @@ _GAP_MM = 12.0
 def place_on_hand(
     design: Design, joint: Joint, evaluator: MeshEvaluator, parts: Mapping[str, Solid]
 ) -> list[tuple[str, Mesh]]:
-    """Place the given parts on the hand, straight and bent to the end of the travel, without their half at x < 0.
-
-    Both stand side by side along the finger.
-    """
+    """Place parts on the hand without their half at x < 0, straight and bent to the end of travel side by side."""
     placed: list[tuple[str, Mesh]] = []
     shift = 0.0
     for angle_deg in (0.0, design.hand.travel_deg) if design.hand.travel_deg else (0.0,):

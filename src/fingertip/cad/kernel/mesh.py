@@ -37,10 +37,7 @@ MIN_TRIANGLE_HEIGHT_MM = 1e-6
 
 @dataclass(frozen=True)
 class Mesh:
-    """Closed triangle mesh.
-
-    Vertices and triangles are in canonical order, so that the same solid always gives the same bytes.
-    """
+    """Closed triangle mesh in canonical order, so that the same solid always gives the same bytes."""
 
     vertices: Array
     """Coordinates, shape (n, 3) [mm]."""

@@ -63,10 +63,7 @@ def _orient_lid(design: Design) -> Orientation:
 
 
 def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
-    """Measure how far a part in its print orientation exceeds the printer's build volume [mm]; negative if it fits.
-
-    The part may be rotated by 90 degrees on the bed.
-    """
+    """Measure how far a part, turned on the bed or not, exceeds the build volume [mm]; negative if it fits."""
     rotation, printer = math.radians(print_orientations(design)[name].rotate_x_deg), design.printer
     x, y, z = mesh.vertices.T
     depth, height = (math.cos(rotation) * y - math.sin(rotation) * z, math.sin(rotation) * y + math.cos(rotation) * z)

@@ -195,10 +195,7 @@ class PrintFiles:
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
-    """Make the files of the printed parts.
-
-    Plates are made if all printed parts are there, so that none leaves out a part.
-    """
+    """Make the files of the printed parts; plates only if all parts are there, so that none leaves out a part."""
     orientations = print_orientations(design)
     poses = {name: bed_pose(meshes[name], lies.rotate_x_deg) for name, lies in orientations.items() if name in meshes}
     contents, plates = {}, {}

@@ -62,20 +62,14 @@ def half_slot(hole_radius: float) -> float:
 
 
 def ceiling_steps_volume_mm3(slot_area_mm2: float, hole_radius: float) -> float:
-    """Compute the volume [mm3] that the steps add to a pocket and its hole, in closed form.
-
-    Units: `hole_radius` [mm].
-    """
+    """Compute the volume [mm3] that the steps add to a pocket and its hole [mm], in closed form."""
     half = half_slot(hole_radius)
     square, octagon = 4.0 * half**2, 8.0 * (math.sqrt(2.0) - 1.0) * half**2
     return BRIDGE_STEP_MM * (slot_area_mm2 + square + octagon - _STEPS * math.pi * hole_radius**2)
 
 
 def hexagon_slot_area_mm2(width: float, half: float) -> float:
-    """Compute the area [mm2] of a hexagon within a slot of half width `half` that joins two of its corners.
-
-    `width` is measured across flats [mm].
-    """
+    """Compute the area [mm2] of a hexagon, `width` across flats, in a slot of half width `half` through two corners."""
     radius = width / math.sqrt(3.0)
     return 4.0 * half * radius - 2.0 * half**2 / math.sqrt(3.0)
 

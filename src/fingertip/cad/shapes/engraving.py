@@ -123,10 +123,7 @@ def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...
 
 
 def _grid_unit_mm(design: Design, text: str, length_mm: float) -> float:
-    """Compute the size of a grid unit [mm].
-
-    Letters have the requested height, unless the free length of the face or the space between the nut traps limits it.
-    """
+    """Compute the grid unit [mm]: letters are smaller than requested where the face or the nut traps limit them."""
     layout = design.mold_layout
     across = layout.bolts[-1][0] - layout.nut_circumradius - _NUT_DISTANCE_MM
     return min(

@@ -47,10 +47,7 @@ def pilot_hole(design: Design) -> tuple[Solid, ...]:
 
 
 def boss(design: Design) -> tuple[Solid, ...]:
-    """Build the boss as it stands in the mold's cavity, widened by its draft; none without one.
-
-    A sleeve's core, and the boss on it, are enlarged by the shrinkage of the silicone.
-    """
+    """Build the boss in the cavity, widened by its draft; a core's is enlarged by the shrinkage. None without one."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
@@ -122,10 +119,7 @@ coincident faces."""
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Build the bone with its channel, pocket and holes filled: outline with flats, facet, groove and collar.
-
-    All surfaces but the collar's lie `inset_mm` inside the bone's.
-    """
+    """Build the bone without hollows; its surfaces but the collar's lie `inset_mm` inside the bone's."""
     body = add_groove(design.bone, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_facets(design, body, inset_mm), collar(design))
 

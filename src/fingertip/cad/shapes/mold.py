@@ -85,10 +85,7 @@ def runner(inlet: Inlet) -> Solid:
 
 
 def groove(course: Sequence[tuple[float, float]], width: float, depth: float) -> Solid:
-    """Build a groove in the dorsal half, along a course of points (x, z) whose legs run along x or z.
-
-    Its corners are mitred, so that its outline is one polygon.
-    """
+    """Build a groove with mitred corners in the dorsal half, along points (x, z) whose legs run along x or z."""
     legs = [(_sign(b[0] - a[0]), _sign(b[1] - a[1])) for a, b in pairwise(course)]
     left, right = [], []
     for i, (x, z) in enumerate(course):
@@ -183,10 +180,7 @@ def block(design: Design) -> Solid:
 
 
 def hollow(design: Design) -> Solid:
-    """Build the hollow of the closed mold: cavity, recess, inlet and vents.
-
-    Bolt holes, nut traps and the clearance of the keys are not part of it.
-    """
+    """Build cavity, recess, inlet and vents of the closed mold, without bolts, nut traps and the keys' clearance."""
     return union(cast_hollow(design), *luer_cone(design))
 
 
@@ -280,10 +274,7 @@ def pry_slots(design: Design) -> tuple[Solid, ...]:
 
 
 def engraved_text(design: Design, half: str) -> tuple[Solid, ...]:
-    """Build the letters cut into the outer face of a half: the names of the design and of the half.
-
-    The text reads correctly from outside.
-    """
+    """Build the letters cut into the outer face of a half: the names of design and half, readable from outside."""
     mold, m = design.mold, design.mold_layout
     dorsal = half == "dorsal"
     height = m.dorsal_height if dorsal else m.palmar_height

@@ -91,10 +91,7 @@ class HardwareItem:
 
 
 def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]:
-    """List the hardware that belongs to the given parts.
-
-    Bolts need both mold halves. A finger in the hand's fork gets a pin as long as its own base is wide.
-    """
+    """List the hardware of the given parts: bolts of both halves; and for a hand's fork a pin as long as the base"""
     items: list[HardwareItem] = []
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
@@ -109,10 +106,7 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
 
 
 def screw(thread: Thread, x: float, z: float, under_head_y: float, length: float) -> Solid:
-    """Build a screw along y, its head above `under_head_y` [mm].
-
-    The head is as wide as the nut over its flats, and as high as the thread is thick, about as in ISO 4762.
-    """
+    """Build a screw along y below `under_head_y` [mm]; its head has about the sizes of ISO 4762."""
     head = cylinder("y", (z, x), under_head_y, under_head_y + thread.diameter_mm, thread.nut_flats_mm / 2)
     shank = cylinder("y", (z, x), under_head_y - length, under_head_y, thread.diameter_mm / 2)
     return union(head, shank)

@@ -176,10 +176,7 @@ def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[S
 
 
 def _cutout_volume_mm3(design: Design) -> float:
-    """Compute the volume [mm3] of bolt holes, nut traps, pry slots and letters in closed form.
-
-    This is exact and saves the B-rep kernel forty booleans.
-    """
+    """Compute bolt holes, traps, slots and letters [mm3] in closed form: exact, and forty B-rep booleans less."""
     d, m = design.mold, design.mold_layout
     radius = d.bolt_diameter_mm / 2
     bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, half_slot(radius))

@@ -145,10 +145,7 @@ def _lid_faces(design: Design, evaluator: MeshEvaluator, outside: Manifold) -> t
 
 
 def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the clearance around the sensor, and that its seat is flat from the head to the solder joints.
-
-    A sensor that bends over an unsupported area reads a false force.
-    """
+    """Check clearance and flat seat of the sensor: one that bends over an unsupported area reads a false force."""
     dims = design.dimensions
     solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
     clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm) - evaluator.tolerance_mm

@@ -85,10 +85,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
 
 
 def list_causes(check: str) -> tuple[str, ...]:
-    """List the parameters to change if a check of this name fails; none if it would be a fault of the program.
-
-    Raises LookupError.
-    """
+    """List the parameters behind a failing check; none if it were a fault of the program. Raises LookupError."""
     for pattern, parameters in _CAUSES:
         if fnmatchcase(check, pattern):
             return parameters
@@ -162,10 +159,7 @@ def check_zero_volume(name: str, volume_mm3: float) -> Check:
 
 
 def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
-    """Check that two solids are at least `min_mm` apart.
-
-    The thickness of a wall is the distance between the solids on both of its sides.
-    """
+    """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
     distance = search_distance(lambda reach_mm: first.min_gap(second, reach_mm), 2.0 * min_mm)
     return Check(name, distance, min_mm, "mm", "at least")
 

@@ -24,10 +24,7 @@ from fingertip.foundation.numerics import Array
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
-    """Check the topology of a part as read back from its file.
-
-    It must be closed, without degenerate triangles, oriented outwards, a single body, and of the expected genus.
-    """
+    """Check that a file's mesh is closed, not degenerate, oriented outwards, one body, and of the expected genus."""
     prefix = f"{part.name}.{file_format}"
     yield Check(f"{prefix}.open_edges", count_open_edges(mesh), 0, "edges", "exactly")
     yield Check(f"{prefix}.degenerate_triangles", count_degenerate_triangles(mesh), 0, "triangles", "exactly")
@@ -51,10 +48,7 @@ def check_brep_solid(
 
 
 def count_degenerate_triangles(mesh: Mesh) -> int:
-    """Count triangles without area, as a vertex on an edge leaves them.
-
-    Many programs drop such triangles when they read a file, which leaves a hole in the surface.
-    """
+    """Count triangles without area; programs drop them when they read a file, which leaves holes."""
     return len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
 
 
@@ -114,10 +108,7 @@ def _is_within(points: Array, box: tuple[float, ...]) -> NDArray[np.bool_]:
 
 
 def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[np.bool_]:
-    """Return for each point whether a closed mesh encloses it: a ray from it leaves once more than it enters.
-
-    The ray meets no edge, because it is parallel to none of them.
-    """
+    """Return for each point whether a ray from it, which meets no edge, leaves the mesh once more than it enters."""
     seen, at = vertices @ _RAY_AXES.T, points @ _RAY_AXES.T
     corners = seen[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)

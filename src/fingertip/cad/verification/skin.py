@@ -110,12 +110,7 @@ def distance_to_surface(body: ConicBody, points: Array, steps: int = STEPS) -> A
 
 
 class Patch:
-    """Patch of the surface, one quadrant of a taper or of the tip.
-
-    It is the tensor product of a section arc (parameter t) and a profile (parameter v).
-
-    Units: `profile` [mm].
-    """
+    """Patch of one quadrant of a taper or of the tip: tensor product of a section arc (t) and a profile [mm] (v)."""
 
     def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
         self.a, self.b, self.profile = a, b, profile
@@ -177,10 +172,7 @@ class Patch:
 
 
 def _rational(t: Array, poles: Iterable[tuple[float, float, float]]) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Evaluate both coordinates of a plane rational Bezier curve of degree 1 or 2, each with its derivative.
-
-    The poles are two coordinates and a weight.
-    """
+    """Evaluate a plane rational Bezier curve of degree 1 or 2, and its derivative; poles have a weight."""
     *coordinates, weights = (np.array(column) for column in zip(*poles, strict=True))
     u, is_line = 1.0 - t, len(weights) == 2
     basis = np.array((u, t) if is_line else (u * u, 2.0 * u * t, t * t))

@@ -221,10 +221,7 @@ _CutPlane: TypeAlias = tuple[float, Section, StressFactors]
 
 
 def _find_concentration(design: Design, z: float) -> StressFactors:
-    """Find the stress concentration factors of the bone at a height.
-
-    A shoulder acts about half the height of the thinner side far. The collar is one on both sides.
-    """
+    """Find the stress concentration at a height; a shoulder acts half the thinner side's height far."""
     dims, fillet, foot = design.dimensions, design.strength.root_fillet_mm, -design.bone.collar_length_mm
     section, collar = dims.bone_outline.section, dims.collar.section
     base, body = ((2 * section.half_width, section.dorsal + flat) for flat in (dims.base_flat_depth, dims.flat_depth))

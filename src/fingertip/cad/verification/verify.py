@@ -47,10 +47,7 @@ def verify(
     evaluator: MeshEvaluator,
     progress: Callable[[str], None] = lambda message: None,
 ) -> VerifiedParts:
-    """Make the mesh files of the parts in memory, read them back, and check the parts and their assembly.
-
-    Raises GeometryError.
-    """
+    """Make the mesh files of the parts, read them back, and check parts and assembly. Raises GeometryError."""
     mesh_formats = [file_format for file_format in formats if file_format in MESH_FORMATS]
     solids = {name: PARTS[name].solid(design) for name in parts}
     meshes = {}

@@ -130,10 +130,7 @@ def select_rectifier_ohm(amplifier: Amplifier) -> float:
 
 
 def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: float) -> float:
-    """Compute the ratio of the filter's largest gain beyond its band to that of the passband [dB].
-
-    Both stages count: the first with its feedback, the second as a follower.
-    """
+    """Compute the ratio of the largest gain of both filter stages beyond the band to the passband's [dB]."""
     largest = 0.0
     for f_hz in _PEAK_HZ:
         gain = amplifier.open_loop_gain(f_hz)

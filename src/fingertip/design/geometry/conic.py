@@ -47,10 +47,7 @@ def arc_parameter_at_slope(a: float, b: float, w: float, slope: float) -> float:
 
 
 def arc_parameter_at_height(y: float, w: float) -> float:
-    """Return the parameter t of the unit arc at height y in [0, 1).
-
-    With r = t / (1 - t) it solves (1 - y) r^2 + 2 w (1 - y) r = y.
-    """
+    """Return t of the unit arc at height y in [0, 1); r = t / (1 - t) solves (1 - y) r^2 + 2 w (1 - y) r = y."""
     v = w * (1.0 - y)
     r = y / (v + math.sqrt(v * v + y * (1.0 - y)))
     return r / (1.0 + r)
@@ -68,10 +65,7 @@ def arc_abscissa(y: float, w: float) -> float:
 
 
 def weight_of_fullness(fullness: float) -> float:
-    """Return the weight of the arc that has a given width at half of its height.
-
-    With (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y), the equation of the unit arc, and y = 1/2.
-    """
+    """Return the weight of the arc with a width at y = 1/2, from its equation (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y)."""
     return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
 
 
@@ -106,10 +100,7 @@ class CrossSection:
         return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
 
     def dorsal_height_at(self, x: float, scale: float = 1.0) -> float:
-        """Return the height y [mm] of the dorsal side at x [mm], scaled by `scale`; 0 outside the section.
-
-        The arc is symmetric: exchanging x and y maps it on itself.
-        """
+        """Return the height y [mm] of the dorsal side, whose arc is symmetric, at x [mm]; 0 outside."""
         if scale <= 0.0 or abs(x) >= self.half_width * scale:
             return 0.0
         return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
@@ -234,10 +225,7 @@ class DraftedSection:
 
 
 def add_draft(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:
-    """Replace the steep parts of a section's outline by straight walls with draft.
-
-    Units: `section` [mm], `flat` [mm].
-    """
+    """Replace the steep parts of a section's outline by straight walls with draft; `flat` is a depth [mm]."""
     a = section.half_width
     dorsal = arc_parameter_at_slope(a, section.dorsal, section.dorsal_weight, slope)
     palmar = arc_parameter_at_slope(a, section.palmar, section.palmar_weight, slope)

@@ -58,10 +58,7 @@ class Inlet:
 
 
 class MoldLayout:
-    """Positions and outline of the mold [mm].
-
-    Each value is computed when it is first read, from the parameters it depends on alone, as in `Dimensions`.
-    """
+    """Positions and outline of the mold [mm], computed when they are first read as in `Dimensions`."""
 
     def __init__(self, design: Tables, dims: Dimensions) -> None:
         self._design, self._dims = design, dims
@@ -249,10 +246,7 @@ class ClampBolts:
 
 
 def size_clamp_bolts(mold: Mold, layout: MoldLayout) -> ClampBolts:
-    """Size the bolts that hold the mold halves together.
-
-    They enter from the dorsal face and reach through the nut, which lies at the bottom of its trap in the palmar face.
-    """
+    """Size the bolts: from the dorsal face through the nuts, at the bottom of their traps in the palmar face."""
     thread = select_thread(mold.bolt_diameter_mm)
     grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
     return ClampBolts(len(layout.bolts), thread, standard_length_mm(grip_mm))

@@ -232,10 +232,7 @@ def list_contacts(design: Tables, dims: Dimensions, fit_clearance_mm: float | No
 
 
 def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
-    """List points of the skin: where it begins and where its tip begins, along the tip, at the apex, over the sensor.
-
-    The finger is symmetric, so that points on one side are enough.
-    """
+    """List points of one side: where skin and tip begin, along the tip, at the apex, over the sensor."""
     assert dims.bone_outline.tip is not None
     join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
     inset = sleeve_inset_mm(design)

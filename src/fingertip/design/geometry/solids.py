@@ -75,10 +75,7 @@ class Prism:
 
 
 def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
-    """Create a hexagonal prism along y around (`z`, `x`), as for a nut trap.
-
-    Two corners point along +x and -x. `width` is measured across flats [mm].
-    """
+    """Create a hexagonal prism along y around (`z`, `x`), `width` [mm] across flats, with corners at +x and -x."""
     r = width / math.sqrt(3.0)
     half, side = r / 2, width / 2
     ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))

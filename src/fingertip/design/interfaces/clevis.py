@@ -44,10 +44,7 @@ class Clevis(JointInterface):
     supports_below = "under the foot of the collar; around the eyes of the joint"
 
     def shapes(self, design: DesignTables) -> Shapes:
-        """Build the palmar stop, and what is removed: first the space of the joint, then the holes.
-
-        The eyes are cut from the base. The stop stands out below it.
-        """
+        """Build the palmar stop, which stands out below the base, and what is removed: the joint's space, holes."""
         joint, anchor = _joint_of(design), design.dimensions.anchor
         added = (_palmar_stop(design, joint),) if joint.travel_deg else ()
         across = 2 * design.dimensions.collar.section.half_width

@@ -74,10 +74,7 @@ class JointInterface:
         return 1.0
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        """Find the stress concentration factors of the interface at a height.
-
-        A shoulder acts about half the height of the thinner side far.
-        """
+        """Find the stress concentration factors at a height; a shoulder acts half the thinner side's height far."""
         return StressFactors()
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
@@ -89,10 +86,7 @@ class JointInterface:
         raise NotImplementedError
 
     def mounting(self, design: DesignTables) -> dict[str, Any] | None:
-        """Describe what the interface fits into; None for a joint, which the casting steps fit.
-
-        The clearance of the mating part is a recommendation: the design does not hold one.
-        """
+        """Describe the mating part, with a recommended clearance; None for a joint, which the casting steps fit."""
         return None
 
 

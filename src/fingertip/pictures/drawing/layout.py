@@ -196,10 +196,7 @@ def _place_views(
 
 
 def _arrangements(plan: ViewName) -> tuple[Arrangement, ...]:
-    """List the places of the views: a palmar view above the front view, a dorsal one below it, the end on its right.
-
-    The section may stand anywhere, because it has a name.
-    """
+    """List the places of the views: palmar view above the front, dorsal below, end on the right, section anywhere."""
     if plan == "palmar":
         return ((("palmar", "section"), ("front", "end")), (("palmar", None), ("front", "end"), ("section", None)))
     return ((("front", "end"), ("dorsal", "section")), (("front", "end"), ("dorsal", None), ("section", None)))

@@ -16,10 +16,8 @@ SiliconeName = Literal[
 ]  # fmt: skip
 """Names of the catalogue, for the parameter silicone.product. A test holds them and `SILICONES` together."""
 Cure = Literal["addition", "condensation"]
-"""Cure system: addition (platinum) or condensation (tin).
-
-Addition cure shrinks least, but uncured resin inhibits it. Condensation cure is not inhibited.
-"""
+"""Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured resin inhibits it.
+Condensation cure is not inhibited."""
 RatioBasis = Literal["weight", "volume", "weight or volume"]
 """Basis on which the maker states the mix ratio; "weight or volume" if both are allowed."""
 

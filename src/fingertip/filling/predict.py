@@ -104,11 +104,9 @@ class FillingPrediction:
     total_integral: float
     """Integral of all resistance over all injected volume [1]."""
     gate_pressure_pa: float
-    """Largest pressure at the gate's mouth while the front moves.
-
-    This pressure and the forces are taken up to the last front before the cavity is full, at some 98 % of its volume.
-    Then the pressure rises to that of the inlet everywhere, if the vents are closed.
-    """
+    """Largest pressure at the gate's mouth while the front moves. This pressure and the forces are taken up to the last
+    front before the cavity is full, at some 98 % of its volume. Then the pressure rises to that of the inlet
+    everywhere, if the vents are closed."""
     side_force_n: float
     """Largest force across the finger on the insert during the filling."""
     side_force_direction: tuple[float, float]

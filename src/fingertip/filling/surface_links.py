@@ -200,10 +200,8 @@ class SkinGrid:
 
     layer: Layer
     insert_area_mm2: Array
-    """Area of the insert around each node, times its normal into the silicone, shape (nodes, 3).
-
-    The first row's nodes include the collar's face at z = 0.
-    """
+    """Area of the insert around each node, times its normal into the silicone, shape (nodes, 3). The first row's nodes
+    include the collar's face at z = 0."""
     parting_area_mm2: Array
     """Area of the cavity's surface around each node, projected on the plane y = 0; the mean of both mold halves."""
 

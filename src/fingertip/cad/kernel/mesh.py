@@ -24,11 +24,9 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 GRID_MM = 2.0**-17
-"""Spacing of the grid to which vertices are rounded [mm].
-
-Binary32 numbers, as in STL, hold multiples of it exactly up to 128 mm. An STL file therefore holds the mesh itself, and
-rounding errors of floating-point arithmetic do not reach the files.
-"""
+"""Spacing of the grid to which vertices are rounded [mm]. Binary32 numbers, as in STL, hold multiples of it exactly up
+to 128 mm. An STL file therefore holds the mesh itself, and rounding errors of floating-point arithmetic do not reach
+the files."""
 _SHORT_EDGE_MM = 8 * GRID_MM
 """Length up to which edges are collapsed [mm]."""
 MIN_TRIANGLE_HEIGHT_MM = 1e-6

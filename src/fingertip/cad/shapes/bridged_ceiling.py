@@ -15,10 +15,8 @@ from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.solids import Box, Prism, Solid, difference
 
 BRIDGE_STEP_MM = 0.25
-"""Height of a step [mm]: more than a layer of 0.2 mm, at the smallest scale of a print too (printer.scale_percent).
-
-One layer at least then lies in each step, wherever its layers begin. Finer layers print a bridge of two of them.
-"""
+"""Height of a step [mm]: more than a layer of 0.2 mm, at the smallest scale of a print too (printer.scale_percent). One
+layer at least then lies in each step, wherever its layers begin. Finer layers print a bridge of two of them."""
 _STEPS = 3
 CEILING_STEPS_MM = _STEPS * BRIDGE_STEP_MM
 """Height of all steps together [mm]."""

@@ -91,7 +91,7 @@ class HardwareItem:
 
 
 def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]:
-    """List the hardware of the given parts: bolts of both halves; and for a hand's fork a pin as long as the base"""
+    """List the hardware of the given parts: both halves' bolts, in a hand's fork a pin as long as the base is wide."""
     items: list[HardwareItem] = []
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))

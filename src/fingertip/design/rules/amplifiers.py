@@ -52,11 +52,8 @@ CURRENT_MARGIN = 0.8
 ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
 SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
-"""Range of the voltage of each supply [V].
-
-The bridge of the first two is sized for the article's 4.3 V. The AD623 needs 3 V (its data sheet), and the last supply
-ends where the inputs of a controller do.
-"""
+"""Range of the voltage of each supply [V]. The bridge of the first two is sized for the article's 4.3 V. The AD623
+needs 3 V (its data sheet), and the last supply ends where the inputs of a controller do."""
 MAX_SPLIT_V = 5.5
 """Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
 

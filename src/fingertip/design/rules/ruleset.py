@@ -41,11 +41,9 @@ class Violation:
     problem: str
     """Value of the blamed field and what is wrong with it, without a final full stop."""
     passing: tuple[Interval, ...] = ()
-    """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell.
-
-    They may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends
-    none of them unchecked.
-    """
+    """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell. They
+    may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends none of them
+    unchecked."""
     note: str = ""
     """Condition under which the bounds hold, such as "with this r5_ohm"."""
     alternatives: Mapping[str, Any] = field(default_factory=dict)

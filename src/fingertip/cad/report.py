@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 FORMATS = ("stl", "3mf", "step")
 DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
 ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
-"""Names of all files that a build may write."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,6 @@ class BuiltPart:
     part: Part
     mesh: Mesh
     files: Mapping[str, str]
-    """Format -> file name."""
     brep: BrepMeasurements | None
     """Measurements of the B-rep solid; None unless STEP files were made."""
 
@@ -55,7 +53,6 @@ class Build:
     """Files for the printer, in a folder of their own."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
-    """Strength of the bone; None unless it was built."""
     casting: Mapping[str, Any] | None
     """Data of the casting sheet, from `casting.sheet.casting_sheet_data`; None unless all parts were built."""
     removed: tuple[str, ...] = ()

@@ -43,7 +43,6 @@ class Amplifier:
     noise_v: float
     """White noise density at the input [V/sqrt(Hz)]."""
     offset_v: float
-    """Typical input offset voltage [V]."""
     max_offset_v: float
     """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
     drift_v_per_k: float

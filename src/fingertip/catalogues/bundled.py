@@ -18,7 +18,6 @@ from fingertip.foundation.errors import Issue, TomlFileError
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"
 PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
-"""Folder of the bundled files."""
 _FOLDERS = ("", "scenes", "sweeps")
 _BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _MAX_SUGGESTIONS = 3

@@ -37,7 +37,6 @@ THREADS = (
     Thread(6.0, 6.4, 10.0, 5.2),
     Thread(8.0, 8.4, 13.0, 6.8),
 )
-"""Metric threads, from the thinnest to the thickest."""
 MIN_HOLE_MM = THREADS[0].hole_mm
 """Smallest clearance hole [mm] that a bolt of the table passes."""
 NUT_TRAP_CLEARANCE_MM = 0.2
@@ -76,7 +75,6 @@ SYRINGES: dict[str, Syringe] = {
         Syringe("10ml", 10.0, 14.5, 16.2, "no document found; barrels of 14.4 and 16.2 mm in koendv/paste_dispenser"),
     )
 }
-"""Every syringe, by name."""
 
 LUER_MOUTH_MM = 4.3
 """Diameter of a female Luer cone at its mouth [mm] (unverified: the standard, ISO 80369-7, was not at hand)."""

@@ -32,12 +32,10 @@ class ForceSensor:
     """Length from the far edge of the head to the end of the tail [mm]."""
     tail_width_mm: float
     tab_pitch_mm: float
-    """Distance between the solder tabs [mm]."""
     source: str
     unverified: tuple[str, ...]
     """Names of the dimensions that no Interlink document confirms."""
     bundled_design: str = "fsr400"
-    """Bundled design that it fits."""
     changes: tuple[str, ...] = ()
     """Changes of that design which the sensor needs."""
 
@@ -61,4 +59,3 @@ CATALOGUE: dict[str, ForceSensor] = {
         ),
     )
 }  # fmt: skip
-"""Catalogue sensors by model name."""

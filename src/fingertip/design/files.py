@@ -25,7 +25,6 @@ from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_
 class LoadedTables:
     tables: dict[str, Any]
     before: dict[str, Any]
-    """The tables without the changes."""
     changed: tuple[str, ...]
     """Names of the changed parameters, such as "mold.draft_deg"."""
 

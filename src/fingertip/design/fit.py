@@ -72,7 +72,6 @@ class Fit:
 
     tables: DesignTables
     changes: Mapping[str, tuple[float, float]]
-    """Parameter -> value before and after."""
     reasons: Mapping[str, str]
     """Changed parameter of the hand -> what its measured value would break."""
 

@@ -61,7 +61,6 @@ def _find_fault(path: Path, example: str) -> str:
 
 
 _SENSORS = (*CATALOGUE, "custom")
-"""Values of sensor.model."""
 _MAIN_PARAMETERS = (
     "sensor.model",
     "skin.width_mm",
@@ -101,13 +100,11 @@ class NewDesign:
 
     text: str
     base: str
-    """Bundled design that it began from."""
     fitted: Mapping[str, tuple[float, float]]
     """Parameter -> value in the base and in the new design."""
     reasons: Mapping[str, str]
     """Fitted parameter of the hand -> what its measured value would break."""
     design: Design
-    """The design."""
 
 
 def write_new_design(

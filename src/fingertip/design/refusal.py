@@ -181,13 +181,11 @@ def _is_electronic(name: str) -> bool:
 
 
 _MAX_ALTERNATIVES = 2
-"""Maximum number of alternatives of a message."""
 _MAX_CHANGED = 3
 """Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
 which none stands out."""
 
 Values = dict[str, Any]
-"""Values of parameters by their dotted names."""
 
 
 @dataclass(frozen=True)
@@ -207,7 +205,6 @@ class Refusal:
     before: DesignTables
     """The design before the changes that may have caused the refusal."""
     changed: tuple[str, ...]
-    """Parameters that were changed."""
     search: Search
     ranges: dict[str, PassingRange] = field(default_factory=dict)
     """Ranges of blamed fields, computed from their rules, whose bounds are part of the remedy."""

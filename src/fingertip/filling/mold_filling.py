@@ -11,7 +11,6 @@ from fingertip.filling.predict import AirPocket, FillingPrediction, predict_fill
 from fingertip.filling.vents import is_at_collar, list_openings, vent_cavity
 
 MAX_AIR_MM3 = 1.0
-"""Volume of an air pocket from which on it is a fault [mm3]."""
 
 
 @lru_cache(maxsize=32)

@@ -30,7 +30,6 @@ class FlowNetwork:
     """
 
     volume_mm3: Array
-    """Volume of each node, a vector."""
     along_mm3: Array
     """Conductances (i, j) to (i + 1, j), shape (rows - 1, columns)."""
     around_mm3: Array

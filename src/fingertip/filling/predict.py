@@ -87,9 +87,7 @@ class FillingPrediction:
     """Filling of a mold at constant pressure. Times count from the moment the silicone enters the first duct."""
 
     volume_mm3: float
-    """Volume of the cavity."""
     ducts_mm3: float
-    """Volume of the ducts."""
     viscosity_pa_s: float
     pressure_pa: float
     """Pressure at the inlet of the first duct."""
@@ -98,7 +96,6 @@ class FillingPrediction:
     fill_s: float
     """Time at which the cavity is full."""
     ducts_resistance: float
-    """Resistance of the full ducts [1/mm3]."""
     cavity_integral: float
     """Integral of the cavity's resistance over its volume [1]; divided by the volume, its mean resistance."""
     total_integral: float
@@ -266,7 +263,6 @@ class _Clock:
     ducts_mm3: float
     ducts_integral: float
     injected_mm3: Array
-    """Volumes of the fronts."""
     resistance: Array
     """Resistance of the cavity at each front [1/mm3]."""
     integral: Array

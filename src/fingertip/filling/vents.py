@@ -26,7 +26,6 @@ _MAX_ROUNDS = 4
 _MOVES = 20
 """Moves of a vent that is pushed away from others and from the chaplet by turns."""
 _APART_DIAMETERS = 0.8
-"""Least distance of two vents, in diameters."""
 _POSE_STEP_MM = 0.01
 """Step of the slopes at a vent [mm]."""
 _BESIDE_HEAD_MM = 0.1

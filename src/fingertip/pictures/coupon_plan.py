@@ -18,12 +18,10 @@ from fingertip.pictures.raster import Camera, Canvas, Pen, to_png
 _WIDTH_PX = 1600
 _FONT_PX = 21
 _BALLOON_PX = 15
-"""Radius of the circle around a number."""
 _ARROW_PX = 9
 _SIDE_MM, _ABOVE_MM, _BELOW_MM = 10.0, 9.0, 8.0
 """Room on both sides of the pieces, above and below them [mm]."""
 _APART_MM = 14.0
-"""Distance between both pieces [mm]."""
 _OUTSIDE_MM = 3.5
 """Distance from the frame of the lines that measure the whole of it [mm]."""
 _LABEL_MM = 4.5

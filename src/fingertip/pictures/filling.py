@@ -148,9 +148,7 @@ class _View:
     y: Array
     columns: Any
     ends: tuple[str, str]
-    """Names of the left and the right end."""
     edge: str
-    """Name of the lower edge."""
 
 
 def _grid_values(layer: Layer, values: Array) -> Array:

@@ -67,7 +67,6 @@ _COLOURS: Mapping[str, Colour] = {
     "sensor": SENSOR_COLOUR,
     HAND: (0.80, 0.80, 0.78),
 }
-"""Colours of the parts and of what lies with them."""
 _MARK_REACH_MM = 1.0
 """Distance along the finger within which the surface above a weak section is looked for."""
 

@@ -252,7 +252,6 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
 class _PlacedName:
     feature: Feature
     x: float
-    """Middle of the name [pixels]."""
     row: int
     """Row counted from the parts."""
 

@@ -23,7 +23,6 @@ from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 
 TIME_LIMIT_S = 180.0
-"""Time after which the process is stopped [s]."""
 POLL_S = 0.5
 """Time between two looks at the files of the process [s]."""
 STATUS_FILE = "status.txt"
@@ -35,7 +34,6 @@ class StepJob:
     """Parts to write as STEP files, and further solids to measure."""
 
     title: str
-    """Name of the assembly."""
     parts: tuple[tuple[str, Solid, tuple[float, float, float]], ...]
     """Name, solid and colour of each part."""
     measured_solids: tuple[tuple[str, Solid], ...] = ()
@@ -57,9 +55,7 @@ class StepFiles:
     contents: dict[str, bytes]
     """File name -> bytes."""
     measurements: dict[str, BrepMeasurements]
-    """Part name -> measurements."""
     volumes_mm3: dict[str, float]
-    """Name of a measured solid -> volume [mm3]."""
 
 
 class StepProcess:

@@ -28,7 +28,6 @@ GRID_MM = 2.0**-17
 to 128 mm. An STL file therefore holds the mesh itself, and rounding errors of floating-point arithmetic do not reach
 the files."""
 _SHORT_EDGE_MM = 8 * GRID_MM
-"""Length up to which edges are collapsed [mm]."""
 MIN_TRIANGLE_HEIGHT_MM = 1e-6
 """Height below which a triangle counts as degenerate: single-precision files cannot represent its area [mm]."""
 

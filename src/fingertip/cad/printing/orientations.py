@@ -29,7 +29,6 @@ class Orientation:
     rotate_x_deg: float
     """Rotation about the x axis of the part's file [degrees]."""
     face_on_plate: str
-    """Face that lies on the build plate, in words."""
     needs_supports: bool
 
 

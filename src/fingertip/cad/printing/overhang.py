@@ -72,7 +72,6 @@ _ON_BED_MM = 0.005
 _THREAD_MM = 0.1
 """Distance of the threads at which a ceiling is measured [mm]."""
 _DIRECTIONS = 12
-"""Number of directions of threads that are tried."""
 
 
 @dataclass(frozen=True)

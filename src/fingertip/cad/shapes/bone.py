@@ -180,7 +180,6 @@ def genus(design: Design) -> int:
 
 
 TAPE_MM = 0.1
-"""Thickness of the tape [mm]. An assumption."""
 TAPE_RIM_MM = 0.5
 """Width by which the tape reaches past what it covers [mm]."""
 _INTO_COLLAR_MM = 0.3

@@ -19,7 +19,6 @@ BRIDGE_STEP_MM = 0.25
 layer at least then lies in each step, wherever its layers begin. Finer layers print a bridge of two of them."""
 _STEPS = 3
 CEILING_STEPS_MM = _STEPS * BRIDGE_STEP_MM
-"""Height of all steps together [mm]."""
 
 
 def bridge_ceiling(

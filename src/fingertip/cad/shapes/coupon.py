@@ -44,7 +44,6 @@ from fingertip.design.geometry.solids import (
 )
 
 SLICE_MM = 2.4
-"""Height of the slice of the bone's base [mm]."""
 RING_MM = 1.8
 """Height of the recess in which the slice is tried [mm]."""
 _RIB_TOP_MM = 1.2
@@ -54,7 +53,6 @@ _FLOOR_MM = 0.6
 _LEDGE_MM = 1.2
 """Width of the pocket's floor around the hole through which the sensor is pushed out [mm]."""
 _WALL_TOP_MM = 2.2
-"""Top of the thin walls [mm]."""
 _LUER_TOP_MM = NOZZLE_DEPTH_MM + 0.5
 """Mouth of the Luer cone above the bed [mm]: a nozzle sits within it, and the cone's end lies below the bed."""
 _PAST_MM = 1.0
@@ -253,4 +251,3 @@ COUPON_PARTS: dict[str, Part] = {
         Part("coupon_slice", loose_slice, lambda design: 0, (0.93, 0.89, 0.80), True),
     )
 }
-"""Both pieces of the coupon, by name."""

@@ -17,7 +17,6 @@ from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.solids import Box
 
 WALLS_MM = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2)
-"""Thicknesses of the thin walls [mm]."""
 TONGUE_MM = 10.0
 """Width of the tongue and of the slot [mm], unless the nut needs a wider block."""
 LETTERS = "AB"
@@ -25,7 +24,6 @@ LETTERS = "AB"
 MIN_SIZE_MM = 42.0
 """Least length and width of the frame [mm]."""
 RIB_MM = 1.6
-"""Width of the ribs of the frame [mm]."""
 _TILE_MM = 0.8
 """Thickness of the tiles between the ribs [mm], unless pocket or letters need more."""
 _TILE_FLOOR_MM = 0.4
@@ -37,11 +35,9 @@ _WINDOW_MM = 4.0
 _TAIL_MM = 3.0
 """Length of the tail's slot beside the sensor's pocket [mm]."""
 _WALL_LENGTH_MM = 5.0
-"""Length of the thin walls [mm]."""
 _WALL_GAP_MM = 2.4
 """Gap between two thin walls [mm], for the tips of the calipers."""
 GAP_MM = 1.8
-"""Distance between features [mm]."""
 INTO_RIB_MM = 0.5
 """Length by which a feature overlaps the rib that carries it [mm]."""
 
@@ -76,7 +72,6 @@ class Layout:
 
     size: tuple[float, float]
     tile_mm: float
-    """Thickness of the tiles."""
     sensor: Spot
     ring: Spot
     """Wall around the recess of the slice."""
@@ -89,7 +84,6 @@ class Layout:
     text: Spot | None
     """Letters; None if the design asks for no engraving."""
     windows: tuple[Spot, Spot, Spot]
-    """Openings of the frame, from bottom to top."""
     slot: Spot
     """Slot as wide as the tongue, open at the bottom edge."""
     walls: tuple[Spot, ...]

@@ -25,7 +25,6 @@ ADVANCE = 6.0
 HEIGHT = 6.0
 """Height of a letter, measured between the centre lines of its strokes [grid units]."""
 STROKE_WIDTH = 0.8
-"""Width of a stroke [grid units]."""
 MIN_STROKE_MM = 0.4
 """Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
 assumption."""
@@ -52,7 +51,6 @@ _GLYPHS = {
 class TextLine:
     text: str
     unit_mm: float
-    """Size of a grid unit [mm]."""
     baseline_mm: float
     """Signed distance of the baseline from the centre of the face [mm]."""
     centre_z_mm: float

@@ -29,7 +29,6 @@ class Part:
     colour: tuple[float, float, float]
     """Red, green and blue in pictures and STEP files, 0 to 1."""
     is_printed: bool
-    """True for printed parts, False for cast ones."""
     exists_in: Callable[[Design], bool] = lambda design: True
     """Function that tells whether a design has this part."""
 
@@ -63,7 +62,6 @@ PARTS: dict[str, Part] = {
         ),
     )
 }  # fmt: skip
-"""Every part, by name."""
 
 
 def parts_by_name(design: Design) -> dict[str, Part]:

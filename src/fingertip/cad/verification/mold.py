@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
 
 _AREA_TOLERANCE_MM2 = 1e-4
-"""Largest undercut area that counts as zero [mm2]."""
 _FACE_DEPTH_MM = 0.01
 """Depth below the distal face at which the openings of gate and vents are counted [mm]."""
 _FIT_RATIO = 0.75

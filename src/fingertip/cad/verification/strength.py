@@ -34,7 +34,6 @@ from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 
 STATIONS = 160
-"""Number of cross-sections."""
 WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
 """Safety factors below which a build warns."""
 
@@ -45,7 +44,6 @@ class Section:
 
     area_mm2: float
     centroid_mm: tuple[float, float]
-    """x and y of the centroid [mm]."""
     second_xx_mm4: float
     """Integral of y^2 [mm4], which resists bending about x."""
     second_yy_mm4: float
@@ -91,7 +89,6 @@ class LoadPoint:
 @dataclass(frozen=True)
 class Weakness:
     load: str
-    """Name of the load point."""
     z_mm: float
     """Height of the cross-section."""
     place: str
@@ -101,7 +98,6 @@ class Weakness:
     concentration: float
     """Stress concentration factor that it contains."""
     direction: tuple[float, float, float]
-    """Worst direction of the load."""
     at_shock: bool = True
     """False for what a shock does not load."""
 
@@ -111,7 +107,6 @@ class BoneStrength:
     material: PrintMaterial
     weakest: Weakness
     by_load: tuple[Weakness, ...]
-    """Weakest place for each load point."""
     at_shock: Weakness
     """Weakest place of those that a shock loads."""
     grip_safety_factor: float

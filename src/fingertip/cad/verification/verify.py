@@ -37,7 +37,6 @@ class VerifiedParts:
     """Files of the printed parts as they lie on the bed."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
-    """Strength of the bone; None without a bone."""
 
 
 def verify(

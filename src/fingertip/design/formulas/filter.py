@@ -157,7 +157,6 @@ def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
 # Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for rules and the board.
 
 MAX_COMPARATOR_V = 5.5
-"""Maximum supply of the comparator [V]."""
 MIN_COMPARATOR_V = 0.011
 """Minimum threshold [V]. Lower thresholds would need a hysteresis resistor above 10 Mohm, and an offset of 7 mV would
 be most of the threshold."""

@@ -68,4 +68,3 @@ class LocalStress:
     at_shock: bool = True
     """False for what a shock does not load."""
     direction: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    """Direction of the load."""

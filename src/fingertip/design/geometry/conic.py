@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 
 ELLIPSE = math.sqrt(0.5)
-"""Weight of an elliptic arc."""
 
 
 def arc_point(t: float, w: float) -> tuple[float, float]:
@@ -113,9 +112,7 @@ class CrossSection:
 @dataclass(frozen=True)
 class Tip:
     z: float
-    """Height of the apex [mm]."""
     weight: float
-    """Weight of the profile's conic."""
 
 
 @dataclass(frozen=True)
@@ -217,7 +214,6 @@ class DraftedSection:
 
     section: CrossSection
     half_width: float
-    """Half width at the parting plane [mm]."""
     palmar_start: float
     """Parameter of the palmar arcs at which they take over from the straight walls."""
     dorsal_start: float

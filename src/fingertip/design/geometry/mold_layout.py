@@ -29,7 +29,6 @@ _GATE_TO_VENT_MM = 1.2
 _BESIDE_BARREL_MM = 0.5
 """Gap between the barrel of the syringe and the heads of the bolts [mm]."""
 _ABOVE_COLLAR_MM = 0.5
-"""Least distance of the gate from the collar [mm]."""
 _GATE_END = 0.95
 """End of the runner inside the cavity, relative to the cavity's half width at the top of the runner."""
 _ABOVE_RUNNER_MM = 1.0

@@ -44,7 +44,6 @@ class ThicknessSample:
     """Distance of the surface's nearest chord from the middle of the finger, along that vector."""
     bone_x: float
     bone_y: float
-    """The point of the bone's outline."""
 
 
 def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
@@ -158,7 +157,6 @@ _CHORDS = 5
 _POINTS, _SURFACE_CHORDS = 5, 20
 """Points of a quarter of a section at which the silicone is measured, and chords of the outer surface."""
 _TIP_SECTIONS = 2
-"""Sections of the rounded tip that are measured."""
 _LIMIT = 100.0
 """Bound of every component of a motion, which no support at all would leave unbounded [mm or rad]."""
 
@@ -192,7 +190,6 @@ class Loss:
     point: SkinPoint
     loss_mm: float
     motion: Motion
-    """Motion of the bone that causes it."""
 
     @property
     def retained(self) -> float:

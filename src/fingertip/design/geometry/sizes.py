@@ -15,7 +15,6 @@ from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.design.parameters import Tables
 
 GENERAL = "ISO 2768-m"
-"""Name of the general tolerances."""
 _GENERAL_MM = ((6.0, 0.1), (30.0, 0.2), (120.0, 0.3), (400.0, 0.5))
 """Largest nominal size and its permissible deviation, class m of ISO 2768-1. Its first class begins at 0.5 mm."""
 _SHARE = 0.5
@@ -87,7 +86,6 @@ def nut_trap(thread: Thread, width: float) -> Tolerance:
 
 
 ViewName = Literal["front", "dorsal", "palmar", "end", "section"]
-"""View of a drawing."""
 Side = Literal["above", "below", "left", "right"]
 ARROW_DEG = 5.0
 """Angle between the end of an arc and the arrow that points to it."""
@@ -123,7 +121,6 @@ class Length:
     is_reference: bool = False
     """True if no surface lies at one of its ends, so that calipers cannot measure it: it stands in parentheses."""
     added_mm: float = 0.0
-    """Length that the printer adds [mm]."""
 
     @property
     def value(self) -> float:
@@ -157,7 +154,6 @@ class Circle:
     hidden_deg: tuple[tuple[float, float], ...] = ()
     """Ranges of directions in the view in which the part has no such edge, of an arc that is no circle."""
     added_mm: float = 0.0
-    """Length that the printer adds [mm]."""
 
     @property
     def value(self) -> float:

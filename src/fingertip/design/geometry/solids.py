@@ -143,7 +143,6 @@ class Placed:
     quarter_turns: Literal[-1, 0, 1]
     """Quarter turns by the right-hand rule: one turns y to z."""
     shift: Point3
-    """Displacement after the turn [mm]."""
 
 
 Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | DraftedExtrusion

@@ -34,7 +34,6 @@ _MIN_SHOULDER = 0.1
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 _HEAD_CLEARANCE = 0.3
-"""Clearance around the head of a flange's bolt [mm]."""
 
 
 class Post(CrossBolted):

@@ -37,7 +37,6 @@ from fingertip.foundation.numerics import bisect
 RULES = Ruleset()
 
 MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
-"""Minimum of the parameter r5_ohm [ohm]."""
 
 BANDWIDTH_MARGIN = 10.0
 """Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier then costs 0.5 % of the gain at the cutoff."""

@@ -14,9 +14,7 @@ WALL_RULES, RULES, FOLD_RULES = Ruleset(), Ruleset(), Ruleset()
 _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
 _BEFORE_TIP = 0.1
-"""Minimum distance of the groove from the rounded tip [mm]."""
 _DEPTH_HALVINGS = 30
-"""Halvings that find the maximum depth of the groove."""
 MIN_FOLD_RADIUS_MM = 2.5
 """Least radius at which Interlink allows the film of a catalogue sensor to bend, at rest [mm]."""
 _MIN_STRAIGHT_MM = 5.0

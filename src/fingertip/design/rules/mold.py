@@ -73,15 +73,11 @@ _BESIDE_PRY_SLOT = 0.4
 _PRY_SLOT_ENDS = 2.0
 """Length of the mold's side that a pry slot leaves, both ends together [mm]."""
 _BEHIND_ENGRAVING = 1.0
-"""Minimum wall behind the engraving [mm]."""
 _SOCKET_FLOOR = 1.0
-"""Minimum floor of a key's socket [mm]."""
 _NUT_FLOOR = 2.0
-"""Minimum floor under a nut [mm]."""
 _MAX_RUNNER_DEPTH = 0.5
 """Maximum depth of the runner relative to the height of the cavity's dorsal side."""
 _KEY_TOP = 0.4
-"""Minimum radius of a key's top [mm]."""
 _BESIDE_GATE = 0.2
 """Minimum distance of the gate from the cavity's side [mm]."""
 

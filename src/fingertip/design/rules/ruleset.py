@@ -59,7 +59,6 @@ RuleFunction = Callable[[DesignTables], Violation | None]
 @dataclass(frozen=True, eq=False)
 class Rule:
     field: str
-    """Field that the rule blames."""
     check: RuleFunction
     prerequisites: tuple[Rule, ...] = ()
     """Rules that must pass before this one is checked."""

@@ -33,7 +33,6 @@ _THICKNESS_SLACK = 2e-3
 _MIN_BONE = 1.0
 """Half width and half height of bone [mm] below which no other rule makes sense."""
 _MIN_STRAIGHT = 2.0
-"""Minimum length of the straight part of the skin [mm]."""
 _MIN_FLAT_DEPTH = 0.5
 """Minimum depth of the bone's flat below the parting plane [mm]."""
 _MIN_FLAT_CUT = 0.2

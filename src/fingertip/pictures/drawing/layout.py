@@ -47,7 +47,6 @@ CHOICES = (
     *((paper, scale) for scale in SCALES for paper in (A4, A3)),
     *((paper, scale) for scale in SCALES[2:] for paper in (A2, A1)),
 )
-"""Papers and scales in the order in which they are tried."""
 _HATCH_MM = 2.5
 _PAST_VIEW_MM = 3.0
 """Length of centre lines past what they pass through."""
@@ -71,7 +70,6 @@ class PlacedView:
     projection: Projection
     scale: float
     origin: Point
-    """Place of the part's origin on paper."""
 
     def on_paper(self, point: Point) -> Point:
         return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]

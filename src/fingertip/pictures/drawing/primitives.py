@@ -24,7 +24,6 @@ WIDE_MM, NARROW_MM = 0.5, 0.25
 _HEADS_PER_SIZE = 0.718
 """Height of a capital of Helvetica over the size of the font (Adobe's font metrics)."""
 _TIP_ANGLE_DEG = 15.0
-"""Angle of an arrowhead."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,6 @@ class Arc:
 class Arrow:
     tip: Point
     direction_deg: float
-    """Direction in which it points."""
     length: float
 
     def corners(self) -> tuple[Point, Point, Point]:

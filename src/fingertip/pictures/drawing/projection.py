@@ -57,7 +57,6 @@ if __name__ == "__main__":
 
 
 TIME_LIMIT_S = 180.0
-"""Time after which the process is stopped [s]."""
 
 
 def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:

@@ -12,7 +12,6 @@ from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
 
 _LIFT_MM = 12.0
-"""Height of a lifted syringe above its cone [mm]."""
 
 
 def _in_pose(data: Data) -> Camera:

@@ -162,7 +162,6 @@ class Paint:
 
 
 Data = Mapping[str, Any]
-"""Data of the casting sheet."""
 Given = TypeVar("Given")
 
 

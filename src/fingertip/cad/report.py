@@ -119,7 +119,13 @@ class Build:
             "tolerance_mm": self.tolerance_mm,
             "passed": self.passed,
             "parts": {built.part.name: self._part_entry(built) for built in self.parts},
-            "print": self._print_entries(),
+            "print": {
+                f"{PRINT_FOLDER}/{file}": {
+                    "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
+                    "sha256": hashlib.sha256(data).hexdigest(),
+                }
+                for file, data in self.prints.contents.items()
+            },
             "warnings": list_warnings(self.checks),
             "checks": [check.to_dict() for check in self.checks],
         }
@@ -153,13 +159,3 @@ class Build:
         if built.brep:
             entry["brep_volume_mm3"] = round_for_output(built.brep.volume_mm3)
         return entry
-
-    def _print_entries(self) -> dict[str, Any]:
-        """Hash of each file for the printer, and the parts on each plate."""
-        return {
-            f"{PRINT_FOLDER}/{file}": {
-                "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
-                "sha256": hashlib.sha256(data).hexdigest(),
-            }
-            for file, data in self.prints.contents.items()
-        }

@@ -10,7 +10,6 @@ import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -136,7 +135,7 @@ def write_new_design(
         fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
         base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
         design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
-        return NewDesign(_write(design, base), base, {}, {}, design)
+        return NewDesign("\n".join([*_list_lines(design, base), ""]), base, {}, {}, design)
     start = preset or "adult_finger"
     files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
@@ -146,11 +145,7 @@ def write_new_design(
         raise DesignError(issues_from_pydantic(error, Design)) from None
     fit = fit_design(begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
     design = Design(**fit.tables.model_dump())
-    return NewDesign(_write(design, start), start, fit.changes, fit.reasons, design)
-
-
-def _write(design: Design, base: str) -> str:
-    return "\n".join(_list_lines(design, base)) + "\n"
+    return NewDesign("\n".join([*_list_lines(design, start), ""]), start, fit.changes, fit.reasons, design)
 
 
 def _list_lines(design: Design, base: str) -> Iterator[str]:
@@ -180,7 +175,7 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
         rest = [p for p in parameters.values() if p.path.startswith(f"{table}.") and p not in changed]
         if rest:
             yield ""
-            yield f"# {_summarise(info.annotation)}"
+            yield f"# {' '.join((inspect.getdoc(info.annotation) or '').split())}"
             yield from _format_block(design, rest, prefix="#")
 
 
@@ -193,7 +188,3 @@ def _format_block(design: Design, parameters: Iterable[Parameter], prefix: str =
     for setting, parameter in rows:
         limits = ", ".join(text for text in (parameter.unit, parameter.bounds) if text)
         yield f"{setting:{width}}  # {parameter.description}" + (f" [{limits}]" if limits else "")
-
-
-def _summarise(table: Any) -> str:
-    return " ".join((inspect.getdoc(table) or "").split())

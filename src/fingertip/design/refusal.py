@@ -255,7 +255,10 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
     value = values[name]
     if not is_number(name):
         return f"set {join_assignments({name: value})}{_suggest_bundled_design(refusal, name)}"
-    unit = f"{format_unit(find_unit(PARAMETERS[name]))}{_note(refusal, name)}"
+    unit = format_unit(find_unit(PARAMETERS[name]))
+    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
+    if notes and len(refusal.blamed) == 1:
+        unit += f" {notes[0]}"
     texts = [f"{'at least' if value > refusal.tables.value(name) else 'at most'} {format_value(name, value)}"]
     passing = refusal.ranges.get(name)
     if passing and len(refusal.blamed) == 1:
@@ -282,12 +285,6 @@ def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     if name != "sensor.model" or present is None or (before and before.bundled_design == present.bundled_design):
         return ""
     return f", or start from the bundled design {present.bundled_design}"
-
-
-def _note(refusal: Refusal, name: str) -> str:
-    """Return the condition of a bound, if only one field is blamed."""
-    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
-    return f" {notes[0]}" if notes and len(refusal.blamed) == 1 else ""
 
 
 def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:

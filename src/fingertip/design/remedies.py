@@ -17,6 +17,7 @@ Rules that read a parameter which is not valid by itself are not checked. They m
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -122,10 +123,9 @@ def _return_blamed_choice(refusal: Refusal) -> Values:
 
 
 def _move_to_bounds(refusal: Refusal) -> Values:
-    ranges = {name: _find_range(refusal, name) for name in refusal.blamed}
-    known = {name: passing for name, passing in ranges.items() if passing is not None}
+    known = {name: passing for name in refusal.blamed if (passing := _find_range(refusal, name))}
     values = {name: passing.value for name, passing in known.items()}
-    if len(known) < len(ranges) or not refusal.resolves(values):
+    if len(known) < len(refusal.blamed) or not refusal.resolves(values):
         return {}
     refusal.ranges |= known
     return values
@@ -140,8 +140,10 @@ def _move_step_by_step(refusal: Refusal) -> Values:
             return _use_bounds(refusal, _leave_out_needless(refusal, values))
         # Repair the first broken rule. The first field that reduces the number of broken rules is good enough.
         best: tuple[int, Values, tuple[BrokenRule, ...]] | None = None
-        for name in _candidates(refusal, broken[0]):
-            value = None if name in values else _repair(refusal, tables, broken[0], name)
+        changed = [name for name in refusal.changed if is_number(name)]
+        for name in dict.fromkeys((broken[0].rule.field, *(changed or PARAMETERS))):
+            may_repair = name in broken[0].own_reads and name not in values
+            value = _repair(refusal, tables, broken[0], name) if may_repair else None
             if value is None:
                 continue
             moved = tables.with_values({name: value})
@@ -164,14 +166,6 @@ def _repair(refusal: Refusal, tables: DesignTables, broken: BrokenRule, name: st
         passing = _round_range(tables, name, broken.violation.passing)
         return passing and passing.value
     return refusal.search.nearest(tables, name, broken.rule)
-
-
-def _candidates(refusal: Refusal, broken: BrokenRule) -> Iterator[str]:
-    """Yield the fields that may repair a rule: the blamed and the changed ones; all it reads if none was changed."""
-    changed = [name for name in refusal.changed if is_number(name)]
-    for name in dict.fromkeys((broken.rule.field, *(changed or PARAMETERS))):
-        if name in broken.own_reads:
-            yield name
 
 
 def _return_towards_before(refusal: Refusal) -> Values:
@@ -262,20 +256,15 @@ def explain_violations(
     tables: DesignTables, broken: Sequence[BrokenRule], before: Mapping[str, Any] | None, changed: Sequence[str]
 ) -> list[Issue]:
     """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
-
-    try:
-        valid_before = None if before is None else DesignTables(**before)
-    except ValidationError:
-        valid_before = None
+    valid_before = None
+    if before is not None:
+        with contextlib.suppress(ValidationError):
+            valid_before = DesignTables(**before)
     return find_remedies(tables, broken, valid_before, changed)
 
 
 def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]) -> list[Issue]:
-    """Describe all that is wrong with tables of which some parameters are not valid by themselves.
-
-    The rules between the other parameters are checked too, so that one run reports everything.
-    """
-
+    """Describe what is wrong with tables of which some parameters are not valid; rules check the others at once."""
     issues = issues_from_pydantic(error, DesignTables)
     invalid = frozenset(issue.field for issue in issues)
     valid = _keep_valid(tables, invalid)

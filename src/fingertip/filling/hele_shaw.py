@@ -76,20 +76,14 @@ class Filling:
 def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
     solver = RowElimination(network, np.stack((gate, network.volume_mm3), axis=1))
     fronts = [_full_front(network, solver)]
-    for injected in _volumes(network.total_mm3, levels)[::-1]:
+    # The front is a small circle at first, and closes around a small spot at last. Its area is quadratic in its radius,
+    # and so are these volumes at both ends.
+    angle = np.pi * np.arange(1, levels) / levels
+    volumes_mm3 = network.total_mm3 * 0.5 * (1.0 - np.cos(angle))
+    for injected in volumes_mm3[::-1]:
         guess = _guess(network, fronts[-1], float(injected))
         fronts.append(_solve_front(network, solver, gate, float(injected), guess))
     return Filling(network, gate, tuple(fronts[::-1]), _conserve(network, _arrival(network, fronts[::-1]), levels))
-
-
-def _volumes(total_mm3: float, levels: int) -> Array:
-    """Choose injected volumes, in rising order and without the full one.
-
-    The front is a small circle at first, and closes around a small spot at last. Its area is quadratic in its radius,
-    and so are these volumes at both ends.
-    """
-    angle = np.pi * np.arange(1, levels) / levels
-    return total_mm3 * 0.5 * (1.0 - np.cos(angle))
 
 
 def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:

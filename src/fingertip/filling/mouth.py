@@ -66,7 +66,9 @@ def open_mouth(layer: Layer, point_mm: tuple[float, float, float], diameter_mm: 
     centre, nodes, weights = min(candidates, key=lambda found: float(np.linalg.norm(found[0] - target)))
 
     chosen = np.linalg.norm(centres - centre, axis=1) <= reach + diameter_mm / 2
-    bilinear = _sample_weights()
+    at = (np.arange(_PARTS) + 0.5) / _PARTS
+    s, t = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
+    bilinear = np.stack(((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t), axis=1)
     samples = np.einsum("sk,qkx->qsx", bilinear, corners[chosen])
     inside = np.linalg.norm(samples - centre, axis=2) <= diameter_mm / 2
     if not inside.any():  # the mouth is smaller than the distance of the samples
@@ -107,13 +109,6 @@ def _open_quads(layer: Layer) -> NDArray[np.intp]:
         number, right = number[:, :-1], right[:, :-1]
     quads = np.stack((number[:-1], number[1:], right[:-1], right[1:]), axis=2).reshape(-1, 4)
     return quads[layer.network.is_open[quads].all(axis=1)]
-
-
-def _sample_weights() -> Array:
-    """Compute the bilinear weights of the points that sample a quad, shape (samples, 4)."""
-    at = (np.arange(_PARTS) + 0.5) / _PARTS
-    s, t = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
-    return np.stack(((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t), axis=1)
 
 
 def _project(quad: NDArray[np.intp], corners: Array, target: Array) -> tuple[Array, NDArray[np.intp], Array]:

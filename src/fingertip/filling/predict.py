@@ -170,7 +170,13 @@ def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[La
         sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
     )
     points, pockets = find_air(course.filling.network, arrival, closing)
-    return tuple(points), (*pockets, *_not_reached(course.grid, course.filling))
+    # What closed quads cut off from the gate is one more pocket.
+    network = course.grid.layer.network
+    cut_off = network.is_open & ~course.filling.network.is_open
+    if cut_off.any():
+        volume = float(network.volume_mm3[cut_off].sum())
+        pockets = (*pockets, TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume))
+    return tuple(points), pockets
 
 
 def place_of(course: Course, node: int) -> Point3:
@@ -244,15 +250,6 @@ def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
     for node, volume in zip(heaviest.tolist(), covered.tolist(), strict=True):
         latest[node] = max(volume, latest.get(node, 0.0))
     return [ClosingVent(node, volume) for node, volume in latest.items()]
-
-
-def _not_reached(grid: SkinGrid, filling: Filling) -> tuple[TrappedAir, ...]:
-    """List the silicone's region that closed quads cut off from the gate, as one pocket."""
-    cut_off = grid.layer.network.is_open & ~filling.network.is_open
-    if not cut_off.any():
-        return ()
-    volume = float(grid.layer.network.volume_mm3[cut_off].sum())
-    return (TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume),)
 
 
 @dataclass(frozen=True, eq=False)

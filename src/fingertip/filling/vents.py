@@ -100,7 +100,8 @@ def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent |
     kind = _choose_kind(design, point)
     for _ in range(_MOVES if kind == "dorsal" else 0):
         point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
-    if kind == "dorsal" and not _is_apart(design, point, vents):
+    between = [math.dist(point[::2], vent.point_mm[::2]) for vent in vents if vent.kind == "dorsal"]
+    if kind == "dorsal" and min(between, default=math.inf) < _spacing_mm(design) - _BESIDE_HEAD_MM / 2:
         return None  # no wall would be left to the hole beside it
     x, y, z = (round(value, _POINT_DECIMALS) for value in point)
     # A groove is twice as wide as deep, because pockets at the side are long.
@@ -110,12 +111,6 @@ def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent |
 def _spacing_mm(design: Design) -> float:
     """Return the distance of two holes from above that leaves a wall between them [mm]."""
     return design.mold.vent_diameter_mm + design.printer.min_wall_mm + _BESIDE_HEAD_MM
-
-
-def _is_apart(design: Design, point: Point3, vents: Iterable[Vent]) -> bool:
-    """Return whether a hole from above leaves a wall to all such holes before it."""
-    between = [math.dist(point[::2], vent.point_mm[::2]) for vent in vents if vent.kind == "dorsal"]
-    return min(between, default=math.inf) >= _spacing_mm(design) - _BESIDE_HEAD_MM / 2
 
 
 def _clear_of_vents(design: Design, point: Point3, vents: Iterable[Vent]) -> Point3:

@@ -82,8 +82,16 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
         _draw_length(pen, font, plan, number, length)
     for number, height in enumerate(list_heights(design), 1):
         text = f"Z{number}: {height.height_mm * plan.growth:.2f}"
-        _draw_height(pen, font, plan.at(height.at, height.piece), text, scale)
-    _draw_axes(pen, font, height_px)
+        x, y = plan.at(height.at, height.piece)
+        pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
+        left, top, right, bottom = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
+        pen.rectangle([left - 3, top - 3, right + 3, bottom + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
+        pen.text((x + 10, y), text, fill=_HEIGHT_COLOUR, font=font, anchor="lm")
+    x, y, reach = 30.0, height_px - 30.0, 60.0
+    for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):
+        pen.line([(x, y), end], fill=(40, 40, 40), width=3)
+        pen.polygon(list(_arrow(end, (x, y))), fill=(40, 40, 40))
+        pen.text((end[0] + 10, end[1] - 4), label, fill=(40, 40, 40), font=font, anchor="lm")
     return to_png(picture)
 
 
@@ -123,20 +131,3 @@ def _draw_number(pen: Pen, font: Any, at: Point, number: int) -> None:
     r = _BALLOON_PX
     pen.ellipse([x - r, y - r, x + r, y + r], fill=(255, 255, 255), outline=_LENGTH_COLOUR, width=2)
     pen.text((x, y), str(number), fill=_LENGTH_COLOUR, font=font, anchor="mm")
-
-
-def _draw_height(pen: Pen, font: Any, at: Point, text: str, scale: float) -> None:
-    """Draw a dot on the top of a feature, and its height beside it."""
-    x, y = at
-    pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
-    left, top, right, bottom = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
-    pen.rectangle([left - 3, top - 3, right + 3, bottom + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
-    pen.text((x + 10, y), text, fill=_HEIGHT_COLOUR, font=font, anchor="lm")
-
-
-def _draw_axes(pen: Pen, font: Any, height_px: int) -> None:
-    x, y, reach = 30.0, height_px - 30.0, 60.0
-    for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):
-        pen.line([(x, y), end], fill=(40, 40, 40), width=3)
-        pen.polygon(list(_arrow(end, (x, y))), fill=(40, 40, 40))
-        pen.text((end[0] + 10, end[1] - 4), label, fill=(40, 40, 40), font=font, anchor="lm")

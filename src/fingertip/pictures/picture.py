@@ -116,8 +116,12 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     found = assess_strength(design, evaluator)
     weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
     (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
-    y = _height_of(design, weakest.place)
-    if y is None:
+    joint, anchor = design.dimensions.joint, design.dimensions.anchor
+    if anchor and "anchor" in weakest.place:
+        y = anchor.y
+    elif joint and weakest.place != "cross-section":
+        y = joint.axis_y
+    else:
         beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
         y = float(vertices[beside, 1].max(initial=0.0))
     lines = (
@@ -126,14 +130,6 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
         "at the grip force",
     )
     return "\n".join(lines), (dx, y + dy, weakest.z_mm + dz)
-
-
-def _height_of(design: Design, place: str) -> float | None:
-    """Find the height y of a named place of a clevis [mm]; None for a cross-section, which has no single one."""
-    joint, anchor = design.dimensions.joint, design.dimensions.anchor
-    if anchor and "anchor" in place:
-        return anchor.y
-    return joint.axis_y if joint and place != "cross-section" else None
 
 
 def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:

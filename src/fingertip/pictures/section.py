@@ -122,7 +122,9 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
         return _FINE * (left + (z - low[0]) * scale), _FINE * (top + (high[1] - y) * scale)
 
     for name, rings in cuts.items():
-        _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], _colour_of(name))
+        base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
+        red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
+        _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], (red, green, blue))
     for rings in dashed:
         for ring in rings:
             _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
@@ -313,12 +315,6 @@ def _draw_name(pen: Pen, font: Font, placed: _PlacedName, target: Point, line_y:
     left, top, right, bottom = pen.textbbox((x, base), placed.feature.name, font=font, anchor="ms")
     pen.rectangle([left - 4 * _FINE, top - _FINE, right + 4 * _FINE, bottom + _FINE], fill="white")
     pen.text((x, base), placed.feature.name, fill=_NAME_INK, font=font, anchor="ms")
-
-
-def _colour_of(name: str) -> tuple[int, int, int]:
-    base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
-    red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
-    return red, green, blue
 
 
 def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int, int]) -> None:

@@ -102,11 +102,6 @@ class StepProcess:
         status_file = self._folder.path / STATUS_FILE
         return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
 
-    def _share_begun(self) -> float:
-        steps = len(("starting", "loading", "hardware", "assembly"))
-        steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
-        return (len(self._steps()) - 1) / steps
-
     def _kill(self) -> None:
         if sys.platform == "win32":
             self._process.kill()
@@ -122,7 +117,9 @@ class StepProcess:
         while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 _, stderr = self._process.communicate(timeout=min(POLL_S, left_s))
-            advance(self._share_begun())
+            steps = len(("starting", "loading", "hardware", "assembly"))
+            steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
+            advance((len(self._steps()) - 1) / steps)
         if stderr is None:
             status = self._steps()[-1]
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -86,9 +86,15 @@ def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, flo
 def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, float], gap: float) -> None:
     """Place a part on the first plate with room, as near to its front left corner as possible; else on a new one."""
     for plate in plates:
+        # At the left or the front edge of the bed, or right of or behind another part.
+        spots = (
+            Placed(part.name, part.is_turned, x, y, part.width, part.depth)
+            for x in (0.0, *(other.x + other.width + gap for other in plate))
+            for y in (0.0, *(other.y + other.depth + gap for other in plate))
+        )
         free = [
             spot
-            for spot in _spots(plate, part, gap)
+            for spot in spots
             if spot.x + spot.width <= bed[0] + _ROUNDING_MM
             and spot.y + spot.depth <= bed[1] + _ROUNDING_MM
             and all(spot.distance(other) >= gap - _ROUNDING_MM for other in plate)
@@ -97,14 +103,6 @@ def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, floa
             plate.append(min(free, key=lambda spot: (spot.y + spot.depth, spot.x)))
             return
     plates.append([part])
-
-
-def _spots(plate: Sequence[Placed], part: Placed, gap: float) -> Iterator[Placed]:
-    """List the places of a part at the left or the front edge of the bed, or right of or behind another part."""
-    columns = [0.0, *(other.x + other.width + gap for other in plate)]
-    rows = [0.0, *(other.y + other.depth + gap for other in plate)]
-    for x, y in product(columns, rows):
-        yield Placed(part.name, part.is_turned, x, y, part.width, part.depth)
 
 
 def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:

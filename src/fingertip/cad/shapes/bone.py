@@ -212,14 +212,10 @@ def passage_seal(design: Design) -> tuple[Solid, ...]:
     return (difference(passage, sensor_body(design)),)
 
 
-def lid_seal(design: Design) -> tuple[Solid, ...]:
-    """Build the adhesive around the lid of a folded tail, above the space of the tail; none without a lid."""
-    fold = design.dimensions.fold
-    if fold is None:
-        return ()
-    around = intersection(trough(design, fold), filled_bone(design))
-    return (difference(around, lid(design), tail_space(design)),)
-
-
 def seals(design: Design) -> tuple[Solid, ...]:
-    return (tape(design), *passage_seal(design), *lid_seal(design), *pilot_hole(design))
+    """Build what closes hollows: tape, adhesive in the passage of the tail and around the lid, and the screw."""
+    found = [tape(design), *passage_seal(design)]
+    if fold := design.dimensions.fold:
+        around = intersection(trough(design, fold), filled_bone(design))
+        found.append(difference(around, lid(design), tail_space(design)))
+    return (*found, *pilot_hole(design))

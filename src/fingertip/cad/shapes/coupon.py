@@ -20,7 +20,6 @@ from fingertip.cad.shapes.coupon_layout import (
     LETTERS,
     RIB_MM,
     Layout,
-    Spot,
     has_key,
     lay_out,
     tail_mm,
@@ -76,13 +75,20 @@ def frame_with_fits(design: Design) -> Solid:
         layout.sensor.box(0.0, tile), layout.ring.box(0.0, RING_MM), layout.tongue.box(0.0, _tongue_top_mm(design)),
     ]  # fmt: skip
     hollows = [_pocket(design, layout), *_sensor_hole(design, layout), _recess(design, layout)]
-    hollows += _nut_trap(design, layout)
+    x, z = design.mold_layout.bolts[0]
+    face = (x, -design.mold_layout.palmar_height, z)
+    at = (*layout.tongue.centre, _tongue_top_mm(design))
+    hollows += [_place(cut(design)[0], _UP_FROM_PALMAR, face, at) for cut in (nut_traps, bolt_holes)]
     if layout.socket:
+        x, z, _ = design.mold_layout.keys[0]
+        at = (*layout.socket.centre, _socket_top_mm(design))
         features.append(layout.socket.box(0.0, _socket_top_mm(design)))
-        hollows.append(_socket(design, layout.socket))
-    if layout.luer:
+        hollows.append(_place(key_sockets(design)[0], _UP_FROM_DORSAL, (x, 0.0, z), at))
+    if layout.luer and (inlet := design.mold_layout.inlet):
+        (cone,) = luer_cone(design)
+        face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
         features.append(layout.luer.box(0.0, _LUER_TOP_MM))
-        hollows.append(_luer(design, layout.luer))
+        hollows.append(_place(cone, _UP_FROM_DORSAL, face, (*layout.luer.centre, _LUER_TOP_MM)))
     if layout.text:
         features.append(layout.text.box(0.0, tile))
         hollows += _letters(design, layout)
@@ -184,25 +190,6 @@ def _recess(design: Design, layout: Layout) -> Solid:
     reach = 2 * max(layout.ring.size)
     near = Box((-reach, -reach, low - _PAST_MM), (reach, reach, low + RING_MM + _PAST_MM))
     return Placed(intersection(recess, near), 0, (at[0], at[1] + flat, -low))
-
-
-def _nut_trap(design: Design, layout: Layout) -> tuple[Solid, ...]:
-    x, z = design.mold_layout.bolts[0]
-    face = (x, -design.mold_layout.palmar_height, z)
-    at = (*layout.tongue.centre, _tongue_top_mm(design))
-    return tuple(_place(cut(design)[0], _UP_FROM_PALMAR, face, at) for cut in (nut_traps, bolt_holes))
-
-
-def _socket(design: Design, spot: Spot) -> Solid:
-    x, z, _ = design.mold_layout.keys[0]
-    return _place(key_sockets(design)[0], _UP_FROM_DORSAL, (x, 0.0, z), (*spot.centre, _socket_top_mm(design)))
-
-
-def _luer(design: Design, spot: Spot) -> Solid:
-    inlet, (cone,) = design.mold_layout.inlet, luer_cone(design)
-    assert inlet
-    face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
-    return _place(cone, _UP_FROM_DORSAL, face, (*spot.centre, _LUER_TOP_MM))
 
 
 def _letters(design: Design, layout: Layout) -> list[Solid]:

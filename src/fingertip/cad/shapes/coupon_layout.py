@@ -93,7 +93,8 @@ class Layout:
 def lay_out(design: Design) -> Layout:
     dims, mold = design.dimensions, design.mold
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    reach, unit = _socket_radius(design) + AROUND_MM, text_unit_mm(design)
+    socket_radius = design.mold_layout.keys[0][2] / 2 + mold.key_clearance_mm * math.hypot(1.0, dims.draft_slope)
+    reach, unit = socket_radius + AROUND_MM, text_unit_mm(design)
     tongue = max(TONGUE_MM, 2 * (design.mold_layout.nut_circumradius + AROUND_MM))
     tower = LUER_MOUTH_MM + 2 * AROUND_MM
     around = 2 * (mold.fit_clearance_mm + AROUND_MM)
@@ -177,11 +178,6 @@ def _recess_half_width(design: Design) -> float:
     section, slope = design.dimensions.bone_outline.section, design.dimensions.draft_slope
     grown = add_draft(section, slope, design.dimensions.base_flat_depth).half_width if slope else section.half_width
     return grown + design.mold.fit_clearance_mm
-
-
-def _socket_radius(design: Design) -> float:
-    _, _, root = design.mold_layout.keys[0]
-    return root / 2 + design.mold.key_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
 
 
 def tail_mm(design: Design) -> float:

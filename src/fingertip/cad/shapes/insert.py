@@ -12,6 +12,7 @@ from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceilin
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
 from fingertip.design.geometry.features import Chaplet
+from fingertip.design.geometry.seat import sleeve_inset_mm
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -54,14 +55,6 @@ def boss(design: Design) -> tuple[Solid, ...]:
     if design.mold.method == "sleeve":
         return (scaled(_boss(design, chaplet, design.mold.sleeve_interference_mm), design.dimensions.shrinkage),)
     return (_boss(design, chaplet),)
-
-
-def hole_in_skin(design: Design) -> tuple[Solid, ...]:
-    """Build the hole that the boss leaves in the finished skin; none without one."""
-    chaplet = design.dimensions.chaplet
-    if chaplet is None:
-        return ()
-    return (_boss(design, chaplet, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0),)
 
 
 def _boss(design: Design, chaplet: Chaplet, inset_mm: float = 0.0) -> Solid:
@@ -202,7 +195,9 @@ def skin_interior(design: Design) -> Solid:
 
 def skin(design: Design) -> Solid:
     """Build the cured skin at its design size, unstretched, with the hole that the chaplet leaves."""
-    return difference(SuperconicSolid(design.dimensions.outer), skin_interior(design), *hole_in_skin(design))
+    chaplet = design.dimensions.chaplet
+    hole = (_boss(design, chaplet, sleeve_inset_mm(design)),) if chaplet else ()
+    return difference(SuperconicSolid(design.dimensions.outer), skin_interior(design), *hole)
 
 
 def cavity(design: Design) -> Solid:

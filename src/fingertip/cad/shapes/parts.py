@@ -16,6 +16,7 @@ from fingertip.catalogues.hardware import Thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.solids import Solid, cylinder, difference, hexagon, union
+from fingertip.design.interfaces.clevis import pin_bore
 from fingertip.filling.vents import place_vents
 
 
@@ -95,11 +96,14 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
     if {"mold_palmar", "mold_dorsal"} <= set(parts):
         items += _mold_bolts(design)
-    if "mold_dorsal" in parts and design.dimensions.chaplet:
+    if "mold_dorsal" in parts and (chaplet := design.dimensions.chaplet):
         held = tuple(part for part in ("bone", "core") if part in parts)
-        items.append(HardwareItem("chaplet_screw", _chaplet_screw(design), _STEEL, held))
-    if "bone" in parts and design.dimensions.joint:
-        items.append(HardwareItem("joint_pin", _joint_pin(design), _STEEL))
+        length = chaplet.screw_length(design.mold_layout.dorsal_height)
+        solid = screw(chaplet.thread, 0.0, axis_z(design), head_y(design), length)
+        items.append(HardwareItem("chaplet_screw", solid, _STEEL, held))
+    if "bone" in parts and (joint := design.dimensions.joint):
+        pin = pin_bore(joint, design.dimensions.pin_length / 2)
+        items.append(HardwareItem("joint_pin", pin, _STEEL))
     return tuple(items)
 
 
@@ -122,16 +126,3 @@ def _mold_bolts(design: Design) -> list[HardwareItem]:
         nut = difference(outline, cylinder("y", (z, x), low, high, thread.diameter_mm / 2))
         items += [HardwareItem(f"mold_bolt_{i}", bolt, _STEEL), HardwareItem(f"mold_nut_{i}", nut, _BRASS)]
     return items
-
-
-def _chaplet_screw(design: Design) -> Solid:
-    chaplet = design.dimensions.chaplet
-    assert chaplet
-    length = chaplet.screw_length(design.mold_layout.dorsal_height)
-    return screw(chaplet.thread, 0.0, axis_z(design), head_y(design), length)
-
-
-def _joint_pin(design: Design) -> Solid:
-    joint, half = design.dimensions.joint, design.dimensions.pin_length / 2
-    assert joint
-    return cylinder("x", (joint.axis_y, joint.axis_z), -half, half, joint.pin_radius)

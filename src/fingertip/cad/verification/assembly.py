@@ -71,8 +71,10 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
     if inside:
         cast = evaluator.manifold(union(*inside.values()))
         for name, half in halves.items():
-            pulled = _demolding_overlap(evaluator.manifold(half), cast, -1.0 if name == HALVES[0] else 1.0)
-            yield check_zero_volume(f"demolding_overlap.{name}", pulled)
+            solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
+            pulled = (solid.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
+            overlap = max(float((position ^ cast).volume()) for position in pulled)
+            yield check_zero_volume(f"demolding_overlap.{name}", overlap)
     if len(halves) == 2:
         yield check_zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))
 
@@ -156,11 +158,6 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     finished = evaluator.manifold(SuperconicSolid(design.dimensions.outer))
     rigid = (finished ^ evaluator.manifold(union(mold_insert(design), *bosses))).volume()
     return abs(float(room - growth * (silicone + rigid)))
-
-
-def _demolding_overlap(half: Manifold, cast: Manifold, direction: float) -> float:
-    pulled = (half.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
-    return max(float((position ^ cast).volume()) for position in pulled)
 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
@@ -283,7 +280,10 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
     travel = design.hand.travel_deg
     angles = [travel * i / _FREE_ANGLES for i in range(_FREE_ANGLES + 1)] if travel else [0.0]
     worst = max(_overlap(finger, hand, joint, angle) for angle in angles)
-    yield Check("joint.travel_overlap", worst, _touching_volume(design, joint, evaluator), "mm3")
+    # Surfaces in contact may share a volume, because meshes deviate by up to the tolerance.
+    contact_mm2 = 4 * joint.radius * design.dimensions.bone_outline.section.half_width
+    allowed = VOLUME_TOLERANCE_MM3 + 0.05 * contact_mm2 * evaluator.tolerance_mm
+    yield Check("joint.travel_overlap", worst, allowed, "mm3")
     halfway = [_turn(part, joint, travel / 2) for part in finger]
     ahead = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z)  # without the shoulder, which the stops meet
     clearance = search_distance(lambda reach: min(part.min_gap(ahead, reach) for part in halfway), 2 * joint.clearance)
@@ -302,12 +302,6 @@ def _turn(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
     """Turn a part of the finger about the pin: its tip (+z) to the palmar side (-y), a positive rotation about x."""
     at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
     return at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))
-
-
-def _touching_volume(design: Design, joint: Joint, evaluator: MeshEvaluator) -> float:
-    """Volume that surfaces in contact may share, because meshes deviate by up to the tolerance [mm3]."""
-    area = 4 * joint.radius * design.dimensions.bone_outline.section.half_width
-    return VOLUME_TOLERANCE_MM3 + 0.05 * area * evaluator.tolerance_mm
 
 
 def _wedge(design: Design, joint: Joint) -> float:

@@ -7,7 +7,7 @@ follows from its pressure and the time until it sets.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -60,13 +60,23 @@ when they are pressed together."""
 
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_openings(design, evaluator)
-    clearances = _measure_recess(design, evaluator)
-    yield from _check_recess_clearance(design, evaluator, clearances)
+    base = _insert_base(design, evaluator)
+    clearances = {
+        half: search_distance(partial(base.min_gap, evaluator.manifold(solid(design))), design.mold.fit_clearance_mm)
+        for half, solid in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal))
+    }
+    minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
+    if minimum > 0.0:  # else the mesh is too coarse to measure the clearance; the overlap checks still apply
+        for half, clearance in clearances.items():
+            yield Check(f"{half}.recess_clearance", clearance, minimum, "mm", "at least")
     yield from _check_draft(design, evaluator, clearances)
     if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
-        yield _check_air_trap(design, evaluator)
+        # Air would be trapped in the cavity above the highest vent.
+        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*runners(design)))
+        trapped = body.bounding_box()[5] - (body ^ vented).bounding_box()[5]
+        yield Check("mold.air_trap_height", trapped, 2 * evaluator.tolerance_mm, "mm")
     yield from _check_cavity_walls(design, evaluator)
     yield from _check_runner_walls(design, evaluator)
     yield from _check_fasteners(design, evaluator)
@@ -112,31 +122,12 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
     return float(area[faces_back].sum())
 
 
-def _measure_recess(design: Design, evaluator: MeshEvaluator) -> tuple[float, float]:
-    base = _insert_base(design, evaluator)
-    palmar, dorsal = (
-        search_distance(partial(base.min_gap, evaluator.manifold(half(design))), design.mold.fit_clearance_mm)
-        for half in (mold.mold_palmar, mold.mold_dorsal)
-    )
-    return palmar, dorsal
-
-
-def _check_recess_clearance(
-    design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]
-) -> Iterator[Check]:
-    minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
-    if minimum <= 0.0:
-        return  # the mesh is too coarse to measure the clearance; the overlap checks still apply
-    for half, clearance in zip(("mold_palmar", "mold_dorsal"), clearances, strict=True):
-        yield Check(f"{half}.recess_clearance", clearance, minimum, "mm", "at least")
-
-
 def _insert_base(design: Design, evaluator: MeshEvaluator) -> Manifold:
     """Evaluate the part of bone or core that lies in the recess, below the plane where the skin ends."""
     return evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
 
 
-def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]) -> Iterator[Check]:
+def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: Mapping[str, float]) -> Iterator[Check]:
     """Check that the distance to every rigid surface grows as soon as a half is pulled off.
 
     A wall with the draft angle d gains sin(d) times the distance pulled; a wall without draft gains nothing and rubs
@@ -149,8 +140,8 @@ def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: tuple[flo
     keys = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
     search = design.mold.fit_clearance_mm + design.mold.key_clearance_mm + 2 * gain
     for name, half, other, closed, distance in (
-        ("mold_palmar.draft_clearance_gain.bone", palmar, base, clearances[0], -pull),
-        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, clearances[1], pull),
+        ("mold_palmar.draft_clearance_gain.bone", palmar, base, clearances["mold_palmar"], -pull),
+        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, clearances["mold_dorsal"], pull),
         ("mold_palmar.draft_clearance_gain.keys", palmar, keys, palmar.min_gap(keys, search), -pull),
     ):
         gained = half.translate((0.0, distance, 0.0)).min_gap(other, search) - min(closed, search)
@@ -168,15 +159,6 @@ def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
     in_mold = (channel ^ block).volume()
     in_bone = (channel ^ evaluator.manifold(filled_bone(design)) ^ block).volume()
     return check_zero_volume("mold.cable_channel_overlap", in_mold - in_bone)
-
-
-def _check_air_trap(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check the height of the cavity above the highest vent, where air would be trapped."""
-    cavity_body = evaluator.manifold(cavity(design))
-    openings = evaluator.manifold(union(*runners(design)))
-    highest = cavity_body.bounding_box()[5]
-    vented = (cavity_body ^ openings).bounding_box()[5]
-    return Check("mold.air_trap_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
 
 
 def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -344,15 +326,12 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     top = max(evaluator.manifold(part).bounding_box()[5] for part in recess)
     low = flooded.trim_by_plane((0.0, 0.0, -1.0), -top)
     outside = low.volume() - (low ^ evaluator.manifold(cavity(design))).volume()
-    hollows = evaluator.manifold(_hollows(design))
-    return float(outside + (flooded ^ hollows).volume())
-
-
-def _hollows(design: Design) -> Solid:
     hollows = [bone.sensor_recess(design)]
     if not design.dimensions.window_opens_into_gap:
         hollows.append(bone.cable_channel(design))
-    return intersection(union(*hollows), filled_bone(design, _DEEPER_MM))
+    # A little below the surface of the bone.
+    inside = evaluator.manifold(intersection(union(*hollows), filled_bone(design, _DEEPER_MM)))
+    return float(outside + (flooded ^ inside).volume())
 
 
 def leak_mm(design: Design) -> float:

@@ -27,7 +27,9 @@ def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) ->
     """Check that a file's mesh is closed, not degenerate, oriented outwards, one body, and of the expected genus."""
     prefix = f"{part.name}.{file_format}"
     yield Check(f"{prefix}.open_edges", count_open_edges(mesh), 0, "edges", "exactly")
-    yield Check(f"{prefix}.degenerate_triangles", count_degenerate_triangles(mesh), 0, "triangles", "exactly")
+    # Programs drop triangles without area when they read a file, which leaves holes.
+    degenerate = find_degenerate_triangles(mesh.vertices, mesh.triangles)
+    yield Check(f"{prefix}.degenerate_triangles", len(degenerate), 0, "triangles", "exactly")
     yield Check(f"{prefix}.inverted", float(mesh.volume() <= 0.0), 0, "", "exactly")
     solid = to_manifold(mesh.vertices, mesh.triangles)
     yield Check(f"{prefix}.bodies", len(solid.decompose()), 1, "bodies", "exactly")
@@ -45,11 +47,6 @@ def check_brep_solid(
     yield Check(f"{part.name}.step.genus", measured.genus, part.genus(design), "through holes", "exactly")
     difference = abs(mesh.volume() - measured.volume_mm3 * scale**3)
     yield Check(f"{part.name}.step.volume_difference_to_mesh", difference, tolerance_mm * mesh.area(), "mm3")
-
-
-def count_degenerate_triangles(mesh: Mesh) -> int:
-    """Count triangles without area; programs drop them when they read a file, which leaves holes."""
-    return len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
 
 
 def count_open_edges(mesh: Mesh) -> int:
@@ -96,15 +93,11 @@ def _may_be_supported(
     points = corners.mean(axis=1) + _INTO_AIR_MM * normal
     for place in places:
         region = evaluator.manifold(place)
-        found = _is_within(points, region.bounding_box())
+        low, high = np.split(np.array(region.bounding_box()), 2)
+        found = ((points >= low) & (points <= high)).all(axis=1)
         found[found.nonzero()] = _is_inside(points[found], *to_arrays(region))
         points = points[~found]
     return not len(points)
-
-
-def _is_within(points: Array, box: tuple[float, ...]) -> NDArray[np.bool_]:
-    low, high = np.array(box[:3]), np.array(box[3:])
-    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 
 
 def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[np.bool_]:

@@ -63,7 +63,10 @@ def verify(
         if name in encoded:
             contents[f"{name}.3mf"] = threemf.write_items(name, [threemf.Item(name, encoded[name], note)])
     prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
-    checks = [check for file, data in contents.items() for check in _check_file(design, file, data)]
+    checks: list[Check] = []
+    for file, data in contents.items():
+        name, file_format = file.rsplit(".", 1)
+        checks += check_mesh_file(design, PARTS[name], MESH_FORMATS[file_format].from_bytes(data), file_format)
     checks += check_print_files(design, meshes, encoded, prints)
     checks += check_assembly(design, evaluator, solids)
     checks += check_parts(design, evaluator, meshes)
@@ -103,9 +106,3 @@ def validate_tolerance(tolerance_mm: float) -> None:
                 f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer.",
             )
         )
-
-
-def _check_file(design: Design, file: str, data: bytes) -> Iterator[Check]:
-    """Check the mesh read back from a file's bytes, not the mesh it was made from."""
-    name, file_format = file.rsplit(".", 1)
-    return check_mesh_file(design, PARTS[name], MESH_FORMATS[file_format].from_bytes(data), file_format)

@@ -22,7 +22,6 @@ from fingertip.design.interfaces.interface import (
     bolt_clearance,
     middle_y,
 )
-from fingertip.design.parameters.bone import Bone
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
@@ -70,9 +69,13 @@ class Post(CrossBolted):
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, foot = design.bone, middle_y(design.dimensions), self.low_z(design)
         half = bone.post_height_mm / 2
+        flats: tuple[tuple[float, float], ...] = ()
+        if bone.post_height_mm < bone.post_width_mm:
+            begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
+            flats = ((begin, 180.0 - begin), (180.0 + begin, 360.0 - begin))
         return [
             base_length_size(design),
-            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(bone)),
+            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=flats),
             Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
                    (0.0, y + half, foot)),
             *self.bolt_sizes(design, foot),
@@ -108,14 +111,6 @@ class Post(CrossBolted):
         )
         from_mm = -bone.base_length_mm - self.cross_bolt_z(design)
         return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
-
-
-def _flats_deg(bone: Bone) -> tuple[tuple[float, float], ...]:
-    """Directions in the end view in which the post has its flats."""
-    if bone.post_height_mm >= bone.post_width_mm:
-        return ()
-    begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
-    return (begin, 180.0 - begin), (180.0 + begin, 360.0 - begin)
 
 
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)

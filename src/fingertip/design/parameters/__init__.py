@@ -95,15 +95,10 @@ class Tables(BaseModel):
         return self.with_values({"silicone.product": name})
 
 
-def _list_fields() -> Mapping[str, FieldInfo]:
-    fields: dict[str, FieldInfo] = {}
-    for name, info in Tables.model_fields.items():
-        if isinstance(info.default, ParameterTable):
-            fields |= {f"{name}.{key}": field for key, field in type(info.default).model_fields.items()}
-        else:
-            fields[name] = info
-    return fields
-
-
-PARAMETERS: Mapping[str, FieldInfo] = _list_fields()
+PARAMETERS: Mapping[str, FieldInfo] = {"name": Tables.model_fields["name"]} | {
+    f"{name}.{key}": field
+    for name, info in Tables.model_fields.items()
+    if isinstance(info.default, ParameterTable)
+    for key, field in type(info.default).model_fields.items()
+}
 """Declaration of every parameter by its dotted name, in the order of a design file."""

@@ -174,7 +174,10 @@ def _check_resistors(
     if math.isfinite(ohm):
         # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
         rcf = ohm * value * f
-        passing = at_most_preferred(rcf / f / MIN_OHM) if too_small else _at_least_preferred(rcf / f / MAX_OHM)
+        if too_small:
+            passing = at_most_preferred(rcf / f / MIN_OHM)
+        elif (minimum_uf := rcf / f / MAX_OHM) > 0.0:
+            passing = at_least(find_preferred_neighbours(minimum_uf)[1])
     return Violation(
         f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
     )
@@ -198,11 +201,6 @@ def _check_preferred(capacitor: str, names: str, design: DesignTables) -> Violat
 def at_most_preferred(maximum_uf: float) -> tuple[Interval, ...]:
     """Return the capacitances up to the largest preferred one that does not exceed a maximum [uF]."""
     return at_most(find_preferred_neighbours(maximum_uf)[0]) if maximum_uf > 0.0 else ()
-
-
-def _at_least_preferred(minimum_uf: float) -> tuple[Interval, ...]:
-    """Return the capacitances from the smallest preferred one on that is not below a minimum [uF]."""
-    return at_least(find_preferred_neighbours(minimum_uf)[1]) if minimum_uf > 0.0 else ()
 
 
 def _out_of_range(ohm: float) -> str:

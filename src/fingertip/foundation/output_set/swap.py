@@ -86,7 +86,10 @@ def recover(folder: Path) -> None:
         # After a swap the subfolders may still be in the old folder. Before one there are none in it.
         for path in staging.iterdir() if folder.exists() else ():
             if is_folder(path) and not path.name.startswith(_COMMIT):
-                os.rename(path, _free_name(folder / path.name))
+                target = folder / path.name
+                while os.path.lexists(target):
+                    target = target.with_name(target.name + ".recovered")
+                os.rename(path, target)
         _remove_folder(staging)
     if is_folder(commit):
         _finish_renames(folder)
@@ -138,12 +141,6 @@ def _remove_folder(path: Path) -> None:
 def staging_folder(folder: Path) -> Path:
     """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
     return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
-
-
-def _free_name(path: Path) -> Path:
-    while os.path.lexists(path):
-        path = path.with_name(path.name + ".recovered")
-    return path
 
 
 def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> bool:

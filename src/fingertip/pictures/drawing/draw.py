@@ -36,13 +36,12 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
     printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
-    return tuple(_as_printed(design, _DRAWINGS[name](design)) for name in printed)
-
-
-def _as_printed(design: Design, drawing: PartDrawing) -> PartDrawing:
-    """Add to each size what the printer adds. The scale of the files is there to give the design's size."""
-    sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
-    return replace(drawing, sizes=sizes, notes=_notes(design, drawing))
+    drawings = []
+    for drawing in (_DRAWINGS[name](design) for name in printed):
+        # Only the printer's offset is added: the scale of the files is there to give the design's size.
+        sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
+        drawings.append(replace(drawing, sizes=sizes, notes=_notes(design, drawing)))
+    return tuple(drawings)
 
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:

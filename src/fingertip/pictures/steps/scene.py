@@ -69,7 +69,8 @@ def draw_scene(scene: Scene) -> bytes:
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
-    height = max(height, _PADDING_PX * 2 + _LINE_PX * max(_count_lines(scene, side, centre) for side in (-1, 1)))
+    lines = (sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre)) for side in (-1, 1))
+    height = max(height, _PADDING_PX * 2 + _LINE_PX * max(lines))
 
     canvas = Canvas(_WIDTH_PX, height, scale, scene.camera)
     for item in scene.shown:
@@ -102,10 +103,6 @@ def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:
     right, up = scene.camera.axes[:2]
     chosen = [label for label in scene.labels if (1 if (np.array(label.point_mm) - centre) @ right > 0 else -1) == side]
     return sorted(chosen, key=lambda label: -float(np.array(label.point_mm) @ up))
-
-
-def _count_lines(scene: Scene, side: int, centre: Array) -> int:
-    return sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre))
 
 
 def _spread(entries: Sequence[tuple[Pixel, str]], height: int) -> list[float]:

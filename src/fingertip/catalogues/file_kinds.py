@@ -57,22 +57,12 @@ MANIPULATION = FileKind(
     "manipulation",
     frozenset(
         {
-            "scene",
-            "outputs",
-            "object",
-            "grasp",
-            "knock",
-            "hand",
-            "drift",
-            "cable",
-            "noise",
-            "sensing",
-            "converter",
+            "scene", "outputs", "object", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing", "converter",
         }
     ),
     "real_manipulation",
     "`fingertip simulate` takes a manipulation file as its first argument",
-)
+)  # fmt: skip
 SWEEP = FileKind(
     "sweep",
     frozenset(

@@ -7,7 +7,7 @@ another label.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
@@ -52,14 +52,13 @@ class Arrow:
     end_mm: Point3
 
 
-@dataclass(frozen=True)
 class Scene:
-    """Content of a picture: meshes, the camera that sees them, and what is written beside them."""
+    """Content of a picture: meshes, the camera that sees them, and what is written and drawn beside them."""
 
-    shown: tuple[Shown, ...]
-    camera: Camera
-    labels: tuple[Label, ...] = ()
-    arrows: tuple[Arrow, ...] = ()
+    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
+        self.shown, self.camera = tuple(shown), camera
+        self.labels = [mark for mark in marks if isinstance(mark, Label)]
+        self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
 
 
 def draw_scene(scene: Scene) -> bytes:

@@ -100,15 +100,9 @@ class Build:
         MissingLibraryError
             If pandas is not installed.
         """
-        columns = {
-            "check": [check.name for check in self.checks],
-            "value": [check.value for check in self.checks],
-            "sign": [check.sign for check in self.checks],
-            "limit": [check.limit for check in self.checks],
-            "unit": [check.unit for check in self.checks],
-            "passed": [check.passed for check in self.checks],
-            "state": [check.state for check in self.checks],
-        }
+        columns: dict[str, list[Any]] = {"check": [check.name for check in self.checks]}
+        for key in ("value", "sign", "limit", "unit", "passed", "state"):
+            columns[key] = [getattr(check, key) for check in self.checks]
         return to_dataframe(columns, "Build.to_dataframe")
 
     def report(self) -> dict[str, Any]:

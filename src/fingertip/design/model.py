@@ -138,10 +138,7 @@ class Design(DesignTables):
         columns = {
             "name": [p.path for p in listed],
             "value": [self.value(p.path) for p in listed],
-            "default": [p.default for p in listed],
-            "unit": [p.unit for p in listed],
-            "bounds": [p.bounds for p in listed],
-            "description": [p.description for p in listed],
+            **{key: [getattr(p, key) for p in listed] for key in ("default", "unit", "bounds", "description")},
         }
         return to_dataframe(columns, "Design.to_dataframe")
 

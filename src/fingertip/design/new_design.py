@@ -75,17 +75,7 @@ _MAIN_PARAMETERS = (
 )
 """Parameters that a user changes first. They stand at the top."""
 
-_JOINT_PARAMETERS = (
-    "hand.knuckle",
-    "hand.width_mm",
-    "hand.axis_height_mm",
-    "hand.pin_diameter_mm",
-    "hand.clearance_radius_mm",
-    "hand.tendon_distance_mm",
-    "hand.tendon_diameter_mm",
-    "hand.travel_deg",
-    "hand.length_limit_mm",
-)
+_JOINT_PARAMETERS = tuple(f"hand.{name}" for name in Hand.model_fields)
 """Parameters that stand at the top of a design with a clevis: what is measured on the hand."""
 PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
 """Bundled designs of anatomical size, each with a clevis."""

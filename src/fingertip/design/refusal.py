@@ -11,7 +11,7 @@ from typing import Any
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
-from fingertip.design.parameters.declaration import Bounds, find_bounds, find_unit, format_unit
+from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
 from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, find_violations
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import bisect
@@ -88,17 +88,17 @@ class Search:
         for digits in _SHORT_DIGITS:
             short = as_typed(name, round_digits(best, digits, up=best < failing))
             is_between = min(last_failing, best) <= short <= max(last_failing, best)
-            if is_between and find_parameter_bounds(name).contain(short) and passes(short):
+            if is_between and find_bounds(PARAMETERS[name]).contain(short) and passes(short):
                 return short
         for digits in _DIGITS:
             rounded = as_typed(name, round_digits(best, digits, up=best > failing))
-            if find_parameter_bounds(name).contain(rounded) and passes(rounded):
+            if find_bounds(PARAMETERS[name]).contain(rounded) and passes(rounded):
                 return rounded
         return best
 
     def _grid(self, name: str, present: float) -> Sequence[float]:
         """Values between the parameter's bounds, the nearest to the present one first."""
-        bounds = find_parameter_bounds(name)
+        bounds = find_bounds(PARAMETERS[name])
         high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
         low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
         is_wide = low > 0.0 and high / low > 300.0
@@ -123,10 +123,6 @@ def _blend(first: float, last: float, share: float) -> float:
         return blend
     # The ratio of two numbers that differ by more than 308 powers of ten is no number.
     return math.exp((1.0 - share) * math.log(first) + share * math.log(last))
-
-
-def find_parameter_bounds(name: str) -> Bounds:
-    return find_bounds(PARAMETERS[name])
 
 
 def is_number(name: str) -> bool:

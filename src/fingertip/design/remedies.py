@@ -35,7 +35,6 @@ from fingertip.design.refusal import (
     Values,
     cheapest_first,
     describe_refusal,
-    find_parameter_bounds,
     format_value,
     is_number,
     round_digits,
@@ -241,7 +240,7 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
     if not math.isfinite(end):
         return None
     rounded = round_inwards(name, end, up)
-    return rounded if find_parameter_bounds(name).contain(rounded) else None
+    return rounded if find_bounds(PARAMETERS[name]).contain(rounded) else None
 
 
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:

@@ -38,7 +38,10 @@ def place_on_hand(
     placed: list[tuple[str, Mesh]] = []
     shift = 0.0
     for angle_deg in (0.0, design.hand.travel_deg) if design.hand.travel_deg else (0.0,):
-        turned = {name: _turn(evaluator, solid, joint, angle_deg) for name, solid in parts.items()}
+        turned = {}
+        for name, solid in parts.items():
+            cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
+            turned[name] = to_canonical_mesh(turn_about_pin(cut, joint, angle_deg))
         hand = evaluator.manifold(knuckle(design, joint)).trim_by_plane((1.0, 0.0, 0.0), 0.0)
         hand = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z - 3 * joint.radius)
         hand = hand.trim_by_plane((0.0, -1.0, 0.0), -design.dimensions.collar.section.dorsal)
@@ -49,13 +52,6 @@ def place_on_hand(
         placed += [(name, Mesh(mesh.vertices + along, mesh.triangles)) for name, mesh in turned.items()]
         shift += high - low + _GAP_MM
     return placed
-
-
-def _turn(evaluator: MeshEvaluator, solid: Solid, joint: Joint, angle_deg: float) -> Mesh:
-    """Cut a solid open, and bend it about the pin by an angle towards the palmar side."""
-    cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
-    at_origin = cut.translate((0.0, -joint.axis_y, -joint.axis_z))
-    return to_canonical_mesh(at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z)))
 
 
 _TOLERANCE_MM = 0.02
@@ -105,9 +101,12 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     if design.dimensions.joint:
         title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
         progress(f"drawing: {title}")
-        panels.append(
-            _draw_panel(title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px, labels=(HAND,))
-        )
+        names = ("bone", "lid", "skin")
+        solids = {name: part.solid(design) for name, part in parts_by_name(design).items() if name in names}
+        solids["sensor"] = sensor_body(design)
+        placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
+        meshes = [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
+        panels.append(_draw_panel(title, meshes, Camera.from_angles(0, 0), width_px, labels=(HAND,)))
     return to_png(Image.fromarray(np.concatenate(panels)))
 
 
@@ -124,22 +123,8 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     else:
         beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
         y = float(vertices[beside, 1].max(initial=0.0))
-    lines = (
-        f"weakest: {weakest.place},",
-        f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
-        "at the grip force",
-    )
-    return "\n".join(lines), (dx, y + dy, weakest.z_mm + dz)
-
-
-def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
-    assert design.dimensions.joint
-    solids = {
-        name: part.solid(design) for name, part in parts_by_name(design).items() if name in ("bone", "lid", "skin")
-    }
-    solids["sensor"] = sensor_body(design)
-    placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
-    return [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
+    factor = f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}"
+    return f"weakest: {weakest.place},\n{factor}\nat the grip force", (dx, y + dy, weakest.z_mm + dz)
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:

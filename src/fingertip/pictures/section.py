@@ -19,10 +19,10 @@ from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.mold import luer_cone, runners
+from fingertip.cad.shapes.mold import block, luer_cone, runners
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Solid, intersection, union
+from fingertip.design.geometry.solids import Solid, intersection, union
 from fingertip.design.interfaces import interface_of
 from fingertip.filling.vents import place_vents
 from fingertip.foundation.numerics import Array
@@ -187,9 +187,7 @@ def _list_ways(design: Design) -> list[tuple[Solid, float]]:
     for vent, solid in zip(vents, fixed[len(ways) :], strict=True):
         shown.append((solid, vent.point_mm[0]))
     # Some reach past the block, so that they cut its faces.
-    low, high = -layout.palmar_height, layout.dorsal_height
-    block = Box((-layout.half_width, low, layout.proximal_z), (layout.half_width, high, layout.distal_z))
-    return [(intersection(solid, block), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
+    return [(intersection(solid, block(design)), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
 
 
 def _list_mold_features(design: Design) -> Iterable[Feature]:

@@ -99,16 +99,8 @@ def _frame(layout: Layout) -> Solid:
     """Build the ribs: the outline with the slot, around three windows."""
     (width, depth), slot = layout.size, layout.slot
     (left, _), (right, back) = slot.low, slot.high
-    outline = (
-        (0.0, 0.0),
-        (left, 0.0),
-        (left, back),
-        (right, back),
-        (right, 0.0),
-        (width, 0.0),
-        (width, depth),
-        (0.0, depth),
-    )
+    at_slot = ((left, 0.0), (left, back), (right, back), (right, 0.0))
+    outline = ((0.0, 0.0), *at_slot, (width, 0.0), (width, depth), (0.0, depth))
     holes = tuple(
         (spot.low, (spot.low[0], spot.high[1]), spot.high, (spot.high[0], spot.low[1])) for spot in layout.windows
     )

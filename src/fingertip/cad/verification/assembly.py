@@ -284,7 +284,7 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
     contact_mm2 = 4 * joint.radius * design.dimensions.bone_outline.section.half_width
     allowed = VOLUME_TOLERANCE_MM3 + 0.05 * contact_mm2 * evaluator.tolerance_mm
     yield Check("joint.travel_overlap", worst, allowed, "mm3")
-    halfway = [_turn(part, joint, travel / 2) for part in finger]
+    halfway = [turn_about_pin(part, joint, travel / 2) for part in finger]
     ahead = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z)  # without the shoulder, which the stops meet
     clearance = search_distance(lambda reach: min(part.min_gap(ahead, reach) for part in halfway), 2 * joint.clearance)
     yield Check("joint.clearance", clearance, 0.9 * joint.clearance - evaluator.tolerance_mm, "mm", "at least")
@@ -295,10 +295,10 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
 
 
 def _overlap(finger: list[Manifold], hand: Manifold, joint: Joint, angle_deg: float) -> float:
-    return float(sum((_turn(part, joint, angle_deg) ^ hand).volume() for part in finger))
+    return float(sum((turn_about_pin(part, joint, angle_deg) ^ hand).volume() for part in finger))
 
 
-def _turn(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
+def turn_about_pin(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
     """Turn a part of the finger about the pin: its tip (+z) to the palmar side (-y), a positive rotation about x."""
     at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
     return at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))

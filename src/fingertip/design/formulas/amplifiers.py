@@ -22,6 +22,7 @@ from fingertip.catalogues.amplifiers import (
 from fingertip.design.formulas import filter as filter_components
 from fingertip.design.formulas.filter import smaller_headroom_v, to_farads
 from fingertip.design.parameters import Board
+from fingertip.foundation.numerics import bisect
 
 
 def total_supply_v(board: Board) -> float:
@@ -100,15 +101,12 @@ def divider(upper_ohm: float, upper_f: float, lower_ohm: float, lower_f: float) 
 
 def compute_phase_margin_deg(amplifier: Amplifier, feedback: Feedback) -> float:
     """Compute the phase margin of a loop [degree]: its phase above -180 degrees where its gain falls to 1."""
+
+    def loop_gain(log_hz: float) -> complex:
+        return amplifier.open_loop_gain(math.exp(log_hz)) * feedback(math.exp(log_hz))
+
     low, high = math.log(_LOW_HZ), math.log(_HIGH_HZ)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2.0
-        f_hz = math.exp(middle)
-        if abs(amplifier.open_loop_gain(f_hz) * feedback(f_hz)) > 1.0:
-            low = middle
-        else:
-            high = middle
-    loop = amplifier.open_loop_gain(math.exp(low)) * feedback(math.exp(low))
+    loop = loop_gain(bisect(lambda log_hz: abs(loop_gain(log_hz)) > 1.0, low, high, halvings=_HALVINGS)[0])
     # All poles of the loop together lag by less than 270 degrees, so that the phase wraps once at most.
     phase = math.degrees(math.atan2(loop.imag, loop.real))
     return 180.0 + (phase if phase <= 0.0 else phase - 360.0)
@@ -186,15 +184,12 @@ def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: fl
     if top_v <= 0.0:
         return 0.0
     omega = math.tau * f_hz
-    low, high = math.asin(DIODE_V / peak_v), math.pi / 2.0
-    for _ in range(50):
-        angle = (low + high) / 2.0
+
+    def is_kept(angle: float) -> bool:
         elapsed_s = (1.5 * math.pi + angle) / omega
-        kept_v = top_v * math.exp(-elapsed_s / (ohm * farad))
-        if peak_v * math.sin(angle) - DIODE_V < kept_v:
-            low = angle
-        else:
-            high = angle
+        return peak_v * math.sin(angle) - DIODE_V < top_v * math.exp(-elapsed_s / (ohm * farad))
+
+    low, _ = bisect(is_kept, math.asin(DIODE_V / peak_v), math.pi / 2.0, halvings=_HALVINGS)
     angles = (low + i / 8.0 * (math.pi / 2.0 - low) for i in range(9))
     return max(farad * omega * peak_v * math.cos(a) + (peak_v * math.sin(a) - DIODE_V) / ohm for a in angles)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.features import TailFold
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
@@ -157,28 +158,20 @@ def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
 @FOLD_RULES.rule("skin.semi_axis_dorsal_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)
 def lid_thick_enough_over_film(design: DesignTables) -> Violation | None:
     """The lid keeps a wall above the film, also where the groove of the skin thins it."""
-    fold = design.dimensions.fold
-    if fold is None:
-        return None
-    half = design.dimensions.tail_half_width
-    lacking = _find_lacking_roof(design, half, fold.floor_y + fold.film_space_mm, fold.trough_end_z)
+    dims, dorsal = design.dimensions, design.skin.semi_axis_dorsal_mm
+    lacking = _find_lacking_roof(design, dims.fold, dims.tail_half_width, dims.fold.film_space_mm) if dims.fold else 0.0
     if lacking <= SLACK:
         return None
-    dorsal = design.skin.semi_axis_dorsal_mm
-    needed = dorsal + lacking
-    return Violation(f"{dorsal:g} mm leaves no lid of a wall above the folded tail", at_least(needed))
+    return Violation(f"{dorsal:g} mm leaves no lid of a wall above the folded tail", at_least(dorsal + lacking))
 
 
 @FOLD_RULES.rule("sensor.crimp_height_mm", lid_thick_enough_over_film)
 def lid_thick_enough_over_tabs(design: DesignTables) -> Violation | None:
     """The lid keeps a wall above crimps and wires."""
-    fold = design.dimensions.fold
-    if fold is None:
-        return None
-    lacking = _find_lacking_roof(design, fold.tabs_half_width, fold.floor_y + fold.tabs_space_mm, fold.trough_end_z)
+    fold, crimp = design.dimensions.fold, design.sensor.crimp_height_mm
+    lacking = _find_lacking_roof(design, fold, fold.tabs_half_width, fold.tabs_space_mm) if fold else 0.0
     if lacking <= SLACK:
         return None
-    crimp = design.sensor.crimp_height_mm
     return Violation(
         f"{crimp:g} mm leaves no lid of a wall above the tabs of the folded tail", at_most(crimp - lacking)
     )
@@ -222,9 +215,9 @@ def trough_keeps_side_walls(design: DesignTables) -> Violation | None:
     )
 
 
-def _find_lacking_roof(design: DesignTables, half_width: float, top: float, end_z: float) -> float:
+def _find_lacking_roof(design: DesignTables, fold: TailFold, half_width: float, space_mm: float) -> float:
     """Find by how much the top of a space [mm] must be lower for its corners to keep a wall; 0 if they keep it."""
-    scale = _outline_scale(design, end_z)
+    top, scale = fold.floor_y + space_mm, _outline_scale(design, fold.trough_end_z)
 
     def keeps(lower: float) -> bool:
         return _has_wall(design, half_width, top - lower, scale)

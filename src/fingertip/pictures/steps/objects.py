@@ -9,7 +9,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.insert import cavity, filled_bone
-from fingertip.cad.shapes.mold import runners, vents
+from fingertip.cad.shapes.mold import block, runners, vents
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
@@ -101,16 +101,12 @@ class Bench:
         ]
 
     def casting(self, *, cut: bool = False) -> Shown:
-        cast = intersection(union(cavity(self.design), *runners(self.design)), self._block())
+        cast = intersection(union(cavity(self.design), *runners(self.design)), block(self.design))
         return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), Paint.SILICONE, cut=cut)
 
     def vents(self) -> list[Shown]:
         """Show the silicone in the vents, whole where the casting is cut open."""
-        return [self.solid(intersection(vent, self._block()), Paint.SILICONE) for vent in vents(self.design)]
-
-    def _block(self) -> Box:
-        m = self.layout
-        return Box((-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
+        return [self.solid(intersection(vent, block(self.design)), Paint.SILICONE) for vent in vents(self.design)]
 
     def seat_tape(self) -> list[Shown]:
         """Show the tape around the seat, on the collar or on the base below it; none without one."""

@@ -16,6 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.verification.assembly import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint

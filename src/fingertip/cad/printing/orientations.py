@@ -95,10 +95,11 @@ class Supports:
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
     dims, orientations = design.dimensions, print_orientations(design)
+    bridges = "nowhere: all ceilings are short bridges"
     every = {
         "bone": _bone(design),
-        "mold_palmar": _mold("hollows, which silicone, bone, keys and nuts touch"),
-        "mold_dorsal": _mold("hollows, which silicone, bone, screw and syringe touch"),
+        "mold_palmar": Supports((), bridges, "hollows, which silicone, bone, keys and nuts touch"),
+        "mold_dorsal": Supports((), bridges, "hollows, which silicone, bone, screw and syringe touch"),
         "core": Supports(
             (_everywhere(design, top=0.0), *_facet(design, design.mold.sleeve_interference_mm, dims.shrinkage)),
             f"under the foot of the collar, outside{_rim(design)}",
@@ -154,10 +155,6 @@ def _rim(design: Design) -> str:
 def _facet(design: Design, inset_mm: float = 0.0, growth: float = 1.0) -> tuple[Solid, ...]:
     """Build the air that the facet of the chaplet leaves; none without one."""
     return tuple(scaled(cut, growth) for cut in facet_cut(design, inset_mm))
-
-
-def _mold(hollows: str) -> Supports:
-    return Supports((), "nowhere: all ceilings are short bridges", hollows)
 
 
 def _reach(design: Design) -> float:

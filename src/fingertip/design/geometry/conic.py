@@ -17,16 +17,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from fingertip.design.parameters.bone import Bone
+    from fingertip.foundation.numerics import Array
 
 
 ELLIPSE = math.sqrt(0.5)
 
 
-def arc_point(t: float, w: float) -> tuple[float, float]:
+Parameter = TypeVar("Parameter", float, "Array")
+"""Parameter of a curve, or many of them."""
+
+
+def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
     """Return the point at t in [0, 1] of the unit arc from (1, 0) to (0, 1) with control point (1, 1) of weight `w`."""
     u = 1.0 - t
     side, middle, top = u * u, 2.0 * w * u * t, t * t
@@ -132,7 +137,7 @@ class ConicBody:
             return s1
         return s1 + (s1 - s0) / (z1 - z0) * (self.tip.z - z1)
 
-    def tip_point(self, t: float) -> tuple[float, float]:
+    def tip_point(self, t: Parameter) -> tuple[Parameter, Parameter]:
         """Return (z, scale) on the tip's conic, with t in [0, 1] from the last station to the apex."""
         assert self.tip is not None
         z1, s1 = self.stations[-1]

@@ -13,7 +13,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
 from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, find_violations
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, join_words
 from fingertip.foundation.numerics import bisect
 
 SMALLEST = 1e-300
@@ -163,8 +163,7 @@ def format_value(name: str, value: Any) -> str:
 
 def join_assignments(values: Mapping[str, Any]) -> str:
     """Write values as they are typed after --set, such as "skin.width_mm=18 and bone.wall_mm=1"."""
-    texts = [f"{name}={format_value(name, value)}" for name, value in values.items()]
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
+    return join_words(f"{name}={format_value(name, value)}" for name, value in values.items())
 
 
 def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:

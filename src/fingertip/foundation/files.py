@@ -121,17 +121,12 @@ class TemporaryFolder:
             self._lock = None
 
 
-def find_temporary_place() -> Path:
-    """Return the system's folder for temporary files. Raises OutputError."""
+def _make_locked() -> tuple[Path, int | None]:
     try:
-        return Path(tempfile.gettempdir())
+        place = Path(tempfile.gettempdir())
     except OSError as error:
         message = "no folder for temporary files can be written; set it to one that can be."
         raise OutputError(Issue("TMPDIR", message)) from error
-
-
-def _make_locked() -> tuple[Path, int | None]:
-    place = find_temporary_place()
     remove_leftovers(place)
     while True:
         try:

@@ -84,8 +84,8 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
         text = f"Z{number}: {height.height_mm * plan.growth:.2f}"
         x, y = plan.at(height.at, height.piece)
         pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
-        left, top, right, bottom = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
-        pen.rectangle([left - 3, top - 3, right + 3, bottom + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
+        x0, y0, x1, y1 = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
+        pen.rectangle([x0 - 3, y0 - 3, x1 + 3, y1 + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
         pen.text((x + 10, y), text, fill=_HEIGHT_COLOUR, font=font, anchor="lm")
     x, y, reach = 30.0, height_px - 30.0, 60.0
     for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):

@@ -17,7 +17,7 @@ from fingertip.filling.gate import build_grid, gate_opening
 from fingertip.filling.mold_filling import predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
 from fingertip.filling.surface_links import Layer, SkinGrid
-from fingertip.filling.vents import place_vents
+from fingertip.filling.vents import list_openings, place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.plot_style import RED, REFERENCE, TEAL, TEXT_COLOUR, YELLOW, new_figure, to_png
 
@@ -54,14 +54,12 @@ class _Mark:
 
 def draw_mold_filling(design: Design) -> bytes:
     silicone, prediction = design.silicone.material, predict_mold_filling(design)
-    how = (
-        f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
-        if design.mold_layout.inlet
-        else "gravity"
-    )
+    how = "gravity"
+    if inlet := design.mold_layout.inlet:
+        how = f"{design.mold.thumb_force_n:g} N on a syringe of {inlet.syringe.volume_ml:g} ml"
     filled = f"{prediction.viscosity_pa_s:g} Pa s, {how}: full after {prediction.fill_s:.0f} s"
     title = f"{design.name}: {silicone.label}, {filled}"
-    vents = [Opening(vent.point_mm, vent.diameter_mm) for vent in place_vents(design)]
+    vents = list_openings(place_vents(design))
     return draw_filling(build_grid(design), prediction, gate_opening(design), vents, title)
 
 
@@ -112,11 +110,9 @@ def _choose_levels(fill_s: float) -> Array:
 
 def _summarise(prediction: FillingPrediction) -> str:
     pockets = prediction.air_pockets
-    air = (
-        f"{len(pockets)} air pocket{'s' if len(pockets) > 1 else ''}, the largest {pockets[0].volume_mm3:.0f} mm³"
-        if pockets
-        else "no air pocket"
-    )
+    air = "no air pocket"
+    if pockets:
+        air = f"{len(pockets)} air pocket{'s' if len(pockets) > 1 else ''}, the largest {pockets[0].volume_mm3:.0f} mm³"
     return (
         f"{prediction.volume_mm3 / 1000:.2f} cm³ in {prediction.fill_s:.1f} s at {prediction.pressure_pa / 1000:.0f} "
         f"kPa and {prediction.viscosity_pa_s:g} Pa s; {air}"

@@ -49,13 +49,11 @@ try:
     from OCP.TopoDS import TopoDS_Shape
 except ImportError as error:
     extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
-    raise MissingLibraryError(
-        Issue(
-            "STEP",
-            f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, "
-            "or leave STEP out with --formats stl,3mf.",
-        )
-    ) from error
+    message = (
+        f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, or "
+        "leave STEP out with --formats stl,3mf."
+    )
+    raise MissingLibraryError(Issue("STEP", message)) from error
 
 ControlPoint = tuple[float, float, float]
 """Control point of a plane rational Bezier curve: (x, y, weight)."""
@@ -81,9 +79,8 @@ class BrepEvaluator:
         bodies = shape.Solids()
         if len(bodies) != 1 or not shape.isValid():
             found = f"{len(bodies)} solids, {'valid' if shape.isValid() else 'invalid'}"
-            raise GeometryError(
-                Issue("", f"the B-rep kernel returned {found}; one valid solid was expected; use --formats stl,3mf.")
-            )
+            message = f"the B-rep kernel returned {found}; one valid solid was expected; use --formats stl,3mf."
+            raise GeometryError(Issue("", message))
         return bodies[0]
 
     def _evaluate(self, solid: Solid) -> Any:
@@ -283,10 +280,7 @@ def _patch(quadrant: Any, rows: Any) -> Any:
 
 def _end(section: CrossSection, z: float, scale: float) -> Any:
     """Create the flat end face at height `z` [mm], bounded by the section's four arcs."""
-    edges = []
-    for quadrant in _quadrants(section):
-        row = [(x * scale, y * scale, w) for x, y, w in quadrant]
-        edges.append(_arc(row, z))
+    edges = [_arc([(x * scale, y * scale, w) for x, y, w in quadrant], z) for quadrant in _quadrants(section)]
     return cq.Face.makeFromWires(cq.Wire.assembleEdges(edges))
 
 

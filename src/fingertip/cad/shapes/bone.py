@@ -118,13 +118,10 @@ def cable_channel(design: Design) -> Solid:
             (-half, floor, dims.cable_groove_end_z), (half, 2 * section.dorsal, dims.fold.window_low_z + _OVERLAP_MM)
         )
     return ElbowTube(
-        start_y=-dims.flat_depth + dims.channel_depth,
-        start_z=dims.relief_proximal_z + dims.relief_half_length,
-        exit_z=dims.channel_exit_z,
-        end_y=section.dorsal + bone.channel_diameter_mm,
-        bend_radius=bone.channel_bend_radius_mm,
-        radius=bone.channel_diameter_mm / 2,
-    )
+        start_y=-dims.flat_depth + dims.channel_depth, start_z=dims.relief_proximal_z + dims.relief_half_length,
+        exit_z=dims.channel_exit_z, end_y=section.dorsal + bone.channel_diameter_mm,
+        bend_radius=bone.channel_bend_radius_mm, radius=bone.channel_diameter_mm / 2,
+    )  # fmt: skip
 
 
 def tie_hole(design: Design) -> Solid:

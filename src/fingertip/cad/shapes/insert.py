@@ -118,9 +118,7 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
 
 def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    cut = _cut_flat(design, body, inset_mm)
-    facets = facet_cut(design, inset_mm)
-    return difference(cut, *facets) if facets else cut
+    return difference(_cut_flat(design, body, inset_mm), *facet_cut(design, inset_mm))
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
@@ -166,8 +164,7 @@ def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:
 
 def core(design: Design) -> Solid:
     """Build the printable core of a sleeve, with the hole for the screw of the chaplet."""
-    body, holes = sleeve_core(design), pilot_hole(design)
-    return difference(body, *(scaled(hole, design.dimensions.shrinkage) for hole in holes)) if holes else body
+    return difference(sleeve_core(design), *(scaled(hole, design.dimensions.shrinkage) for hole in pilot_hole(design)))
 
 
 def sleeve_core(design: Design) -> Solid:
@@ -190,7 +187,7 @@ def mold_insert(design: Design) -> Solid:
 
 
 def skin_interior(design: Design) -> Solid:
-    return filled_bone(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
+    return filled_bone(design, sleeve_inset_mm(design))
 
 
 def skin(design: Design) -> Solid:
@@ -202,8 +199,7 @@ def skin(design: Design) -> Solid:
 
 def cavity(design: Design) -> Solid:
     """Build the cavity of the closed mold: its outline without the boss of the chaplet."""
-    outline, bosses = cavity_outline(design), boss(design)
-    return difference(outline, *bosses) if bosses else outline
+    return difference(cavity_outline(design), *boss(design))
 
 
 def cavity_outline(design: Design) -> Solid:

@@ -191,7 +191,7 @@ def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
         yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
     # A groove in the parting plane may end in a pry slot.
     grooves = side_vents(design)
-    above = difference(openings(design), *grooves) if grooves else openings(design)
+    above = difference(openings(design), *grooves)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
     clear = evaluator.manifold(intersection(above, mold.block(design)))
     yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)

@@ -100,9 +100,5 @@ def validate_tolerance(tolerance_mm: float) -> None:
     """Raise a `DesignError` unless meshes can be made at this tolerance [mm]."""
     if not MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
         bounds = f"choose {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm"
-        raise DesignError(
-            Issue(
-                "--tolerance-mm",
-                f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer.",
-            )
-        )
+        message = f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer."
+        raise DesignError(Issue("--tolerance-mm", message))

@@ -183,9 +183,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             quotes = ", without quotes" if isinstance(value, str) else ""
             return Issue(field, f"{shown} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
         case "string_type":
-            return Issue(
-                field, f'{shown} is not text; write it in quotes, such as "{shorten(str(value), MAX_VALUE_LENGTH)}".'
-            )
+            example = shorten(str(value), MAX_VALUE_LENGTH)
+            return Issue(field, f'{shown} is not text; write it in quotes, such as "{example}".')
         case "bool_type" | "bool_parsing":
             return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
         case "list_type":

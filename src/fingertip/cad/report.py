@@ -124,20 +124,17 @@ class Build:
             "checks": [check.to_dict() for check in self.checks],
         }
         if ASSEMBLY in self.contents:
-            report["assembly"] = self._assembly_entry()
+            names = [built.part.name for built in self.parts]
+            bought = hardware(self.design, names)
+            report["assembly"] = {
+                "file": ASSEMBLY,
+                "parts": names,
+                "hardware": [item.name for item in bought],
+                "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
+            }
         if self.strength:
             report["strength"] = strength_data(self.strength)
         return report | ({"casting": self.casting} if self.casting else {})
-
-    def _assembly_entry(self) -> dict[str, Any]:
-        names = [built.part.name for built in self.parts]
-        bought = hardware(self.design, names)
-        return {
-            "file": ASSEMBLY,
-            "parts": names,
-            "hardware": [item.name for item in bought],
-            "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
-        }
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
         entry: dict[str, Any] = {

@@ -77,10 +77,7 @@ class Amplifier:
 
     @functools.cached_property
     def second_pole_hz(self) -> float:
-        """Frequency of the second pole [Hz] that gives a follower its phase margin.
-
-        Where |GBW / f| / sqrt(1 + (f / f2)^2) = 1, the second pole lags by atan(f / f2) = 90 degrees - margin.
-        """
+        """Frequency f2 of the second pole [Hz]: at unity gain it lags by 90 degrees less the phase margin."""
         lag = math.tan(math.radians(90.0 - self.phase_margin_deg))
         return self.bandwidth_hz / (lag * math.hypot(1.0, lag))
 

@@ -70,10 +70,7 @@ def find_remedies(
 
 
 def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Sequence[BrokenRule]) -> Any:
-    """Find the value of a parameter that passes all rules and is nearest to its present one; None if there is none.
-
-    The bounds of the broken rules are tried first, because they are exact.
-    """
+    """Find the passing value nearest to the present one, exact bounds of rules first; None if there is none."""
     own = [one for one in broken if one.rule.field == name]
     passing = _round_range(tables, name, _intersect_intervals(own)) if own else None
     if passing and search.passes(tables.with_values({name: passing.value})):

@@ -135,10 +135,7 @@ def _link(nodes: Array, mobility: Array, volume: Array, has_pole: bool, is_perio
 
 
 def hexahedron_volumes(inner: Array, outer: Array) -> Array:
-    """Compute the volumes [mm3] of the hexahedra between two surfaces, exact for bilinear faces.
-
-    Positive where rows, columns and the direction from the inner to the outer surface form a left-handed system.
-    """
+    """Compute the volumes [mm3] between two surfaces, exact for bilinear faces; positive for a left-handed system."""
     x0, x1, x2, x3 = inner[:-1, :-1], inner[1:, :-1], inner[:-1, 1:], inner[1:, 1:]
     x4, x5, x6, x7 = outer[:-1, :-1], outer[1:, :-1], outer[:-1, 1:], outer[1:, 1:]
     along, around, outwards = x7 - x2, x7 - x1, x7 - x4

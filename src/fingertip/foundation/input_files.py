@@ -85,10 +85,7 @@ _KINDS = (
 
 
 def is_safe_name(name: object) -> TypeGuard[str]:
-    """Return whether a value is the name of one file in a folder on every system: no path, no device of Windows.
-
-    The names of what stands for a moment beside a set that is replaced are none.
-    """
+    """Return whether a value names one file in a folder on every system, and nothing that stands there for a moment."""
     return (
         isinstance(name, str)
         and escape_control(name) == name

@@ -132,10 +132,7 @@ class CompiledLoop:
                 argument[:] = values.tolist()
 
     def _run_first(self, arrays: list[Any]) -> None:
-        """Load the loop, and run it: numba reads and writes its cache at the first call, before the loop begins.
-
-        A damaged cache, or a full disk, must not end the command: the loop is then compiled for this process.
-        """
+        """Load the loop, and run it; if its cache is damaged or the disk full, it is compiled for this process."""
         _report_loading()
         loop = _compile_cached(self.plain, *self._helpers)
         try:

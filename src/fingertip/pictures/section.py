@@ -274,10 +274,7 @@ def _place_names(
 
 
 def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> list[float]:
-    """Shift intervals until none overlaps the next and all lie within `total`; returns their middles.
-
-    Neighbours that would overlap form a block, which stands where its members' mean wish is.
-    """
+    """Shift intervals until none overlaps, in blocks at their mean wish within `total`; returns their middles."""
     blocks: list[tuple[float, float, list[int]]] = []  # middle, width, members
     for i, (width, wish) in enumerate(zip(widths, wanted, strict=True)):
         middle, size, members = wish, width, [i]

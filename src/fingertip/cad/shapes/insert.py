@@ -75,10 +75,7 @@ def contact_y(design: Design) -> float:
 
 
 def screw_hole(design: Design) -> tuple[Solid, ...]:
-    """Build the hole of the screw through the dorsal half, and the counterbore of its head; none without a chaplet.
-
-    The half is printed on its outer face, so the bottom of the counterbore is a ceiling, which prints in bridges.
-    """
+    """Build the hole of the chaplet's screw through the dorsal half, and its counterbore; none without one."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()

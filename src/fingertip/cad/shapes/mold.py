@@ -55,10 +55,7 @@ def runners(design: Design) -> tuple[Solid, ...]:
 
 
 def luer_cone(design: Design) -> tuple[Solid, ...]:
-    """Build the cone in the dorsal half on which the syringe sits; none if gravity fills the mold.
-
-    It widens towards the outside, which a casting cannot leave: the nozzle fills most of it.
-    """
+    """Build the cone of the syringe's nozzle, which fills most of it; none if gravity fills the mold."""
     inlet, layout = design.mold_layout.inlet, design.mold_layout
     if inlet is None:
         return ()

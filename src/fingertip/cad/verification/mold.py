@@ -109,10 +109,7 @@ def _is_open(design: Design, groove: Solid, evaluator: MeshEvaluator) -> bool:
 
 
 def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
-    """Compute the area [mm2] of undercuts in the half that is pulled off in `direction` along y.
-
-    An undercut is a surface that faces back towards the parting plane. It would hold the casting in the half.
-    """
+    """Compute the area [mm2] that faces back to the parting plane, so that the half holds the casting."""
     vertices, triangles = to_arrays(hollow.trim_by_plane((0.0, direction, 0.0), 0.0))
     corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
@@ -229,10 +226,7 @@ def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check
 
 
 def _distance_to_faces(inner: Manifold, block: Manifold) -> float:
-    """Compute the smallest distance [mm] from a solid within the block to its six faces; 0 if it reaches through one.
-
-    The faces are normal to the axes, so the distance follows from both bounding boxes.
-    """
+    """Compute the smallest distance [mm] of a solid from the block's six faces; 0 if it reaches through one."""
     i, b = inner.bounding_box(), block.bounding_box()
     return float(max(0.0, min(min(i[axis] - b[axis], b[axis + 3] - i[axis + 3]) for axis in range(3))))
 
@@ -329,9 +323,8 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     hollows = [bone.sensor_recess(design)]
     if not design.dimensions.window_opens_into_gap:
         hollows.append(bone.cable_channel(design))
-    # A little below the surface of the bone.
-    inside = evaluator.manifold(intersection(union(*hollows), filled_bone(design, _DEEPER_MM)))
-    return float(outside + (flooded ^ inside).volume())
+    deep = intersection(union(*hollows), filled_bone(design, _DEEPER_MM))
+    return float(outside + (flooded ^ evaluator.manifold(deep)).volume())
 
 
 def leak_mm(design: Design) -> float:

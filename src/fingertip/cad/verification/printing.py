@@ -39,11 +39,7 @@ def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) ->
 def check_brep_solid(
     design: Design, part: Part, mesh: Mesh, measured: BrepMeasurements, scale: float, tolerance_mm: float
 ) -> Iterator[Check]:
-    """Check the genus of a B-rep solid, and its volume against the mesh.
-
-    The volumes may differ by the tolerance times the surface area. The process that makes the solid has verified that
-    it is a single valid one.
-    """
+    """Check a valid B-rep solid's genus, and its volume against the mesh to the tolerance times the surface area."""
     yield Check(f"{part.name}.step.genus", measured.genus, part.genus(design), "through holes", "exactly")
     difference = abs(mesh.volume() - measured.volume_mm3 * scale**3)
     yield Check(f"{part.name}.step.volume_difference_to_mesh", difference, tolerance_mm * mesh.area(), "mm3")

@@ -87,10 +87,7 @@ def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.
 
 
 def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
-    """Measure the distance [mm] of points that lie near the surface, each from the patches it lies over.
-
-    For points farther away the result is an upper bound, or infinite. The flat end is left out.
-    """
+    """Measure the distance [mm] of points near the surface, without its end; an upper bound for others."""
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
     best = np.full(len(points), np.inf)

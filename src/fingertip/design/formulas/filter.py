@@ -205,15 +205,7 @@ _TOLERANCE = 1e-9
 
 
 def find_preferred_neighbours(value: float, series: str = CAPACITOR_SERIES) -> tuple[float, float]:
-    """Find the largest preferred value up to `value` and the smallest from it on; both are equal for a preferred one.
-
-    Parameters
-    ----------
-    value
-        Positive and finite, in any unit.
-    series
-        Key of `MANTISSAS`.
-    """
+    """Find the largest preferred value up to a positive one (any unit), and the smallest from it on."""
     decade = MANTISSAS[series]
     exponent = math.floor(math.log10(value)) - len(str(decade[0])) + 1
     values = [_scale(mantissa, e) for e in (exponent - 1, exponent, exponent + 1) for mantissa in decade]

@@ -32,10 +32,7 @@ def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> f
 
 
 def hole_in_tension(hole_mm: float, width_mm: float) -> float:
-    """Factor at a hole in the middle of a flat bar. It multiplies the stress of the section beside the hole.
-
-    In bending, where the stress falls towards the middle, the factor is smaller.
-    """
+    """Factor at a hole in the middle of a flat bar, on the stress of the section beside it; smaller in bending."""
     s = min(hole_mm / width_mm, 1.0)
     return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3
 

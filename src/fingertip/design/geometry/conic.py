@@ -58,10 +58,7 @@ def arc_parameter_at_height(y: float, w: float) -> float:
 
 
 def arc_abscissa(y: float, w: float) -> float:
-    """Return the x of the unit arc at height y in [0, 1]; 0 above it.
-
-    With X = 1 - x the arc satisfies (y - X)^2 = 4 w^2 X (1 - y). The root is computed in the form without cancellation.
-    """
+    """Return the x of the unit arc at height y in [0, 1]; 1 - x = X solves (y - X)^2 = 4 w^2 X (1 - y) uncancelled."""
     if y >= 1.0:
         return 0.0
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)

@@ -184,11 +184,7 @@ class Dimensions:
 
     @cached_property
     def passage_height(self) -> float:
-        """Height, from its floor, of the tail's passage through the collar.
-
-        It never presses on film and tail. The crimps of the tail are threaded through it, with their wires if it is
-        folded.
-        """
+        """Height of the tail's passage through the collar, which film, crimps and wires are threaded through."""
         crimped = self.sensor.thickness_mm + self._design.sensor.crimp_height_mm + SLIDING_MM
         threaded = self.fold.tabs_space_mm if self.fold else crimped if self.tail_passes_collar else 0.0
         return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm, threaded)
@@ -245,11 +241,7 @@ class Dimensions:
 
     @cached_property
     def channel_exit_z(self) -> float:
-        """Centre of the channel opening on the dorsal side of the base, through which the cables leave the bone.
-
-        The opening lies proximal to the skin and to the mold's recess, because overmolding closes the mold with the
-        cables in place.
-        """
+        """Centre of the channel's dorsal opening: outside the mold, which is closed with the cables in place."""
         bone = self._design.bone
         channel_radius = bone.channel_diameter_mm / 2
         covered = max(bone.collar_length_mm, self._design.mold.recess_length_mm)
@@ -273,20 +265,14 @@ class Dimensions:
 
     @cached_property
     def cheek_top_y(self) -> float:
-        """Height above which the base is cut off beside the window of a folded tail: its cheeks are a wall thick there.
-
-        The outline of the base curves inwards, so that higher cheeks would end in an edge.
-        """
+        """Height at which the cheeks beside a folded tail's window end, a wall thick: higher ones end in an edge."""
         section, bone = self.bone_outline.section, self._design.bone
         needed = self.tail_half_width + bone.wall_mm
         return bisect(lambda y: section.half_width_at(y) >= needed, 0.0, section.dorsal, halvings=40)[0]
 
     @cached_property
     def collar(self) -> ConicBody:
-        """Flange on which the skin ends, and which locates the bone in the mold.
-
-        It has this length at the parting plane. Away from the plane its foot rises by `draft_slope`.
-        """
+        """Flange that carries the skin's end; away from the parting plane its foot rises by `draft_slope`."""
         skin, bone = self._design.skin, self._design.bone
         section = CrossSection(
             skin.width_mm / 2 - bone.collar_inset_mm,
@@ -298,10 +284,7 @@ class Dimensions:
         return ConicBody(section, ((-bone.collar_length_mm, 1.0), (0.0, 1.0)))
 
     def insert_body(self) -> tuple[ConicBody, float, float]:
-        """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
-
-        The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
-        """
+        """Return body with groove, depth of the palmar flat [mm] and scale of the insert within the skin."""
         mold, bone = self._design.mold, self._design.bone
         if mold.method != "sleeve":
             return add_groove(bone, self.bone_outline), self.flat_depth, 1.0
@@ -329,10 +312,7 @@ class Dimensions:
         return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
-        """Compute the margin between the flat's edge and the circle that the sensor's head and its rim need.
-
-        Returns smallest margin along x over 65 heights of the circle [mm]; negative where the flat is too narrow.
-        """
+        """Compute the least margin along x [mm] between the flat's edge and the circle of sensor head and rim."""
         r = self.sensor.head_diameter_mm / 2 + clearance_mm + rim_mm
         margins = []
         for i in range(_RIM_POINTS + 1):

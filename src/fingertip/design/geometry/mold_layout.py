@@ -37,10 +37,7 @@ _ABOVE_RUNNER_MM = 1.0
 
 @dataclass(frozen=True)
 class Inlet:
-    """Way of the silicone from the syringe to the cavity: Luer cone and sprue along y, and the runner below them [mm].
-
-    All of it lies in the dorsal half. The runner leaves the sprue along z and enters the cavity along x.
-    """
+    """Luer cone and sprue along y, and the runner along z, then x into the cavity: all in the dorsal half [mm]."""
 
     syringe: Syringe
     x: float

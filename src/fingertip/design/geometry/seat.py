@@ -118,10 +118,7 @@ _LEAST_GAP_MM = 0.01
 
 
 def tape_span_mm(design: Tables) -> tuple[float, float] | None:
-    """Return where the tape around the seat begins and ends [mm below the skin]; None without one.
-
-    It lies on the collar or on the base below it, where there is more room: it does not pass the foot of the collar.
-    """
+    """Return where the seat's tape lies [mm below the skin], on the collar or below its foot; None without."""
     collar, recess = design.bone.collar_length_mm, design.mold.recess_length_mm
     if design.mold.seat_tape_mm == 0.0:
         return None

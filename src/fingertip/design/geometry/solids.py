@@ -18,10 +18,7 @@ Point3: TypeAlias = tuple[float, float, float]
 
 
 def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
-    """Return (x, y, z) of the point at `w` along an axis and at (`u`, `v`) across it.
-
-    `u` and `v` follow the axis in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z.
-    """
+    """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it, in cyclic order: (y, z), (z, x) or (x, y)."""
     match axis:
         case "x":
             return w, u, v
@@ -84,10 +81,7 @@ def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
 
 @dataclass(frozen=True)
 class ElbowTube:
-    """Round tube in the plane x = 0: straight along -z, a 90 degree bend, then straight along +y [mm].
-
-    The centre line starts at (`start_y`, `start_z`), bends with `bend_radius`, and ends at (`end_y`, `exit_z`).
-    """
+    """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a bend, then along +y to (`end_y`, `exit_z`) [mm]."""
 
     start_y: float
     start_z: float

@@ -144,11 +144,8 @@ class Clevis(JointInterface):
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         """List the pin, and what holds the tendon."""
         anchor = design.dimensions.anchor
-        pin: dict[str, Any] = {
-            "item": "joint pin (hardened steel, such as a dowel pin)",
-            "diameter_mm": design.hand.pin_diameter_mm,
-            "count": 1,
-        }
+        item = "joint pin (hardened steel, such as a dowel pin)"
+        pin: dict[str, Any] = {"item": item, "diameter_mm": design.hand.pin_diameter_mm, "count": 1}
         if design.hand.knuckle == "tongue":  # else it is as long as the hand's fork is wide
             pin["length_mm"] = design.dimensions.pin_length
         items = [pin]
@@ -160,8 +157,7 @@ class Clevis(JointInterface):
             })  # fmt: skip
             items.append({
                 "item": "tendon (braided line, as long as the hand needs)",
-                "diameter_mm": design.hand.tendon_diameter_mm,
-                "count": 1,
+                "diameter_mm": design.hand.tendon_diameter_mm, "count": 1,
             })  # fmt: skip
         return items
 

@@ -111,10 +111,7 @@ def bolt_clearance(design: DesignTables, hole_mm: float) -> Tolerance:
 
 
 def base_holds_circle(design: DesignTables, radius: float, half_height: float = math.inf) -> bool:
-    """Return whether a circle [mm] about the middle of the base's height stays inside the base's section.
-
-    The circle may have two flats, which leave `half_height` [mm] on either side of the middle.
-    """
+    """Return whether a circle in the middle of the base, with flats at `half_height` [mm], stays inside its section."""
     section, flat = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth
     middle = (section.dorsal - flat) / 2
     half_height = min(radius, half_height)

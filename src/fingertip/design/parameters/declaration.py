@@ -113,10 +113,7 @@ REPLACED_PARAMETERS = {
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
-    """Return one issue for each problem that pydantic found in a `model`.
-
-    Only the first problems are described. A file of a hundred thousand unknown names would take hours otherwise.
-    """
+    """Return one issue for each problem of a `model`; only the first are described, thousands would take hours."""
     found = error.errors(include_url=False, include_context=True)
     rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
     return [

@@ -137,10 +137,7 @@ class BrokenRule:
 
     @cached_property
     def reads(self) -> frozenset[str]:
-        """Parameters that decide the violation, recorded by checking the rule and its prerequisites once more.
-
-        Every design with the same values of these parameters breaks the rule in the same way.
-        """
+        """Parameters that decide the violation: all designs with the same values of these break the rule alike."""
         recorder = RecordingTables(self.design)
         RuleChecker(recorder.as_tables()).passes(self.rule)
         return frozenset(recorder.reads)

@@ -63,10 +63,7 @@ def _find_existing(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Revision:
-    """Content of a file that somebody edited, and the content that it gets with these edits kept.
-
-    The manifest keeps the hash of the file without the edits, so that the file stays somebody's own.
-    """
+    """Content of an edited file before and after; the manifest keeps the hash of the file without edits."""
 
     before: bytes
     after: bytes

@@ -9,28 +9,19 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing
 from fingertip.foundation import extras
+from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
-from fingertip.pictures.drawing.part_sizes import (
-    bone_drawing,
-    core_drawing,
-    dorsal_drawing,
-    lid_drawing,
-    palmar_drawing,
-)
 from fingertip.pictures.drawing.primitives import Sheet
 from fingertip.pictures.drawing.projection import project_parts
 from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
-# Sheets of a design: one for each printed part.
-
-
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
-    "bone": bone_drawing,
-    "lid": lid_drawing,
-    "mold_palmar": palmar_drawing,
-    "mold_dorsal": dorsal_drawing,
-    "core": core_drawing,
+    "bone": part_sizes.bone_drawing,
+    "lid": part_sizes.lid_drawing,
+    "mold_palmar": part_sizes.palmar_drawing,
+    "mold_dorsal": part_sizes.dorsal_drawing,
+    "core": part_sizes.core_drawing,
 }
 
 

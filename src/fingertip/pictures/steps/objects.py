@@ -122,10 +122,7 @@ class Bench:
         return [self.solid(difference(around, filled_bone(self.design)), Paint.TAPE)]
 
     def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
-        """Show the syringe above its cone, its barrel cut open, with silicone up to a share of its volume.
-
-        `drawn_share` is the share up to which the plunger is pulled back at least.
-        """
+        """Show the syringe over its cone, its barrel cut open, filled to a share, drawn to `drawn_share` or more."""
         inlet = given(self.layout.inlet)
         centre, kind = (inlet.z, inlet.x), inlet.syringe
         tip = self.layout.dorsal_height - NOZZLE_DEPTH_MM + lift_mm

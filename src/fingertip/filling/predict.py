@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.filling.hele_shaw import LEVELS, ClosingVent, Filling, TrappedAir, fill, find_air
+from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
 from fingertip.filling.hele_shaw import LastPoint as Last
 from fingertip.filling.mouth import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
 from fingertip.filling.surface_links import Layer, SkinGrid
@@ -153,14 +153,14 @@ class Course:
     """Resistance at the gate's mouth that the grid does not show [1/mm3]."""
 
 
-def follow_front(grid: SkinGrid, gate: Opening, levels: int = LEVELS) -> Course:
+def follow_front(grid: SkinGrid, gate: Opening) -> Course:
     """Compute the way of the front, which takes most of the time of a prediction."""
     layer, network = grid.layer, grid.layer.network
     mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
     source = mouth.shares(len(network.volume_mm3))
     if not network.is_open.all():
         network = network.keep(network.reach(source > 0.0))
-    return Course(grid, fill(network, source, levels), mouth_resistance(layer, mouth, gate.diameter_mm))
+    return Course(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
 
 
 def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[Last, ...], tuple[TrappedAir, ...]]:

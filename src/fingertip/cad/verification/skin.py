@@ -63,8 +63,6 @@ class EnclosingSurface:
         return -max(float((block @ self._planes).max()) for block in blocks)
 
 
-STEPS = 12
-"""Gauss-Newton steps that reduce the error of a distance to rounding."""
 _NEARBY_STEPS = 3
 """Gauss-Newton steps that suffice for points very near the surface."""
 _REACH_MM = 1.5  # exceeds the deviation of every facet, since the tolerance is at most 1 mm
@@ -94,15 +92,6 @@ def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
     for patch in patches:
         nearby = patch.in_range(folded, _REACH_MM)
         best[nearby] = np.minimum(best[nearby], patch.distance(folded[nearby], steps=_NEARBY_STEPS))
-    return best
-
-
-def distance_to_surface(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
-    folded = points.copy()
-    folded[:, 0] = np.abs(folded[:, 0])
-    best = _distance_to_end(body, folded)
-    for patch in surface_patches(body):
-        best = np.minimum(best, patch.distance(folded, steps))
     return best
 
 
@@ -193,13 +182,6 @@ def surface_patches(body: ConicBody) -> Iterator[Patch]:
     for height, weight in ((section.dorsal, section.dorsal_weight), (-section.palmar, section.palmar_weight)):
         for profile in (*spans, tip):
             yield Patch(section.half_width, height, weight, profile)
-
-
-def _distance_to_end(body: ConicBody, points: Array) -> Array:
-    """Measure the distance from the flat end for points over it, else infinity; the rim belongs to the side patches."""
-    z, scale = body.stations[0]
-    over = np.array([body.section.half_width_at(y, scale) for y in points[:, 1]]) >= points[:, 0] - 1e-12
-    return np.where(over, np.abs(points[:, 2] - z), np.inf)
 
 
 _STEEP = 0.5

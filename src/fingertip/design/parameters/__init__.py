@@ -86,12 +86,12 @@ class Tables(BaseModel):
                 update[key] = value
         return self.model_copy(update=update)
 
-    def with_silicone(self, name: str | None, field: str = "--material") -> Self:
+    def with_silicone(self, name: str | None) -> Self:
         """Copy the tables with another silicone; the tables themselves if no name is given. Raises DesignError."""
         if name is None or name == self.silicone.product:
             return self
         if name not in SILICONES and name != OWN:
-            raise DesignError(Issue(field, f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
+            raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
         return self.with_values({"silicone.product": name})
 
 

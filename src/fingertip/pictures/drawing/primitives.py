@@ -40,7 +40,6 @@ class Styles:
     CENTRE = Style("centre", NARROW_MM, (6.0, 1.0, 0.5, 1.0))
     DIMENSION = Style("dimension", NARROW_MM)
     HATCHING = Style("hatching", 0.18)
-    SECTION = Style("section", WIDE_MM, (4.0, 1.0, 0.5, 1.0))
     FRAME = Style("frame", 0.7)
     GRID = Style("grid", NARROW_MM)
 

@@ -12,29 +12,21 @@ class Bone(ParameterTable):
     """Rigid part that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
-        22.0,
-        "mm",
-        (4, 60),
+        22.0, "mm", (4, 60),
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
-    )
+    )  # fmt: skip
     palmar_fullness: float = quantity(
-        0.9422,
-        "",
-        (0.8, 0.998),
+        0.9422, "", (0.8, 0.998),
         "Width of the bone at half its palmar height, before the flat is cut, relative to its full width.",
-    )
+    )  # fmt: skip
     rim_mm: float = quantity(
-        0.6,
-        "mm",
-        (0.2, 5),
+        0.6, "mm", (0.2, 5),
         "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
-    )
+    )  # fmt: skip
     wall_mm: float = quantity(
-        1.0,
-        "mm",
-        (0.4, 5),
+        1.0, "mm", (0.4, 5),
         "Design wall between cable channel, sensor slot and outer surface; checks require printer.min_wall_mm.",
-    )
+    )  # fmt: skip
     channel_diameter_mm: float = quantity(
         2.4, "mm", (0.8, 10), "Diameter of the cable channel from the solder relief to the dorsal side of the base."
     )
@@ -43,17 +35,13 @@ class Bone(ParameterTable):
         5.0, "mm", (2, 20), "Length of the solder relief, the recess for the solder joints at the end of the tail."
     )
     tie_hole_diameter_mm: float = quantity(
-        1.6,
-        "mm",
-        (0.8, 6),
+        1.6, "mm", (0.8, 6),
         "Diameter of the hole for the cable tie (strain relief), across the base, proximal to the channel opening.",
-    )
+    )  # fmt: skip
     collar_length_mm: float = quantity(
-        2.0,
-        "mm",
-        (0.8, 10),
+        2.0, "mm", (0.8, 10),
         "Length of the collar on which the skin ends, at the parting plane, where its drafted foot makes it longest.",
-    )
+    )  # fmt: skip
     collar_inset_mm: float = quantity(0.3, "mm", (0.1, 5), "Inset of the collar from the outline of the skin.")
     groove_depth_mm: float = quantity(
         0.6, "mm", (0, 3), "Depth of the groove around the bone that retains the skin; 0: no groove."
@@ -67,11 +55,9 @@ class Bone(ParameterTable):
     )
     post_width_mm: float = quantity(8.4, "mm", (2, 40), "Diameter of the post, which is its width (interface post).")
     post_height_mm: float = quantity(
-        7.2,
-        "mm",
-        (2, 40),
+        7.2, "mm", (2, 40),
         "Height of the post between its two flats, which lock rotation; from post_width_mm on it is round.",
-    )
+    )  # fmt: skip
     post_length_mm: float = quantity(8.0, "mm", (2, 40), "Length of the post (interface post).")
     socket_diameter_mm: float = quantity(5.0, "mm", (2, 25), "Diameter of the socket (interface socket).")
     socket_depth_mm: float = quantity(8.0, "mm", (2, 40), "Depth of the socket (interface socket).")
@@ -110,11 +96,9 @@ class Hand(ParameterTable):
     )
     pin_diameter_mm: float = quantity(2.0, "mm", (1, 8), "Diameter of the bore for the joint's pin.")
     clearance_radius_mm: float = quantity(
-        4.0,
-        "mm",
-        (1.5, 20),
+        4.0, "mm", (1.5, 20),
         "Radius about the joint axis within which the hand's tongue or fork is round; its shoulder begins there.",
-    )
+    )  # fmt: skip
     tendon_distance_mm: float = quantity(
         4.5, "mm", (0, 30), "Distance of the tendon from the joint axis, on the palmar side; 0: no tendon."
     )
@@ -125,11 +109,9 @@ class Hand(ParameterTable):
         80.0, "degree", (0, 110), "Travel of the joint from straight to bent, between hard stops; 0: no stops."
     )
     length_limit_mm: float = quantity(
-        0.0,
-        "mm",
-        (0, 150),
+        0.0, "mm", (0, 150),
         "Maximum length from the tip to the joint axis, or to the shoulder of another interface; 0: no limit.",
-    )
+    )  # fmt: skip
 
 
 class Strength(ParameterTable):

@@ -24,11 +24,9 @@ class Board(ParameterTable):
     )
     capacitor_uf: float = quantity(1.0, "uF", (1e-6, 1000), "Filter capacitors C1 = C2 = C3.")
     passband_gain: float = quantity(
-        1 + 100 / 1.5,
-        "",
-        (Above(1), 10000),
+        1 + 100 / 1.5, "", (Above(1), 10000),
         "Passband gain G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.",
-    )
+    )  # fmt: skip
     r5_ohm: float = quantity(100e3, "ohm", (1000, 10e6), "Feedback resistor R5 of the first stage.")
     envelope_cutoff_hz: float = quantity(
         36.17, "Hz", (Above(0), 10000), "Cutoff frequency of the envelope, 1 / (2 pi R_LP C_LP)."
@@ -44,17 +42,13 @@ class Board(ParameterTable):
         1.0, "%", (0, 20), "Tolerance of the filter's resistors, for the tolerance analysis."
     )
     capacitor_tolerance_percent: float = quantity(
-        0.0,
-        "%",
-        (0, 20),
+        0.0, "%", (0, 20),
         "Tolerance of the signal path's capacitors; 0: that of the parts sold (X7R 10 %, C0G 5 %). Article: 5 %.",
-    )
+    )  # fmt: skip
     band_limit_hz: float = quantity(
-        1000.0,
-        "Hz",
-        (10, 1e5),
+        1000.0, "Hz", (10, 1e5),
         "Low-pass cutoff of the first stage against amplifier noise (precision, comparator; article has none).",
-    )
+    )  # fmt: skip
     amplifier: AmplifierName = choice(
         "auto",
         "Dual amplifier of filter and rectifier; auto: TL082 (article, split), OPA2197 (comparator; OPA2376 at 3.3 V), "
@@ -80,18 +74,14 @@ class Detector(ParameterTable):
     sample_rate_hz: float = quantity(2000.0, "Hz", (1000, 20000), "Sampling rate of the traces.")
     window_samples: int = quantity(60, "samples", (1, 10000), "Length L of the averaging window.")
     threshold_v: float = quantity(
-        0.023,
-        "V",
-        (Above(0), 10),
+        0.023, "V", (Above(0), 10),
         "Threshold of the mean envelope above which slip is ON; default: its mean plus 6 standard deviations in noise.",
-    )
+    )  # fmt: skip
     noise_v: float = quantity(
-        0.5e-3,
-        "V",
-        (0, 1),
+        0.5e-3, "V", (0, 1),
         "RMS noise of the sampled voltages without ADC quantisation; default: 0.6 steps of 12 bits over 3.3 V. "
         "(unverified)",
-    )
+    )  # fmt: skip
     adc_bits: int = quantity(12, "bit", (8, 24), "Resolution of the ADC.")
     adc_range_v: float = quantity(3.3, "V", (0.01, 100), "Upper end of the ADC's input range.")
     adc_polarity: Literal["bipolar", "unipolar"] = choice(

@@ -61,20 +61,16 @@ class Skin(ParameterTable):
         0.94, "", (0.4, 1), "Size of the cross-section where the tip begins, relative to the proximal end."
     )
     pulp_fullness: float = quantity(
-        0.8845,
-        "",
-        (0.77, 0.9925),
+        0.8845, "", (0.77, 0.9925),
         "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
-    )
+    )  # fmt: skip
     nail_fullness: float = quantity(
         0.875, "", (0.77, 0.9925), "Width of the nail side at half its height, relative to the full width."
     )
     tip_fullness: float = quantity(
-        0.875,
-        "",
-        (0.77, 0.9925),
+        0.875, "", (0.77, 0.9925),
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
-    )
+    )  # fmt: skip
     thickness_side_mm: float = quantity(2.0, "mm", (0.4, 15), "Skin thickness at the sides.")
     thickness_palmar_mm: float = quantity(
         3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."
@@ -125,11 +121,9 @@ class ChosenSilicone(ParameterTable):
     cure_h: float = quantity(24.0, "h", (0.1, 336), "Time at room temperature until the skin can be demolded.")
     shore_a: float = quantity(40.0, "", (1, 95), "Hardness of the cured silicone, Shore A.")
     modulus_mpa: float = quantity(
-        1.0,
-        "MPa",
-        (0.01, 50),
+        1.0, "MPa", (0.01, 50),
         "Young's modulus at small strain; without one, the stress at 100 % strain (145 psi are 1 MPa).",
-    )
+    )  # fmt: skip
     elongation_percent: float = quantity(300.0, "%", (10, 2000), "Elongation at break.")
     shrinkage_percent: float = quantity(0.2, "%", (0, 5), "Linear shrinkage; 0.001 in/in are 0.1 %.")
 
@@ -160,11 +154,9 @@ class ForceCurve(ParameterTable):
     min_force_n: float = quantity(0.5, "N", (Above(0), 100), "Smallest force of the calibration.")
     max_force_n: float = quantity(10.0, "N", (Above(0), 1000), "Largest force of the calibration.")
     interval_factor: float = quantity(
-        8.0,
-        "",
-        (1, 1000),
+        8.0, "", (1, 1000),
         "Factor within which a force read off the curve lies with 95 % probability, between these two forces.",
-    )
+    )  # fmt: skip
 
     def describe(self) -> str:
         """Describe in a sentence how far forces can be trusted, for wherever a force is shown."""

@@ -34,17 +34,13 @@ class Mold(ParameterTable):
     fit_clearance_mm: float = quantity(0.05, "mm", (0.01, 1), "Gap between the bone's base and its recess in the mold.")
     recess_length_mm: float = quantity(8.0, "mm", (2, 60), "Length of the recess that holds the bone's base.")
     seat_tape_mm: float = quantity(
-        0.06,
-        "mm",
-        (0, 0.2),
+        0.06, "mm", (0, 0.2),
         "Thickness of the tape that is wound around the base or its collar and seals the recess; 0: none.",
-    )
+    )  # fmt: skip
     chaplet_diameter_mm: float = quantity(
-        7.0,
-        "mm",
-        (0, 15),
+        7.0, "mm", (0, 15),
         "Diameter of the chaplet, the boss on the dorsal half that carries the bone near its tip; 0: none.",
-    )
+    )  # fmt: skip
     chaplet_from_tip_mm: float = quantity(
         10.0, "mm", (1, 100), "Distance of the chaplet from the tip of the skin, along the finger."
     )
@@ -100,17 +96,13 @@ class Printer(ParameterTable):
         0.05, "mm", (0, 0.5), "Error of each printed surface that locates bone or core in the mold."
     )
     offset_mm: float = quantity(
-        0.0,
-        "mm",
-        (-0.5, 0.5),
+        0.0, "mm", (-0.5, 0.5),
         "Length by which printed solids are too long and hollows too short; gaps of the design close by as much.",
-    )
+    )  # fmt: skip
     bed_x_mm: float = quantity(120.0, "mm", (20, 2000), "Width of the bed.")
     bed_y_mm: float = quantity(68.0, "mm", (20, 2000), "Depth of the bed.")
     bed_z_mm: float = quantity(150.0, "mm", (20, 2000), "Maximum height of a print.")
     min_wall_mm: float = quantity(
-        0.8,
-        "mm",
-        (0.1, 5),
+        0.8, "mm", (0.1, 5),
         "Minimum wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1); checks of walls allow the mesh tolerance less.",
-    )
+    )  # fmt: skip

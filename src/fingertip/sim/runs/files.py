@@ -205,17 +205,13 @@ class Grasp(ParameterTable):
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
     force_n: float = quantity(0.0, "N", (0, 20), "Planned holding force of the thumb; 0: by the margins.")
     min_margin: float = assumption(
-        1.1,
-        "",
-        (Above(0), 20),
+        1.1, "", (Above(0), 20),
         "Lower limit of the force that the seed draws, as a multiple of what just holds the weight.",
-    )
+    )  # fmt: skip
     max_margin: float = quantity(
-        1.2,
-        "",
-        (Above(0), 20),
+        1.2, "", (Above(0), 20),
         "Upper limit. Assumption; above mu_s / mu_c = 1.25 no knock makes the object slide out.",
-    )
+    )  # fmt: skip
     min_force_n: float = assumption(
         0.5, "N", (Above(0), 20), "Minimum force of the thumb: well above the sensor's turn-on."
     )

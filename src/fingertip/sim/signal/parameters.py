@@ -226,17 +226,13 @@ class Noise(ParameterTable):
     """Noise that is not white, added to the tactile voltage for the whole recording; 0 V means none."""
 
     pink_v: float = quantity(
-        0.0,
-        "V",
-        (0, 0.1),
+        0.0, "V", (0, 0.1),
         "RMS pink noise per decade of frequency, of sensor and amplifier; 1e-4 is a noisy film. (unverified)",
-    )
+    )  # fmt: skip
     hand_v: float = quantity(
-        0.0,
-        "V",
-        (0, 0.1),
+        0.0, "V", (0, 0.1),
         "RMS vibration of a hand from 30 to 90 Hz while it touches; 1e-4 to 5e-4 in hands. (unverified)",
-    )
+    )  # fmt: skip
     hum_v: float = quantity(0.0, "V", (0, 1), "Amplitude of the mains hum's fundamental.")
     hum_hz: float = quantity(50.0, "Hz", (16, 60), "Mains frequency.")
     hum_third: float = quantity(

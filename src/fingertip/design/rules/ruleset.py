@@ -82,18 +82,15 @@ LimitFunction = Callable[[DesignTables], Limit | None]
 """Computes the limit of a field in a design; None where there is none."""
 
 
-class Ruleset:
+class Ruleset(list[Rule]):
     """Rules of one subject, in the order in which they are written."""
-
-    def __init__(self) -> None:
-        self._rules: list[Rule] = []
 
     def rule(self, field: str, *prerequisites: Rule, takes_long: bool = False) -> Callable[[RuleFunction], Rule]:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
-            self._rules.append(Rule(field, check, prerequisites, takes_long))
-            return self._rules[-1]
+            self.append(Rule(field, check, prerequisites, takes_long))
+            return self[-1]
 
         return add
 
@@ -124,9 +121,6 @@ class Ruleset:
             return self.rule(field, *prerequisites)(check)
 
         return add
-
-    def __iter__(self) -> Iterator[Rule]:
-        return iter(self._rules)
 
 
 @dataclass(frozen=True)
@@ -171,13 +165,11 @@ class RuleChecker:
         return self._passed[rule]
 
     def _check(self, rule: Rule) -> bool:
-        if self._invalid:
-            try:
-                violation = rule.check(RecordingTables(self._design, self._invalid).as_tables())
-            except InvalidParameterError:
-                return False
-        else:
-            violation = rule.check(self._design)
+        tables = RecordingTables(self._design, self._invalid).as_tables() if self._invalid else self._design
+        try:
+            violation = rule.check(tables)
+        except InvalidParameterError:
+            return False
         if violation:
             self.violations[rule] = violation
         return violation is None

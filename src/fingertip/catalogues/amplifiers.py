@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 AmplifierName = Literal["auto", "TL082", "TLV2372", "MCP6022", "OPA2376", "OPA2197"]
@@ -27,6 +28,10 @@ SOURCES = {
     "OPA2197": "Texas Instruments SBOS737C",
     "TLV2371DBV": "Texas Instruments SLOS270F; bandwidth, supply and supply current also in SGLS244B",
 }
+
+
+_DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
+_SINGLE = {"": ("3", "4", "1")}
 
 
 @dataclass(frozen=True)
@@ -58,10 +63,10 @@ class Amplifier:
     """Supply current of each unit [A], typical; the maximum where only that is stated."""
     input_f: float
     """Capacitance of each input to ground [F]: common-mode and differential together."""
-    units: dict[str, tuple[str, str, str]]
-    """Unit letter -> pins of non-inverting input, inverting input and output."""
     unverified: tuple[str, ...]
     """Names of the figures that no document read confirms."""
+    units: Mapping[str, tuple[str, str, str]] = field(default_factory=lambda: _DUAL)
+    """Unit letter -> pins of non-inverting input, inverting input and output."""
     input_from_lower_v: tuple[float, float] = (0.0, 0.0)
     """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
 
@@ -89,9 +94,6 @@ class Amplifier:
 OPEN_LOOP_GAIN = 2e5
 """Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. More, as the others have, changes no result."""
 
-_DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
-_SINGLE = {"": ("3", "4", "1")}
-
 _TLV237X = Amplifier(
     name="TLV2372",
     symbol="TLV2372",
@@ -108,7 +110,6 @@ _TLV237X = Amplifier(
     max_supply_v=16.0,
     supply_current_a=0.55e-3,
     input_f=8e-12,
-    units=_DUAL,
     unverified=("phase_margin_deg", "drift_v_per_k", "output_from_rail_v", "output_current_a", "input_f"),
 )
 
@@ -133,7 +134,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=36.0,
             supply_current_a=1.4e-3,
             input_f=8e-12,
-            units=_DUAL,
             unverified=("phase_margin_deg", "output_current_a", "min_supply_v", "input_f"),
             input_from_lower_v=(3.0, 4.0),
         ),
@@ -154,7 +154,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=5.5,
             supply_current_a=1e-3,
             input_f=9e-12,
-            units=_DUAL,
             unverified=("phase_margin_deg", "offset_v", "output_from_rail_v", "output_current_a", "input_f"),
         ),
         Amplifier(
@@ -173,7 +172,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=5.5,
             supply_current_a=0.95e-3,
             input_f=19.5e-12,
-            units=_DUAL,
             unverified=(
                 "phase_margin_deg",
                 "offset_v",
@@ -199,7 +197,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=36.0,
             supply_current_a=1e-3,
             input_f=8e-12,
-            units=_DUAL,
             unverified=("phase_margin_deg", "output_from_rail_v", "input_f"),
         ),
         replace(_TLV237X, name="TLV2371DBV", symbol="TLV2371DBV", order_name="TLV2371DBV", units=_SINGLE),

@@ -33,44 +33,36 @@ class FileKind:
 
 DESIGN = FileKind(
     "design",
-    frozenset(
-        {
-            "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
-            "force_curve", "board", "detector",
-        }
-    ),
+    frozenset({
+        "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
+        "force_curve", "board", "detector",
+    }),
     "fsr400",
     "`fingertip build` takes a design file, and so does design = in a sweep file",
 )  # fmt: skip
 SCENE = FileKind(
     "scene",
-    frozenset(
-        {
-            "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "noise",
-            "sensing", "converter",
-        }
-    ),
+    frozenset({
+        "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "noise",
+        "sensing", "converter",
+    }),
     "hard_tap",
     "`fingertip simulate` takes a scene file as its first argument",
 )  # fmt: skip
 MANIPULATION = FileKind(
     "manipulation",
-    frozenset(
-        {
-            "scene", "outputs", "object", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing", "converter",
-        }
-    ),
+    frozenset({
+        "scene", "outputs", "object", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing", "converter",
+    }),
     "real_manipulation",
     "`fingertip simulate` takes a manipulation file as its first argument",
 )  # fmt: skip
 SWEEP = FileKind(
     "sweep",
-    frozenset(
-        {
-            "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
-            "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
-        }
-    ),
+    frozenset({
+        "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
+        "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
+    }),
     "board",
     "`fingertip sweep` takes a sweep file",
 )  # fmt: skip

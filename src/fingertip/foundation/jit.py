@@ -155,7 +155,7 @@ def _as_compiled(argument: Any, copy: bool) -> Any:
 
 
 def _compile_cached(function: Function, *helpers: Function) -> Function:
-    """Compile a function and cache it, or for this process alone where no folder can be written; 1 / 0 is infinity."""
+    """Compile a function, cached where a folder can be written; a division by 0 gives infinity or NaN, as in arrays."""
     for helper in helpers:  # numba's cache notices changes in the function's own file only
         importlib.import_module("numba.extending").register_jitable(helper)
     njit = importlib.import_module("numba").njit

@@ -189,7 +189,7 @@ def bisect_arrays(
 
 
 def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
-    """Find the maximum in every element by golden-section steps, each to 0.618 of the bracket; for arrays."""
+    """Find the maximum in every element by golden-section steps, each of which narrows the brackets to 0.618."""
     import numpy as np  # noqa: PLC0415
 
     left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)

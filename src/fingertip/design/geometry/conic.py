@@ -58,11 +58,11 @@ def arc_parameter_at_height(y: float, w: float) -> float:
 
 
 def arc_abscissa(y: float, w: float) -> float:
-    """Return the x of the unit arc at height y in [0, 1]; 1 - x = X solves (y - X)^2 = 4 w^2 X (1 - y) uncancelled."""
+    """Return the x of the unit arc at height y in [0, 1], whose X = 1 - x satisfies (y - X)^2 = 4 w^2 X (1 - y)."""
     if y >= 1.0:
         return 0.0
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)
-    return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))
+    return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))  # the form of the root that does not cancel
 
 
 def weight_of_fullness(fullness: float) -> float:

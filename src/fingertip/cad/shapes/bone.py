@@ -65,10 +65,7 @@ def trough(design: Design, fold: TailFold) -> Solid:
 
 
 def tail_space(design: Design) -> Solid:
-    """Build the space under the lid of the trough: low over the film, and higher over crimps and wires.
-
-    Beside the tabs, where no film lies even if the tail is longer than stated, the lid stands on two feet.
-    """
+    """Build the space under the trough's lid, higher over crimps and wires; it stands on feet beside the tabs."""
     fold = design.dimensions.fold
     assert fold
     half = design.dimensions.tail_half_width
@@ -125,10 +122,7 @@ def cable_channel(design: Design) -> Solid:
 
 
 def tie_hole(design: Design) -> Solid:
-    """Build the hole for a cable tie (strain relief), across the dorsal side of the base.
-
-    It lies one wall thickness proximal to the opening of the cable channel, or to the window of a folded tail.
-    """
+    """Build the hole for a cable tie across the dorsal side, a wall proximal to the cables' opening or the window."""
     dims = design.dimensions
     half_width = dims.bone_outline.section.half_width
     radius = design.bone.tie_hole_diameter_mm / 2

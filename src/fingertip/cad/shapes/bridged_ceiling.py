@@ -24,10 +24,7 @@ CEILING_STEPS_MM = _STEPS * BRIDGE_STEP_MM
 def bridge_ceiling(
     pocket: Solid, centre: tuple[float, float], ceiling: float, upwards: float, hole_radius: float, reach: float
 ) -> Solid:
-    """Fill the steps of the ceiling into a pocket along y, which reaches past its ceiling by `CEILING_STEPS_MM`.
-
-    Units: `centre` [mm], `ceiling` [mm], `hole_radius` [mm], `reach` [mm].
-    """
+    """Fill the ceiling's steps into a pocket along y [mm], which reaches past its ceiling by `CEILING_STEPS_MM`."""
     z, x = centre
     half = half_slot(hole_radius)
     first, second, third = (ceiling + upwards * step * BRIDGE_STEP_MM for step in range(_STEPS))

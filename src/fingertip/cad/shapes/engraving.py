@@ -109,10 +109,7 @@ def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
 
 
 def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...]]:
-    """Return the strokes of a letter as rectangles in grid units, counter-clockwise.
-
-    Each rectangle extends past both ends of its stroke by half the stroke width, so that strokes overlap at a corner.
-    """
+    """Return the strokes of a letter as rectangles [grid units], counter-clockwise, which overlap at a corner."""
     rectangles = []
     for polyline in _GLYPHS[letter.upper()].split("|"):
         points = [(float(xy[0]), float(xy[1])) for xy in polyline.split()]

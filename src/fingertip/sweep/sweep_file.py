@@ -40,24 +40,16 @@ class SweepFile(BaseModel):
     sampling: Literal["grid", "latin_hypercube", "sobol"] = Field(
         "grid", description="grid: every combination of the axes; the others sample `points` points."
     )
-    points: int = quantity(0, "points", "Number of points that a sampler draws.", minimum=0, maximum=MAX_POINTS)
-    seed: int = quantity(0, "", "Random seed of the sampler.", minimum=0, maximum=2**31 - 1)
-    tolerance_mm: float = quantity(
-        0.02, "mm", "Maximum distance between a mesh and the exact surface.", minimum=0.0005, maximum=1
-    )
+    points: int = quantity(0, "points", (0, MAX_POINTS), "Number of points that a sampler draws.")
+    seed: int = quantity(0, "", (0, 2**31 - 1), "Random seed of the sampler.")
+    tolerance_mm: float = quantity(0.02, "mm", (0.0005, 1), "Maximum distance between a mesh and the exact surface.")
     time_limit_s: float = quantity(
-        60.0, "s", "Time limit of a point; a point that takes longer is given up.", minimum=0.05, maximum=86400
+        60.0, "s", (0.05, 86400), "Time limit of a point; a point that takes longer is given up."
     )
-    trials: int = quantity(
-        8, "", "Number of simulated trials per point, for the detection outputs.", minimum=1, maximum=100_000
-    )
-    first_seed: int = quantity(
-        0, "", "Random seed of the first trial; the others count up from it.", minimum=0, maximum=2**31 - 1
-    )
+    trials: int = quantity(8, "", (1, 100_000), "Number of simulated trials per point, for the detection outputs.")
+    first_seed: int = quantity(0, "", (0, 2**31 - 1), "Random seed of the first trial; the others count up from it.")
     detector: str = Field("fast", description="Detector that is run on the trials.")
-    print_density_g_cm3: float = quantity(
-        1.2, "g/cm3", "Density of the printed parts.", minimum=0.1, maximum=20, verified=False
-    )
+    print_density_g_cm3: float = quantity(1.2, "g/cm3", (0.1, 20), "Density of the printed parts. (unverified)")
     minimise: list[str] = Field([], description="Outputs to minimise.")
     maximise: list[str] = Field([], description="Outputs to maximise.")
     axes: dict[str, Any] = Field(

@@ -66,10 +66,7 @@ def _find_existing(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Revision:
-    """Content of a file that somebody edited, and the content that it gets with these edits kept.
-
-    The manifest keeps the hash of the file without the edits, so that the file stays somebody's own.
-    """
+    """Content of an edited file before and after; the manifest keeps the hash of the file without edits."""
 
     before: bytes
     after: bytes
@@ -229,7 +226,6 @@ class SetWriter:
         return removed
 
     def _foreign(self, names: Collection[str]) -> set[str]:
-        """Names of existing files that are somebody's own."""
         manifest, foreign = self._read_manifest(), set()
         for name in names:
             path = self.folder / name
@@ -292,7 +288,6 @@ class Manifest:
     """Name of each file -> SHA-256 hash."""
 
     def to_bytes(self) -> bytes:
-        """Content of the file."""
         return (json.dumps(asdict(self) | {"files": dict(sorted(self.files.items()))}, indent=2) + "\n").encode()
 
 
@@ -319,7 +314,6 @@ def hash_parameters(data: object) -> str:
 
 
 def hash_file(path: Path) -> str:
-    """Hash the content of a file in a folder that may be a stranger's. Raises InputFileError."""
     with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

@@ -61,7 +61,6 @@ def build(
 
 
 def format_build(result: Build) -> list[str]:
-    """Format the result of a build: volume and files of each part, failed checks, and a summary."""
     lines = [
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts

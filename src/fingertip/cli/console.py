@@ -63,7 +63,6 @@ class ProgressDisplay:
             print(message, file=sys.stderr, flush=True)
 
     def clear(self) -> None:
-        """Remove the bar."""
         if ProgressDisplay.has_bar:
             print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
             ProgressDisplay.has_bar = False
@@ -202,11 +201,9 @@ class Console:
             self._display.show(ShareText(text, message.share) if isinstance(message, ShareText) else text)
 
     def end_progress(self) -> None:
-        """Remove the bar of a terminal."""
         self._display.clear()
 
     def warn(self, warnings: Iterable[str]) -> None:
-        """Print warnings to stderr."""
         for warning in warnings:
             self.progress(f"warning: {warning}")
 

@@ -31,8 +31,6 @@ _RATE_WINDOWS = 100
 
 @dataclass(frozen=True)
 class Transition:
-    """Transition between OFF and ON."""
-
     on: bool
     time_s: float
     """Time of the first sample in that state [s]."""

@@ -68,18 +68,14 @@ class RequirementLimits:
 
 @dataclass(frozen=True)
 class Requirement(Comparison):
-    """One requirement and the measured value."""
-
     message: str = ""
 
     def as_data(self) -> dict[str, Any]:
-        """Return the entry of this requirement in the JSON of a validation."""
         data = {"name": self.name, "value": to_number(self.value), "limit": self.limit}
         return data | {"passed": self.passed, "message": self.message}
 
 
 def check_detection(result: CampaignResult, detector: str, limits: RequirementLimits) -> Iterator[Requirement]:
-    """Check the requirements on detection: slips found, delays and false alarms."""
     nominal = result.at_nominal_threshold(detector)
     found, least = nominal.found_share, limits.min_found
     text = f"{100 * found:.1f} % of {nominal.slips} slips found; at least {100 * least:g} %"
@@ -98,7 +94,6 @@ def check_detection(result: CampaignResult, detector: str, limits: RequirementLi
 
 
 def check_closed_loop(summary: ClosedLoopSummary, limits: RequirementLimits) -> Iterator[Requirement]:
-    """Check the requirements on the closed loop: objects held, reaction time and false grips."""
     held, least = summary.held / summary.count, limits.min_held
     text = f"{summary.held} of {summary.count} objects held; at least {100 * least:.3g} %"
     yield Requirement("held", held, least, "", "at least", text)
@@ -117,8 +112,6 @@ def _ms(seconds: float) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Validation:
-    """Results of a validation."""
-
     design: Design
     detector: str
     """Detector that the requirements apply to."""
@@ -129,11 +122,9 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """True if every requirement is met."""
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:
-        """Return all results for JSON."""
         return {
             "detector": self.detector,
             "passed": self.passed,
@@ -142,7 +133,6 @@ class Validation:
         }
 
     def as_text(self) -> str:
-        """Return the details of the results as text."""
         return tables.as_text(self.campaign, self.detector, self.studies)
 
     def as_verdict(self) -> str:

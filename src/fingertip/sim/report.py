@@ -206,7 +206,6 @@ class CsvTraceWriter:
         file.write((",".join(["time_s", *names]) + "\n").encode("ascii"))
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
-        """Add the next samples of all columns."""
         cells = [[f"{t:.7f}" for t in time_s.tolist()]]
         cells += [
             [_format_cell(name, value) for value in round_column(name, v).tolist()] for name, v in columns.items()
@@ -228,7 +227,6 @@ class NpzTraceWriter:
         self._count = 0
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
-        """Add the next samples of all columns."""
         self._count += len(time_s)
         rounded = {"time_s": np.round(time_s, 7)} | {name: round_column(name, v) for name, v in columns.items()}
         for name, values in rounded.items():
@@ -236,7 +234,6 @@ class NpzTraceWriter:
             self._spools[name].write(values.tobytes())
 
     def close(self) -> None:
-        """Complete the file."""
         with zipfile.ZipFile(self._file, "w") as archive:
             for name, spool in self._spools.items():
                 # A date of its own would give other bytes every day.

@@ -39,13 +39,10 @@ class UsedThreshold:
     last_v: float
     """Threshold at the end [V]."""
     lowest_v: float
-    """Lowest threshold of the whole trace [V]."""
     highest_v: float
-    """Highest threshold of the whole trace [V]."""
 
     @classmethod
     def of(cls, detector: str, output: DetectorOutput) -> UsedThreshold:
-        """Find the threshold in the output of a detector."""
         used, on = output.threshold_v, np.flatnonzero(output.on)
         first_v = float(used[on[0]]) if len(on) else None
         quantity = find_detector_type(detector).quantity

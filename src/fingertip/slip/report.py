@@ -44,13 +44,11 @@ if TYPE_CHECKING:
 DETECTED = "detected"
 """Name of an interval in which the detector is ON."""
 INTERVAL = "{onset} s to {end} s"
-"""Form in which an interval is printed."""
 _TOLD_S = 0.2
 """Time of ON without slip from which it is told [s]: less is the detector's memory after a slip."""
 
 
 def format_delay(delay_s: float | None) -> str:
-    """Describe the delay with which a slip was detected."""
     if delay_s is None:
         return "missed"
     if -INCIPIENT_S <= delay_s < 0.0:

@@ -105,7 +105,6 @@ _ORIGIN = (
 
 
 def render_studio(design: Design, token: str) -> bytes:
-    """Render the page."""
     items = make_items(design)
     form = render_form(make_form(json_schema()), design, shapes_of_parameters(design))
     model = element(

@@ -20,7 +20,6 @@ from fingertip.foundation.errors import Issue, SweepError, quote_value
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
 RANGE_KEYS = ("low", "high", "steps", "spacing")
-"""Keys of a range in a sweep file."""
 MAX_STEPS = 100_000
 """Maximum number of values of one axis. They are held in memory."""
 _DIGITS = 9
@@ -39,14 +38,11 @@ class Axis:
     listed: tuple[Value, ...] = ()
     """Values as listed; empty for a range."""
     low: float = 0.0
-    """Lower end of a range."""
     high: float = 0.0
-    """Upper end of a range."""
     steps: int = 0
     """Number of values of a range on a grid; 0 for an interval that a sampler draws from."""
     spacing: Spacing = "linear"
     integer: bool = False
-    """True if the parameter is an integer."""
 
     @property
     def count(self) -> int:
@@ -81,7 +77,6 @@ class Axis:
         return self._interpolate(fractions)
 
     def select(self, indices: NDArray[np.int64]) -> NDArray[Any]:
-        """Select values by their indices in `values`."""
         return self._array[indices]
 
     @cached_property

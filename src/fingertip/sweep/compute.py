@@ -43,7 +43,6 @@ class PointContext:
 
 
 def compute_lengths(context: PointContext) -> OutputValues:
-    """Compute the lengths that follow from the parameters."""
     design = context.design
     m = design.mold_layout
     return {
@@ -56,7 +55,6 @@ def compute_lengths(context: PointContext) -> OutputValues:
 
 
 def compute_board(context: PointContext) -> OutputValues:
-    """Compute the preferred component values of the board, and what they achieve."""
     from fingertip.board.analysis.board_values import compute_filter
 
     board = context.design.board
@@ -81,7 +79,6 @@ def compute_board(context: PointContext) -> OutputValues:
 
 
 def compute_circuit(context: PointContext) -> OutputValues:
-    """Compute noise, offsets and limits of the board's whole circuit."""
     from fingertip.board import board_values
     from fingertip.board.analysis.gate import (
         BANDWIDTH,
@@ -119,7 +116,6 @@ def compute_circuit(context: PointContext) -> OutputValues:
 
 
 def compute_noise(context: PointContext) -> OutputValues:
-    """Compute what the article's signal chain shows in noise alone."""
     from fingertip.slip.detectors.analog_and_digital import noise_level
 
     level = noise_level(context.design)
@@ -197,7 +193,6 @@ def compute_bone(context: PointContext) -> OutputValues:
 
 
 def compute_strength(context: PointContext) -> OutputValues:
-    """Compute the safety factors of the bone."""
     from fingertip.cad.verification.bone import filament_grip_factor
     from fingertip.cad.verification.strength import assess_strength
 
@@ -212,14 +207,12 @@ def compute_strength(context: PointContext) -> OutputValues:
 
 
 def compute_mold(context: PointContext) -> OutputValues:
-    """Compute volumes and mass of both mold halves."""
     palmar, dorsal = (_mesh(context, f"mold_{half}").volume() for half in ("palmar", "dorsal"))
     mass = (palmar + dorsal) / 1e3 * context.file.print_density_g_cm3
     return {"mold_palmar_volume_mm3": palmar, "mold_dorsal_volume_mm3": dorsal, "mold_mass_g": mass}
 
 
 def compute_casting(context: PointContext) -> OutputValues:
-    """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
     from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes, skin_pull_off_n
 
     volumes = measure_volumes(context.design, context.evaluator())
@@ -230,7 +223,6 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 
 def compute_filling(context: PointContext) -> OutputValues:
-    """Predict how the mold fills with the silicone of the design."""
     from fingertip.cad.verification.mold import PUSH_S, leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
@@ -266,7 +258,6 @@ def compute_thickness(context: PointContext) -> OutputValues:
 
 
 def compute_walls(context: PointContext) -> OutputValues:
-    """Compute the thinnest wall of the bone and its lid."""
     from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
 
@@ -287,7 +278,6 @@ def compute_printing(context: PointContext) -> OutputValues:
 
 
 def compute_acceptance(context: PointContext) -> OutputValues:
-    """Compute the voltages that an accepted finger shows."""
     from fingertip.documents.acceptance import expect_drop_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
@@ -339,4 +329,3 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "acceptance": compute_acceptance,
     "checks": compute_checks,
 }
-"""Name of a group in `outputs.GROUPS` -> the function that computes its outputs."""

@@ -34,7 +34,6 @@ from fingertip.sweep.axes import Value
 from fingertip.sweep.plan import SweepPlan
 
 FILE = "sweep.sqlite"
-"""Name of the database in the folder of a sweep."""
 FORMAT = "2"
 """Version of the tables, and of the parameter and output names in them."""
 _META_TABLE = "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -47,7 +46,6 @@ _JOURNAL_MARK = bytes.fromhex("d9d505f920a163d7")
 _BUSY_TIMEOUT_S = 30.0
 """Time for which a reader and the writer wait for each other [s]."""
 _PAGE_ROWS = 20_000
-"""Number of rows read at a time."""
 
 StoredRow: TypeAlias = tuple[Any, ...]
 """Row as it is written: point, status, field, reason, then axes and outputs in the plan's order. SQLite stores no NaN;
@@ -61,11 +59,8 @@ timeout: the point took longer than the sweep's time limit."""
 
 @dataclass(frozen=True)
 class SweepRow:
-    """Row of one point: its parameters, its outputs and its status."""
-
     point: int
     axes: dict[str, Value]
-    """Swept parameter -> value."""
     outputs: dict[str, float]
     """Output -> value; NaN where it was not computed."""
     status: Status
@@ -111,7 +106,6 @@ class SweepDatabase:
 
     @staticmethod
     def exists(folder: Path) -> bool:
-        """Return whether a folder holds a sweep."""
         path = folder / FILE
         if not os.path.lexists(path):
             return False
@@ -179,7 +173,6 @@ class SweepDatabase:
 
     @property
     def text(self) -> str:
-        """Canonical text of the sweep."""
         query = "SELECT name, sql FROM sqlite_master"
         tables = dict(_translate_errors(self.folder, partial(self._fetch, query)))
         rows_table = str(tables.pop("rows", ""))
@@ -195,7 +188,6 @@ class SweepDatabase:
 
     @cached_property
     def plan(self) -> SweepPlan:
-        """Plan of the sweep."""
         try:
             return SweepPlan.from_toml(self.text)
         except (ValueError, RecursionError):  # no valid TOML
@@ -213,7 +205,6 @@ class SweepDatabase:
         _translate_errors(self.folder, write)
 
     def count_by_status(self) -> dict[str, int]:
-        """Count the rows of each status."""
         query = "SELECT status, count(*) FROM rows GROUP BY status"
         counts = dict(_translate_errors(self.folder, partial(self._fetch, query)))
         return {status: int(counts.get(status, 0)) for status in STATUSES}
@@ -253,7 +244,6 @@ class SweepDatabase:
             yield SweepRow(point, axes, dict(zip(outputs, numbers, strict=True)), status, field, reason)
 
     def table(self) -> SweepTable:
-        """Read all rows as columns."""
         plan = self.plan
         count = sum(self.count_by_status().values())
         point = np.empty(count, dtype=np.int64)

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 
 class DesignBuilder:
-    """Builds the design of each point of a plan."""
-
     def __init__(self, plan: SweepPlan) -> None:
         self._names = [axis.name for axis in plan.axes if not axis.name.startswith("scene.")]
         self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in self._names)
@@ -77,9 +75,7 @@ class LruCache(Generic[K, V]):
 
     def __init__(self, max_weight: float) -> None:
         self.max_weight = max_weight
-        """Limit of the total weight."""
         self.weight = 0.0
-        """Total weight of all entries."""
         self._entries: OrderedDict[K, tuple[V, float]] = OrderedDict()
 
     def get(self, key: K) -> V | None:
@@ -106,7 +102,6 @@ class LruCache(Generic[K, V]):
 MAX_TRIANGLES = 400_000
 """Limit of the triangles of all cached solids: about 100 MB per worker."""
 MAX_MESHES = 12
-"""Number of cached meshes in canonical order."""
 MAX_KEYS = 2_000
 """Number of cached digests of expressions."""
 MAX_MEASUREMENTS = 20_000
@@ -185,7 +180,6 @@ class CachedEvaluator(MeshEvaluator):
         return mesh
 
     def measure(self, key: bytes, compute: Callable[[], Any]) -> Any:
-        """Return the cached measurement, or compute and cache it."""
         entry = self._measurements.get(key)
         if entry is None:
             entry = (compute(),)  # a tuple, because the measurement itself may be None
@@ -210,11 +204,9 @@ class _ExpressionEvaluator(MeshEvaluator):
         self._cached = cached
 
     def manifold(self, solid: Solid) -> Manifold:
-        """Return an operand of the expression."""
         return self._cached.evaluate_manifold(self._cached.compute_key(solid), solid)
 
     def evaluate(self, solid: Solid) -> Manifold:
-        """Evaluate the expression."""
         return self._evaluate(solid)
 
 

@@ -84,7 +84,6 @@ class SweepOutput:
     name: str
     """Name with the unit."""
     group: str
-    """Name of the group that gives it."""
     description: str
 
 
@@ -197,7 +196,6 @@ OUTPUTS = {
         ),
     )
 }
-"""Name -> output."""
 
 
 def find_groups(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
@@ -213,7 +211,6 @@ def find_shareable(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
 
 
 def check_output_names(outputs: Iterable[str]) -> list[Issue]:
-    """List the issues of names that are unknown or repeated."""
     names = list(outputs)
     issues = []
     for name in dict.fromkeys(names):

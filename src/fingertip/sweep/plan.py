@@ -111,7 +111,6 @@ class SweepPlan:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs, in the file's order."""
         return tuple(self.file.outputs)
 
     @property
@@ -121,7 +120,6 @@ class SweepPlan:
 
     @cached_property
     def size(self) -> int:
-        """Number of points."""
         return int(np.prod(self._shape, dtype=object)) if self.file.sampling == "grid" else self.file.points
 
     @property

@@ -57,7 +57,6 @@ class Chunk:
     text: str
     """Canonical TOML text of the sweep."""
     points: tuple[int, ...]
-    """Numbers of the points."""
     columns: dict[str, list[Any]]
     """Swept parameter -> one value for each point."""
 
@@ -69,15 +68,11 @@ class Chunk:
 
 @dataclass(frozen=True)
 class ChunkResult:
-    """Results of the points of a chunk."""
-
     results: list[PointResult]
     elapsed_s: float
-    """Time that the worker spent on the chunk [s]."""
 
 
 ChunkFunction: TypeAlias = Callable[[Chunk], ChunkResult]
-"""Function that a worker runs for each chunk."""
 
 
 class PointEvaluator:
@@ -121,7 +116,6 @@ class PointEvaluator:
         return point, "ok", issue.field, issue.message, outputs
 
     def load_mesh_evaluator(self) -> CachedEvaluator:
-        """Load the mesh kernel, which all points share."""
         if self._mesh_evaluator is None:
             restrict_kernel_to_one_thread()
             self._mesh_evaluator = CachedEvaluator(self.plan.file.tolerance_mm)

@@ -53,10 +53,7 @@ _BLOCK = 65_536
 
 @dataclass
 class RunState:
-    """Progress of a run."""
-
     size: int
-    """Number of points of the plan."""
     existing: int
     """Number of rows when the run began."""
     written: int = 0
@@ -90,7 +87,6 @@ class RunState:
         return (self.size - self.done) / rate if rate else math.inf
 
     def add_written(self, rows: int) -> None:
-        """Count rows that were committed."""
         self.written += rows
         now = time.perf_counter()
         self.history.append((now, self.written))
@@ -140,7 +136,6 @@ class _Run:
     evaluate: ChunkFunction
     state: RunState
     chunk_size: int = 1
-    """Number of points of the next chunk."""
     _executor: Executor | None = None
     _in_flight: dict[Future[ChunkResult], Chunk] = field(default_factory=dict)
     _resend_queue: deque[Chunk] = field(default_factory=deque)

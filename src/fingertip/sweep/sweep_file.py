@@ -92,7 +92,6 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
 
 
 def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Issue]]:
-    """Validate the fields of a sweep file; give the issues if one is wrong."""
     try:
         return SweepFile(**tables), []
     except ValidationError as error:

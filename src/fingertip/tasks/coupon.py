@@ -43,11 +43,9 @@ class Coupon:
 
     @property
     def passed(self) -> bool:
-        """True if every check passed."""
         return all(check.passed for check in self.checks)
 
     def data(self) -> dict[str, Any]:
-        """Return the coupon as plain data."""
         return {
             "design": self.design.name,
             "coupon": identify_coupon(self.design),

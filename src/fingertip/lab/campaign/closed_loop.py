@@ -197,7 +197,6 @@ class ClosedLoopTrial:
     reaction_s: float | None
     """Time from the onset until a finger moves [s]; None: none moved."""
     grips: int
-    """Number of grip increases."""
     false_grips: int
     """Number of grip increases without true slip just before."""
     suppressed: int
@@ -282,7 +281,6 @@ def evaluate_manipulation(
 
 
 def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
-    """Return whether any finger slips, at each sample."""
     slipping: NDArray[np.bool_] = np.logical_or.reduce(manipulation.output("slip"), axis=0)
     return slipping
 

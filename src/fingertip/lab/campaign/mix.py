@@ -35,8 +35,6 @@ _CONTACT_S = 1.7
 
 @dataclass(frozen=True)
 class MixSize:
-    """Numbers of signals."""
-
     events: int = 100
     """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
     noisy: int = 48
@@ -44,7 +42,6 @@ class MixSize:
 
     @classmethod
     def for_trials(cls, trials: int) -> MixSize:
-        """Size beside a campaign of so many trials."""
         return cls(max(4, trials), max(4, 2 * trials // 5))
 
 
@@ -94,8 +91,6 @@ def _noisy(
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a detector on one signal."""
-
     kind: str
     strength_v: float
     minutes: float
@@ -109,7 +104,6 @@ class Outcome:
     alarms: int
     """Number of alarms without slip."""
     alarms_s: tuple[float, ...]
-    """Moments of these alarms [s]."""
     events: int
     disturbed: int
     """Number of events that caused an alarm."""
@@ -187,12 +181,10 @@ class MixSummary:
 
     @property
     def slides(self) -> int:
-        """Number of slips."""
         return sum(outcome.slides for outcome in self.outcomes)
 
     @property
     def found_share(self) -> float:
-        """Share of the slips that were found."""
         return sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides if self.slides else math.nan
 
     def delay_s(self, fraction: float) -> float:
@@ -220,12 +212,10 @@ class MixSummary:
 
     @property
     def alarms(self) -> int:
-        """Number of alarms."""
         return sum(outcome.alarms for outcome in self.outcomes)
 
     @property
     def alarms_per_minute(self) -> float:
-        """Rate of alarms [1/min]."""
         return self.alarms / self.minutes if self.minutes else 0.0
 
     @property

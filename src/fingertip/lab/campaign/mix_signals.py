@@ -61,9 +61,7 @@ class Slide:
     motion_s: float
     """Moment at which the robot begins to move [s], or the burst begins."""
     onset_s: float
-    """Onset of gross slip [s]."""
     end_s: float
-    """End of gross slip [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +72,6 @@ class LabelledSignal:
     """Name of the group that it belongs to."""
     rate_hz: float
     voltage_v: Array
-    """Tactile voltage [V]."""
     slides: tuple[Slide, ...] = ()
     events: tuple[Interval, ...] = ()
     """Events that are not slip, such as changes of grip."""

@@ -76,8 +76,6 @@ _DEFAULT_DURATION_S = 3.8
 
 @dataclass(frozen=True)
 class Case:
-    """One scene to simulate."""
-
     cause: str
     """Cause of the alarms in it; ``slip`` for a trial."""
     scene: SceneFile
@@ -89,7 +87,6 @@ class CampaignPlan:
     """Size of a campaign. Raises TraceError."""
 
     trials: int = 120
-    """Number of trials with slip."""
     negative_minutes: float = 40.0
     """Duration of the scenes without slip [min]."""
 
@@ -121,7 +118,6 @@ def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Itera
 
 
 def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
-    """Generate the trials of a plan alone."""
     return (case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip")
 
 

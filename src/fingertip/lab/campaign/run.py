@@ -37,9 +37,7 @@ class TrialResult:
     case: Case
     duration_s: float
     force_n: float
-    """Holding force [N]."""
     slips: int
-    """Number of true slips."""
     delays_s: tuple[float, ...]
     """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a slip did not find
     it: that is a false alarm."""
@@ -176,27 +174,22 @@ class DetectorResult:
     """Pooled results of one detector at one threshold."""
 
     scale: float
-    """Factor of the detector's threshold."""
     trials: tuple[TrialResult, ...]
 
     @property
     def slips(self) -> int:
-        """Number of true slips."""
         return sum(t.slips for t in self.trials)
 
     @property
     def delays_s(self) -> list[float]:
-        """Delays of all slips that were found [s]."""
         return [d for t in self.trials for d in t.delays_s]
 
     @property
     def found_share(self) -> float:
-        """Fraction of the slips that were found."""
         return len(self.delays_s) / self.slips if self.slips else 0.0
 
     @property
     def share_within_30_ms(self) -> float:
-        """Fraction of the slips that were found within 30 ms."""
         return sum(d < 0.03 for d in self.delays_s) / max(1, self.slips)
 
     def delay_s(self, fraction: float) -> float:
@@ -219,7 +212,6 @@ class DetectorResult:
         return float(np.mean(shares)) if shares else 0.0
 
     def alarms(self) -> dict[str, int]:
-        """Number of false alarms by cause."""
         causes = [cause for t in self.trials for cause in t.alarms]
         return {cause: causes.count(cause) for cause in dict.fromkeys([t.case.cause for t in self.trials] + causes)}
 
@@ -279,8 +271,6 @@ def speed_m_s(trial: TrialResult) -> float:
 
 @dataclass(frozen=True)
 class CampaignResult:
-    """Results of a campaign."""
-
     plan: CampaignPlan
     first_seed: int
     detectors: dict[str, tuple[DetectorResult, ...]]

@@ -26,12 +26,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = {name: kind.colour for name, kind in DETECTORS.items()}
-"""Colour of each detector."""
 MARKERS = {name: kind.marker for name, kind in DETECTORS.items()}
 OTHER_COLOUR = PURPLE
 """Colour of a detector that has none of its nominal."""
 NOTE = "simulated, held-out seeds"
-"""Note on every plot."""
 
 
 def add_legend(axes: Axes, columns: int = 1, side: str = "right", pad: float = 0.2) -> None:

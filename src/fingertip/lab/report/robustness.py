@@ -123,7 +123,6 @@ def pool_ranges(ranges: Sequence[DetectorResult]) -> tuple[int, float, float, fl
 
 
 def ranges_as_data(ranges: Sequence[DetectorResult]) -> dict[str, Any]:
-    """Return the alarms of all ranges for JSON."""
     alarms, minutes, low, high = pool_ranges(ranges)
     return {
         "ranges": [{"alarms": r.limited_alarms, "minutes": round(r.limited_minutes, 3)} for r in ranges],
@@ -154,7 +153,6 @@ def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
 
 
 def mix_table(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], detector: str) -> list[str]:
-    """Format both tables as text."""
     alarms, minutes, low, high = pool_ranges(ranges)
     counts = ", ".join(f"{r.limited_alarms} in {r.limited_minutes:.1f} min" for r in ranges)
     lines = [

@@ -42,8 +42,6 @@ STATED: Mapping[str, Any] = {
 
 @dataclass(frozen=True)
 class StudyResults:
-    """Results of the studies beside the campaign."""
-
     bounds_s: Sequence[float]
     """Lower bound on the delay of each slip [s] (`fingertip.lab.studies.bounds`)."""
     variations: Sequence[VariationResult]

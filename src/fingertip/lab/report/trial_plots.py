@@ -61,7 +61,6 @@ class ExampleTrial:
 
     @property
     def title(self) -> str:
-        """Surface, speed and holding force."""
         return f"{self.label}, {100 * self.speed_m_s:g} cm/s, {self.force_n:.2f} N"
 
 

@@ -82,7 +82,6 @@ class ProtocolStudy:
     """Board -> manipulations with the detector `analog` in the loop."""
 
     def find(self, device: str, moved_m: float = 0.0) -> ProtocolResult:
-        """Find the result of a device with a zero of time."""
         return next(r for r in self.results if (r.device, r.moved_m) == (device, moved_m))
 
 

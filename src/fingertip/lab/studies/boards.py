@@ -36,7 +36,6 @@ class BoardResult:
     median_s: float
     p90_s: float
     below_30_ms: float
-    """Fraction of the slips that were found within 30 ms."""
     worst_mean_s: float
     """Mean delay of the slips found on the worst surface [s]."""
     alarms_per_minute: float

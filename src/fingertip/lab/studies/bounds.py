@@ -94,7 +94,6 @@ def compute_bounds_s(
 
 
 SEGMENTS_S = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)
-"""Lengths of the segments [s]."""
 FREQUENCIES_HZ = tuple(np.arange(25.0, 121.0, 2.5).tolist())
 """Frequencies of the lower tone that are tried [Hz]."""
 
@@ -179,7 +178,6 @@ class KnockResult:
 
     detector: str
     force_n: float
-    """Peak force [N]."""
     rise_s: float
     false_alarm_share: float
     """Fraction of the knocks that were reported as slip: alarms over knocks, at most 1."""

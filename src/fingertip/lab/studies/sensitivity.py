@@ -114,7 +114,6 @@ class Variation:
     """True for an effect that real fingers show and the trials leave out by default."""
 
     def vary_scene(self, scene: SceneFile) -> SceneFile:
-        """Return a scene with the changes of its parameters."""
         changes = {name.removeprefix(_SCENE): to for name, to in self.changes.items() if name.startswith(_SCENE)}
         return SceneFile(**_apply(scene.model_dump(), changes)) if changes else scene
 

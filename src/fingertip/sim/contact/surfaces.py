@@ -137,8 +137,6 @@ _interpolate = CompiledLoop(_interpolate_loop, outputs=1, samples="position", pl
 
 @dataclass(frozen=True)
 class Surface:
-    """One test surface."""
-
     label: str
     roughness_um: float
     """Arithmetic mean deviation Ra of the profile [um]."""

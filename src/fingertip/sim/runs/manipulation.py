@@ -55,7 +55,6 @@ class ManipulationResult:
 
     @property
     def time_s(self) -> Array:
-        """Times of the samples [s]."""
         return self.signals.time_s
 
     @property
@@ -70,12 +69,10 @@ class ManipulationResult:
 
     @property
     def samples(self) -> int:
-        """Number of samples."""
         return len(self.time_s)
 
     @property
     def sample_rate_hz(self) -> float:
-        """Sampling rate [Hz]."""
         return (self.samples - 1) / self.duration_s
 
     @property
@@ -85,7 +82,6 @@ class ManipulationResult:
 
     @property
     def column_names(self) -> list[str]:
-        """Names of the recorded columns."""
         return [*self.columns]
 
     @property

@@ -144,7 +144,6 @@ class FixedGrip:
     """Controller that does not react: it commands the planned closing."""
 
     def step(self, observation: Observation) -> Array:
-        """Return the planned closing [m]."""
         return observation.planned_m
 
 
@@ -200,7 +199,6 @@ class Motors:
         self.closing_m, self._phase, self._shaking, self._root = (np.zeros(count) for _ in range(4))
 
     def follow(self, command_m: Array) -> MotorMotion:
-        """Advance the motors over a chunk."""
         stall_m = self.reach_m + self.pad.depth_m(self.hand.max_force_n)  # while the other side stands still
         goal = np.clip(command_m, 0.0, stall_m[:, None])
         if all(name in self.fingers for name in SHARED_MOTOR):

@@ -43,7 +43,6 @@ class HandSignals:
 
     @classmethod
     def join(cls, chunks: list[HandSignals]) -> HandSignals:
-        """Join the signals of consecutive chunks."""
         by_finger = zip(*(chunk.fingers for chunk in chunks), strict=True)
         names = [field.name for field in fields(cls) if field.name != "fingers"]
         joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks], axis=-1) for name in names}
@@ -100,7 +99,6 @@ class ManipulationStepper:
 
     @property
     def is_lost(self) -> bool:
-        """True if the object has left the fingers."""
         return bool(self._state[grasp_loop.PAD_STATES * len(self.scene.fingers) + grasp_loop.HAS_LEFT] > 0.0)
 
     def advance(self, command_m: Array) -> None:

@@ -71,11 +71,9 @@ class TrapezoidalMove:
 
     @property
     def end_s(self) -> float:
-        """End of the move [s]."""
         return self.start_s + 2 * self._ramp_s + self._cruise_s
 
     def velocity_m_s(self, time_s: Array) -> Array:
-        """Velocity [m/s]."""
         a = self.acceleration_m_s2
         rising, falling = a * (time_s - self.start_s), a * (self.end_s - time_s)
         return np.clip(np.minimum(rising, falling), 0.0, self.peak_m_s)
@@ -201,7 +199,6 @@ class ErrorControlledPad:
         self._meter = meter
 
     def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
-        """Follow the pad over the next points."""
         with self._meter.stage("friction", coupled.STATES):
             motion = self._contact.process(carriage_m, carriage_m_s, load_n)
         self._meter.add(StageCost("friction", coupled.STATES, motion.evaluations, 0.0))

@@ -131,7 +131,6 @@ class AnalogBoard:
 
     @classmethod
     def from_circuit(cls, circuit: Circuit, has_diode: bool, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
-        """Board of a circuit."""
         network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
@@ -175,7 +174,6 @@ class AnalogBoard:
 
     @property
     def envelope_decay_s(self) -> Value:
-        """Time constant of the envelope [s]."""
         return self.envelope.decay_s(self.network.values)
 
     @property

@@ -95,7 +95,6 @@ class FingerSignals:
 
     @classmethod
     def join(cls, chunks: list[FingerSignals]) -> FingerSignals:
-        """Join the signals of consecutive chunks."""
         names = [field.name for field in fields(cls) if getattr(chunks[0], field.name) is not None]
         return cls(**{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names})
 
@@ -126,7 +125,6 @@ class FingerSetup:
     """Moment from which a touch of the cable is counted [s]."""
 
     def make_profile(self) -> SurfaceProfile:
-        """Generate the profile of the surface under this finger."""
         assert self.surface
         return generate_profile(
             self.open_random("surface"), self.surface.roughness_um, self.surface.cutoff_wavelength_m,
@@ -136,8 +134,6 @@ class FingerSetup:
 
 
 class Finger:
-    """Finger in progress."""
-
     def __init__(
         self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter, contact_is_given: bool = False
     ) -> None:

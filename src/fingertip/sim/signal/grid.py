@@ -40,16 +40,13 @@ class Grid:
 
     @property
     def rate_hz(self) -> float:
-        """Number of points per second."""
         return BASE_HZ * self.refinement
 
     @property
     def step_s(self) -> float:
-        """Time between two points [s]."""
         return 1 / self.rate_hz
 
     def time_s(self, first: int, count: int) -> Array:
-        """Times of points [s]."""
         return np.arange(first, first + count) / self.rate_hz
 
     def count_points(self, duration_s: float, sample_rate_hz: float) -> int:
@@ -80,7 +77,6 @@ class Instants:
 
     @property
     def time_s(self) -> Array:
-        """Times of the samples [s]."""
         return np.arange(self.first, self.first + len(self.index)) / self.sample_rate_hz
 
 
@@ -171,13 +167,11 @@ class CostMeter:
 
     @contextlib.contextmanager
     def stage(self, name: str, states: int = 0, evaluations: int = 0) -> Iterator[None]:
-        """Measure one run of a stage."""
         start = time.process_time()
         yield
         self.add(StageCost(name, states, evaluations, time.process_time() - start))
 
     def add(self, cost: StageCost) -> None:
-        """Add the cost of one run of a stage."""
         assert cost.name in STAGES
         before = self._costs.get(cost.name, StageCost(cost.name, 0, 0, 0.0))
         self._costs[cost.name] = StageCost(

@@ -37,7 +37,6 @@ class InterferenceSource:
 
     @property
     def is_silent(self) -> bool:
-        """True if nothing is added."""
         cable, noise = self._cable, self._noise
         return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
 
@@ -98,7 +97,6 @@ class RefinedNoise:
         self._known = np.zeros(0)
 
     def process(self, count: int) -> Array:
-        """Return the noise at the next points."""
         if self._parts == 1:
             return self._draw(count)
         at = np.arange(self._points, self._points + count)

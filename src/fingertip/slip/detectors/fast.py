@@ -107,8 +107,6 @@ class FilteredSignal:
 
 @dataclass(frozen=True)
 class FastSettings:
-    """Settings of the detector."""
-
     sample_rate_hz: float
     noise_v: float
     """White RMS noise at the input, before the noise is learned [V]."""
@@ -121,7 +119,6 @@ class FastSettings:
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """Take the settings from a design."""
         rate_hz = design.detector.sample_rate_hz
         noise = max(input_noise_v(design), _min_noise_v(rate_hz)) if noise_v is None else noise_v
         filtered = FilteredSignal.from_design(design)
@@ -157,7 +154,6 @@ class FastDetector(Detector):
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FastDetector:
-        """Create the detector for a design and, by default, its noise."""
         return cls(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
     @property

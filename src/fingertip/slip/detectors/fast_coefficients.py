@@ -268,13 +268,11 @@ class FastModel:
 
     @property
     def trees(self) -> int:
-        """Number of trees."""
         return len(self.leaves) // (NODES + 1)
 
 
 @functools.cache
 def load_model() -> FastModel:
-    """Read the table."""
     table = json.loads(resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8"))
     features, thresholds, leaves = (np.array(table[n], dtype=np.float64) for n in ("features", "thresholds", "leaves"))
     scores = (table[name] for name in ("offset", "threshold", "noise_rise", "incipient_threshold"))

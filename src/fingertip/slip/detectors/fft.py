@@ -75,8 +75,6 @@ _EXCURSION_S = WINDOW_S / 8
 
 @dataclass(frozen=True)
 class FftSettings:
-    """Settings of the detector."""
-
     sample_rate_hz: float
     window_samples: int
     hop_samples: int
@@ -122,7 +120,6 @@ class FftDetector(Detector):
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FftDetector:
-        """Create the detector for a design and, by default, its noise."""
         return cls(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
     @classmethod

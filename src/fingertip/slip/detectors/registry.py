@@ -79,8 +79,6 @@ ENVELOPE_MEAN = "mean of the envelope"
 
 @dataclass(frozen=True)
 class DetectorType:
-    """Type of detector."""
-
     label: str
     words: str
     """Few words for a list of all detectors."""
@@ -109,7 +107,6 @@ class DetectorType:
 
     @property
     def implementation(self) -> type[Detector]:
-        """Class that computes it."""
         module, name = self.code.split(":")
         return cast("type[Detector]", getattr(import_module(f"{__package__}.{module}"), name))
 

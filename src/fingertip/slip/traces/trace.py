@@ -111,7 +111,6 @@ class ColumnMap:
             raise TraceError(issues)
 
     def name_in_file(self, column: str) -> str:
-        """Return the file's name for a trace's column."""
         return self.names.get(column, column)
 
     def with_simulated_names(self, names: Collection[str]) -> ColumnMap:
@@ -157,7 +156,6 @@ class RawTrace:
     name: str
     trace: Trace
     issues: tuple[Issue, ...] = ()
-    """Issues of the file's form."""
     lines: Sequence[int] | None = None
     """Line that contains each sample, in a file of lines."""
     has_all_times: bool = True

@@ -81,7 +81,6 @@ class SlipCollector:
         self._last_s = 0.0
 
     def add(self, time_s: Array, flags: NDArray[np.bool_]) -> None:
-        """Add the next samples."""
         if not len(time_s):
             return
         before = self._onset_s is not None

@@ -79,12 +79,9 @@ def _format_front(summary: SweepSummary) -> bytes:
 
 
 _GROUP_ROWS = 65_536
-"""Number of rows of a Parquet row group."""
 
 
 class RowSource(Protocol):
-    """Source of the exported rows, such as a database."""
-
     @property
     def plan(self) -> SweepPlan:
         """Plan of the sweep."""
@@ -142,7 +139,6 @@ def load_pyarrow() -> tuple[Any, Any]:
 
 
 def list_columns(plan: SweepPlan) -> list[str]:
-    """List the column names of an export."""
     return ["point", *(axis.name for axis in plan.axes), *plan.outputs, "status", "field", "reason"]
 
 

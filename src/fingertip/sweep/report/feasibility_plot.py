@@ -47,19 +47,15 @@ _VALUES_PER_BIN = 10
 
 @dataclass(frozen=True)
 class PlotScale:
-    """Scale of one column along an axis of a plot."""
-
     name: str
     bins: Bins
     edges: NDArray[np.float64]
     """Edges of the cells, ascending, shape (bins + 1,)."""
     log: bool
-    """True if the scale is logarithmic."""
     categories: tuple[str, ...]
     """Words of a categorical or boolean column, which are drawn at 0, 1, 2 ...; empty for a numeric column."""
 
     def locate(self, column: Column) -> NDArray[np.float64]:
-        """Compute the positions at which values of this column are drawn."""
         if self.categories:
             return np.searchsorted(self.bins.low, to_sortable(column)).astype(float)
         return column.astype(float)
@@ -161,7 +157,6 @@ _MAX_BARS = 40
 
 
 def draw_feasibility(axes: dict[str, Column], classes: PointClasses, ranked_axes: list[str]) -> bytes:
-    """Draw the feasibility plot of a sweep."""
     varied = {name: axes[name] for name in ranked_axes if len(np.unique(axes[name])) > 1}
     colours, codes, legend = _choose_colours(classes)
     if len(varied) == 2:

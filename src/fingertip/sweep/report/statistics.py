@@ -34,7 +34,6 @@ class Bins:
 
     @property
     def count(self) -> int:
-        """Number of bins."""
         return len(self.low)
 
     @property
@@ -142,7 +141,6 @@ def compute_null_deviation(bins: int, points: int) -> float:
 def compute_cell_statistics(
     x: Bins, y: Bins, values: Column, feasible: NDArray[np.bool_], minimise: bool
 ) -> CellStatistics:
-    """Compute the best value and the mean of an output in every cell of two axes."""
     shape = (y.count, x.count)
     size = y.count * x.count
     cell_of_point = y.indices * x.count + x.indices
@@ -212,7 +210,6 @@ def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
 
 
 FEASIBLE = "feasible"
-"""Class of the feasible points."""
 CHECKS_FAILED = "checks_failed"
 """Output that counts failed checks; a design with a failed check is not feasible."""
 _BINS = 12
@@ -270,7 +267,6 @@ def find_feasible(table: SweepTable) -> NDArray[np.bool_]:
 
 
 def classify_points(table: SweepTable) -> PointClasses:
-    """Classify every point of a sweep."""
     refused = (table.status == "refused") & (table.field != "")
     words = np.where(refused, table.field, table.status)
     check = np.where(table.field == "", CHECKS_FAILED, np.char.add("check ", table.field.astype(str)))
@@ -332,8 +328,6 @@ def _find_limiting_ranges(bins: Bins, counts: NDArray[np.intp], rule: int) -> tu
 
 @dataclass(frozen=True)
 class AxisSensitivity:
-    """Sensitivity of one output to one axis."""
-
     axis: str
     first_order_index: float
     """Share of the output's variance that the axis explains alone; 0 if it is not significant."""
@@ -378,7 +372,6 @@ def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
 
 
 def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) -> OutputSensitivity | None:
-    """Compute the sensitivity of one output."""
     finite = np.isfinite(column)
     y = column[finite]
     if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):

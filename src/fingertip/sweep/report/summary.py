@@ -34,15 +34,12 @@ from fingertip.sweep.report.statistics import (
 )
 
 _MAX_RULES = 12
-"""Number of limiting rules in the text."""
 _MIN_CORRELATION = 0.1
 """Minimum rank correlation whose sign is shown."""
 
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """Everything that the report says and draws of a sweep."""
-
     plan: SweepPlan
     table: SweepTable
     classes: PointClasses
@@ -56,7 +53,6 @@ class SweepSummary:
 
 
 def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
-    """Summarise the rows of a sweep, finished or not."""
     classes = classify_points(table)
     rules = find_limiting_rules(table, classes)
     sensitivities = tuple(compute_sensitivities(table))
@@ -115,7 +111,6 @@ def to_json_data(summary: SweepSummary) -> dict[str, Any]:
 
 
 def format_text(summary: SweepSummary) -> str:
-    """Format a summary as text: counts, limiting rules, output ranges, sensitivities and the best design."""
     return "\n".join(
         [
             _format_counts(summary),
@@ -283,14 +278,11 @@ def _format_range(low: Any, high: Any) -> str:
 
 
 def format_percent(share: float) -> str:
-    """Format a share in percent."""
     return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else "< 1 %"
 
 
 @dataclass(frozen=True)
 class Objective:
-    """Output to minimise or to maximise."""
-
     output: str
     sign: int
     """1 to minimise, -1 to maximise."""

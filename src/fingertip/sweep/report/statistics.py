@@ -239,7 +239,7 @@ class AxisInfluence:
     """Influence of one axis on how often a rule is broken."""
 
     axis: str
-    explained: float
+    explained_variance: float
     """Share of the variance of "the rule is broken" that the axis explains alone; 0 if it is not significant."""
     limiting_ranges: tuple[tuple[Any, Any], ...]
     """Ranges of the axis, minimum and maximum, in which no other rule refuses more points."""
@@ -302,7 +302,7 @@ def find_limiting_rules(table: SweepTable, classes: PointClasses) -> tuple[Limit
             )
             for name in table.axes
         ]
-        axes.sort(key=lambda axis: -axis.explained)
+        axes.sort(key=lambda axis: -axis.explained_variance)
         example = str(table.reason[int(np.argmax(broken))])
         rules.append(LimitingRule(rule, int(counts[i]), float(counts[i] / total), tuple(axes), example))
     return tuple(rules)

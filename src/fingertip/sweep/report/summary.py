@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report.statistics import (
+    AxisInfluence,
     AxisSensitivity,
     Column,
     LimitingRule,
@@ -70,56 +71,30 @@ def to_json_data(summary: SweepSummary) -> dict[str, Any]:
         "rows": len(table.point),
         "status": {status: int(np.sum(table.status == status)) for status in STATUSES},
         "feasible": int(feasible.sum()),
-        "limiting_rules": [
-            {
-                "rule": rule.rule,
-                "points": rule.points,
-                "share": _to_json_number(rule.share),
-                "axes": [
-                    {
-                        "axis": axis.axis,
-                        "explained_variance": _to_json_number(axis.explained),
-                        "limiting_ranges": [list(ends) for ends in axis.limiting_ranges],
-                    }
-                    for axis in rule.axes
-                ],
-                "example": rule.example,
-            }
-            for rule in summary.limiting_rules
-        ],
+        "limiting_rules": [_to_json_object(rule) for rule in summary.limiting_rules],
         "outputs": {name: _describe_output(column[feasible]) for name, column in table.outputs.items()},
-        "sensitivity": [
-            {
-                "output": sensitivity.output,
-                "points": sensitivity.points,
-                "null_deviation": _to_json_number(sensitivity.null_deviation),
-                "axes": [
-                    {
-                        "axis": axis.axis,
-                        "first_order_index": _to_json_number(axis.first_order_index),
-                        "rank_correlation": _to_json_number(axis.rank_correlation),
-                    }
-                    for axis in sensitivity.axes
-                ],
-            }
-            for sensitivity in summary.sensitivities
-        ],
+        "sensitivity": [_to_json_object(sensitivity) for sensitivity in summary.sensitivities],
         "objectives": [{"output": o.output, "goal": o.goal} for o in selection.objectives],
         "best": None if selection.best is None else _describe_point(summary, selection.best),
         "pareto_front": [int(table.point[row]) for row in selection.front],
     }
 
 
+def _to_json_object(record: LimitingRule | OutputSensitivity | AxisInfluence | AxisSensitivity) -> dict[str, Any]:
+    """Convert the fields of a record; `limiting_ranges` keep every digit of the axis."""
+    data = {field.name: getattr(record, field.name) for field in fields(record)}
+    data |= {name: _to_json_number(value) for name, value in data.items() if isinstance(value, float)}
+    return data | {"axes": [_to_json_object(axis) for axis in data["axes"]]} if "axes" in data else data
+
+
 def format_text(summary: SweepSummary) -> str:
-    return "\n".join(
-        [
-            _format_counts(summary),
-            *_format_rules(summary.limiting_rules),
-            *_format_outputs(summary),
-            *_format_sensitivities(summary.sensitivities),
-            *_format_best(summary),
-        ]
-    )
+    lines = _format_rules(summary.limiting_rules) + _format_outputs(summary)
+    lines += _format_sensitivities(summary.sensitivities) + ["", describe_best(summary)]
+    if summary.selection.best is not None:
+        data = _describe_point(summary, summary.selection.best)
+        lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
+        lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
+    return "\n".join([_format_counts(summary), *lines])
 
 
 def describe_best(summary: SweepSummary) -> str:
@@ -130,10 +105,9 @@ def describe_best(summary: SweepSummary) -> str:
     if not find_feasible(table).any():
         rule = summary.limiting_rules[0]
         axis = rule.axes[0] if rule.axes else None
-        remedy = (
-            f" It depends most on {axis.axis}: change the range of that axis." if axis and axis.explained > 0 else ""
-        )
-        example = ""
+        remedy = example = ""
+        if axis and axis.explained_variance > 0:
+            remedy = f" It depends most on {axis.axis}: change the range of that axis."
         if rule.example:
             example = f" Message of the first point: {_explain_first_point(summary, rule)}"
         return (
@@ -216,9 +190,9 @@ def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
     for rule in rules[:_MAX_RULES]:
         axis = rule.axes[0] if rule.axes else None
         influence = ""
-        if axis and axis.explained > 0:
+        if axis and axis.explained_variance > 0:
             ranges = ", ".join(_format_range(*ends) for ends in axis.limiting_ranges)
-            influence = f"{axis.axis} ({format_percent(axis.explained)})" + (f": {ranges}" if ranges else "")
+            influence = f"{axis.axis} ({format_percent(axis.explained_variance)})" + (f": {ranges}" if ranges else "")
         lines.append(f"{rule.rule:34} {rule.points:8} {format_percent(rule.share):>7}   {influence}".rstrip())
     if len(rules) > _MAX_RULES:
         lines.append(f"and {len(rules) - _MAX_RULES} less frequent")
@@ -245,28 +219,15 @@ def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[st
         "share of the variance that each axis explains alone (first-order Sobol index; + rises, - falls with the axis)",
     ]
     for sensitivity in sensitivities:
-        axes = [
-            f"{axis.axis} {format_percent(axis.first_order_index)}{_format_direction(axis)}"
-            for axis in sensitivity.axes
-            if axis.first_order_index > 0
-        ]
+        axes = []
+        for axis in sensitivity.axes:
+            if axis.first_order_index > 0:
+                direction = ""
+                if abs(axis.rank_correlation) >= _MIN_CORRELATION:  # false for NaN, of a categorical axis
+                    direction = " +" if axis.rank_correlation > 0 else " -"
+                axes.append(f"{axis.axis} {format_percent(axis.first_order_index)}{direction}")
         lines.append(f"{sensitivity.output:34} {', '.join(axes) or 'no significant axis'}")
     return lines
-
-
-def _format_best(summary: SweepSummary) -> list[str]:
-    lines = ["", describe_best(summary)]
-    if summary.selection.best is not None:
-        data = _describe_point(summary, summary.selection.best)
-        lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
-        lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
-    return lines
-
-
-def _format_direction(axis: AxisSensitivity) -> str:
-    if not abs(axis.rank_correlation) >= _MIN_CORRELATION:  # also if it is NaN, for a categorical axis
-        return ""
-    return " +" if axis.rank_correlation > 0 else " -"
 
 
 def _format_value(value: Any) -> str:

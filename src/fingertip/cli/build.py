@@ -92,8 +92,7 @@ def make(
     design: DesignArgument,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
     formats: Annotated[
-        str | None,
-        typer.Option(help="File formats of the parts (stl, 3mf, step), separated by commas; as for build."),
+        str | None, typer.Option(help="File formats of the parts (stl, 3mf, step), separated by commas; as for build.")
     ] = None,
     force: ForceOption = False,
     changes: SetOption = None,

@@ -50,8 +50,7 @@ def printer(
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
     keep: Annotated[
-        list[str] | None,
-        typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
+        list[str] | None, typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
     ] = None,
     changes: SetOption = None,
 ) -> None:
@@ -205,8 +204,7 @@ def sensor(
         ),
     ],
     design: Annotated[
-        Path | None,
-        typer.Argument(help="Design of the board that took the readings; the default design if left out."),
+        Path | None, typer.Argument(help="Design of the board that took the readings; the default design if left out.")
     ] = None,
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,

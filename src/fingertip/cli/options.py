@@ -59,8 +59,7 @@ OptionalDesignArgument = Annotated[
     Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
 ]
 MaterialOption = Annotated[
-    str | None,
-    typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
+    str | None, typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted.")
 ]
 CalibratedDesignOption = Annotated[
     Path | None,

@@ -116,12 +116,7 @@ def simulate(
 
 
 def _simulate(
-    simulation: Simulation,
-    file: BinaryIO,
-    path: Path,
-    grip: str | None,
-    plotted: bool,
-    progress: Callable[[str], None],
+    simulation: Simulation, file: BinaryIO, path: Path, grip: str | None, plotted: bool, progress: Callable[[str], None]
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
     from fingertip.sim import ManipulationResult

@@ -34,8 +34,7 @@ def sweep(
     ] = None,
     jobs: Annotated[int | None, typer.Option(help="Number of worker processes. Default: one per processor.")] = None,
     cluster: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."),
+        str | None, typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786.")
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a sweep that was interrupted.")] = False,
     show: Annotated[
@@ -47,8 +46,7 @@ def sweep(
     ] = False,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the rows as CSV.")] = None,
     parquet: Annotated[
-        Path | None,
-        typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow."),
+        Path | None, typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
     ] = None,
     outputs: Annotated[
         bool, typer.Option("--outputs", help="List the outputs that can be computed, and exit.")

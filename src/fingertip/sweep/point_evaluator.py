@@ -189,10 +189,7 @@ def evaluate_chunk(chunk: Chunk) -> ChunkResult:
 
 
 def evaluate_points(
-    chunk: Chunk,
-    limit_s: float,
-    points_per_limit: int,
-    evaluate: Callable[[int, dict[str, Any]], PointResult],
+    chunk: Chunk, limit_s: float, points_per_limit: int, evaluate: Callable[[int, dict[str, Any]], PointResult]
 ) -> list[PointResult]:
     """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit.
 

@@ -21,13 +21,7 @@ from fingertip.foundation.errors import Issue, SweepError
 from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import (
-    Chunk,
-    ChunkFunction,
-    ChunkResult,
-    PointResult,
-    evaluate_chunk,
-)
+from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, PointResult, evaluate_chunk
 
 CHUNK_DURATION_S = 0.5
 """Time that a worker should spend on a chunk [s]."""
@@ -243,13 +237,8 @@ class _Run:
         self._consecutive_failures = 0 if crashed is None or crashed else self._consecutive_failures + 1
         if self._consecutive_failures > MAX_CONSECUTIVE_FAILURES:
             problem = f"workers died {self._consecutive_failures} times without computing a point"
-            raise SweepError(
-                Issue(
-                    "--jobs",
-                    f"{problem}; check the free memory. The rows written so far are safe: continue with --resume and "
-                    "fewer jobs.",
-                )
-            )
+            remedy = "check the free memory. The rows written so far are safe: continue with --resume and fewer jobs."
+            raise SweepError(Issue("--jobs", f"{problem}; {remedy}"))
         for chunk in lost:
             indices = range(len(chunk.points))
             retried = [i for i in indices if crashed is None or chunk.points[i] in crashed]
@@ -260,9 +249,8 @@ class _Run:
     def _handle_failed_chunk(self, chunk: Chunk, error: BaseException) -> None:
         """Handle a chunk that the engine gave up; any of its points may be the cause."""
         if isinstance(error, CancelledError):
-            raise SweepError(
-                Issue("--cluster", "is lost; the rows written so far are safe, continue with --resume.")
-            ) from None
+            message = "is lost; the rows written so far are safe, continue with --resume."
+            raise SweepError(Issue("--cluster", message)) from None
         self._retry_queue += (chunk.select([i]) for i in range(len(chunk.points)))
 
     def _retry(self, chunk: Chunk) -> None:

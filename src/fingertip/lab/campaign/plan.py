@@ -35,11 +35,7 @@ NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
     "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),
     "release": (SceneFile(scene="release", hold={"min_s": 1.0}), 0.2),
     "load change": (
-        SceneFile(
-            scene="load_change",
-            hold={**_GRASP, "max_force_n": 1.5},
-            load_change={"by_n": 1.0, "rise_s": 0.15},
-        ),
+        SceneFile(scene="load_change", hold={**_GRASP, "max_force_n": 1.5}, load_change={"by_n": 1.0, "rise_s": 0.15}),
         0.2,
     ),
     "drift": (
@@ -48,15 +44,10 @@ NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
         ),
         0.1,
     ),
-    "motor": (
-        SceneFile(scene="motor_vibration", hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}),
-        0.1,
-    ),
+    "motor": (SceneFile(scene="motor_vibration", hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}), 0.1),
     "hard tap": (
         SceneFile(
-            scene="hard_tap",
-            hold={**_GRASP, "min_force_n": 1.0},
-            tap={"force_n": 2.0, "rise_s": 0.004, "count": 3},
+            scene="hard_tap", hold={**_GRASP, "min_force_n": 1.0}, tap={"force_n": 2.0, "rise_s": 0.004, "count": 3}
         ),
         0.1,
     ),

@@ -13,9 +13,7 @@ from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.run import DetectorResult
 from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number
-from fingertip.lab.studies.sensitivity import (
-    VariationResult,
-)
+from fingertip.lab.studies.sensitivity import VariationResult
 from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
 from fingertip.slip.traces.truth import ENCODER_NOTE
 

@@ -31,11 +31,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import (
-    find_negative,
-    find_not_positive,
-    raise_issues,
-)
+from fingertip.foundation.validation import find_negative, find_not_positive, raise_issues
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 
 # Exact steps of linear state equations.

@@ -321,11 +321,7 @@ class _BoardSignals:
 
 
 def _build_converter(
-    setup: FingerSetup,
-    grid: Grid,
-    purpose: str,
-    pin: str,
-    from_signal_ground: bool = False,
+    setup: FingerSetup, grid: Grid, purpose: str, pin: str, from_signal_ground: bool = False
 ) -> Converter:
     sensing, design = setup.path.sensing, setup.design
     noise = open_stream(*setup.seed, purpose) if sensing.noise else None

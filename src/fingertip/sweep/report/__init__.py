@@ -101,7 +101,8 @@ def write_csv(source: RowSource, path: Path) -> None:
     with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
         lines = csv.writer(text, lineterminator="\n")
-        lines.writerow(list_columns(source.plan))
+        axes = (axis.name for axis in source.plan.axes)
+        lines.writerow(["point", *axes, *source.plan.outputs, "status", "field", "reason"])
         for row in source.rows():
             numbers = ("" if math.isnan(value) else value for value in row.outputs.values())
             lines.writerow([row.point, *row.axes.values(), *numbers, row.status, row.field, row.reason])
@@ -138,10 +139,6 @@ def load_pyarrow() -> tuple[Any, Any]:
     return pyarrow, extras.load("pyarrow.parquet", "--parquet", alternative=remedy)
 
 
-def list_columns(plan: SweepPlan) -> list[str]:
-    return ["point", *(axis.name for axis in plan.axes), *plan.outputs, "status", "field", "reason"]
-
-
 def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> Any:
     kinds = {type(value) for value in values}
     if str in kinds:
@@ -153,7 +150,6 @@ def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> A
 
 def _build_column(pyarrow: Any, field: Any, group: list[SweepRow]) -> Any:
     name, categorical = field.name, pyarrow.types.is_dictionary(field.type)
-    values: list[Any]
     if name in ("point", "status", "field", "reason"):
         values = [getattr(row, name) for row in group]
     elif name in group[0].axes:

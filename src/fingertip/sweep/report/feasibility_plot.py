@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
-
 
 _VALUES_PER_BIN = 10
 """Number of distinct values in a bin above which no comb can be seen."""
@@ -215,12 +214,7 @@ def _add_heading(figure: Figure, classes: PointClasses, caption: str, legend: li
 
 
 def _draw_map(
-    plot: Axes,
-    x: PlotScale,
-    y: PlotScale,
-    columns: tuple[Column, Column],
-    codes: NDArray[np.intp],
-    colours: list[str],
+    plot: Axes, x: PlotScale, y: PlotScale, columns: tuple[Column, Column], codes: NDArray[np.intp], colours: list[str]
 ) -> str:
     from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
@@ -234,14 +228,8 @@ def _draw_map(
         plot.grid(True, color=GRID_COLOUR, linewidth=0.7)
         plot.set_axisbelow(True)
         edges = [TEXT_COLOUR if code == 0 else "none" for code in codes]
-        plot.scatter(
-            x.locate(columns[0]),
-            y.locate(columns[1]),
-            c=[colours[code] for code in codes],
-            s=36.0 if len(codes) <= 600 else 14.0,
-            linewidths=0.4,
-            edgecolors=edges,
-        )
+        fill, area = [colours[code] for code in codes], 36.0 if len(codes) <= 600 else 14.0
+        plot.scatter(x.locate(columns[0]), y.locate(columns[1]), area, fill, linewidths=0.4, edgecolors=edges)
         return "each marker is one design"
     # Number of points of each class in each cell
     shape = (y.bins.count, x.bins.count, len(colours))
@@ -250,14 +238,8 @@ def _draw_map(
     points = counts.sum(axis=2)
     most_frequent = np.where(points > 0, counts.argmax(axis=2), -1).astype(float)
     plot.set_facecolor(PALE_GREY)
-    plot.pcolormesh(
-        x.edges,
-        y.edges,
-        np.ma.masked_less(most_frequent, 0),
-        cmap=ListedColormap(colours),
-        vmin=-0.5,
-        vmax=len(colours) - 0.5,
-    )
+    drawn = np.ma.masked_less(most_frequent, 0)
+    plot.pcolormesh(x.edges, y.edges, drawn, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(colours) - 0.5)
     if points.max() <= 1:
         return "each cell is one design"
     return f"each cell shows its most frequent class; median of {np.median(points):.0f} designs per cell"
@@ -269,16 +251,8 @@ def _draw_shares(plot: Axes, x: PlotScale, codes: NDArray[np.intp], colours: lis
     shares = 100 * counts / counts.sum(axis=1, keepdims=True)
     bottom = np.zeros(len(shares))
     for i, colour in enumerate(colours):
-        plot.bar(
-            x.edges[:-1],
-            shares[:, i],
-            np.diff(x.edges),
-            bottom,
-            align="edge",
-            color=colour,
-            edgecolor=colour,
-            linewidth=0.3,
-        )
+        style: dict[str, Any] = {"align": "edge", "color": colour, "edgecolor": colour, "linewidth": 0.3}
+        plot.bar(x.edges[:-1], shares[:, i], np.diff(x.edges), bottom, **style)
         bottom += shares[:, i]
     style_axes(plot)
     x.apply(plot, "x")

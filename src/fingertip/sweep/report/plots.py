@@ -9,7 +9,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +63,7 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
     size = len(columns)
     panel = 1.75 if size > 4 else 2.4
     points = choose_points(len(feasible), _MAX_POINTS)
+    marker = min(5.0, max(2.4, 90 / math.sqrt(len(points))))
     width = panel * size + 1.0
     heading = _write_heading(len(points), len(feasible), left_out, width)
     top = 0.15 + _LINE_IN * len(heading)
@@ -86,8 +87,9 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
                 _draw_histogram(plot, x, values[j], feasible)
             else:
                 y.apply(plot, "y", size=8, margin=0.03, max_label=20)
-                positions = _locate_with_jitter(x, values[j][points]), _locate_with_jitter(y, values[i][points])
-                _draw_scatter(plot, *positions, feasible[points])
+                at_x, at_y = _locate_with_jitter(x, values[j][points]), _locate_with_jitter(y, values[i][points])
+                for drawn, colour in ((~feasible[points], PALE_RED), (feasible[points], BLUE)):
+                    plot.plot(at_x[drawn], at_y[drawn], ".", color=colour, markersize=marker, markeredgewidth=0)
             # Few ticks, and labels only on the outer panels
             for side, scale in (("x", x), ("y", y)):
                 if not scale.categories and not scale.log and (i != j or side == "x"):
@@ -108,9 +110,8 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
 def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: float) -> list[str]:
     """Write the lines of the heading, none wider than the figure."""
     points = f"all {count} points" if shown == count else f"{shown} of {count} points, chosen at random"
-    sentences = [
-        f"{points}; blue: feasible, red: infeasible; above the diagonal: rank correlation of the feasible points"
-    ]
+    colours = "blue: feasible, red: infeasible"
+    sentences = [f"{points}; {colours}; above the diagonal: rank correlation of the feasible points"]
     if left_out:
         sentences.append(f"not shown for lack of space: {', '.join(left_out)}")
     characters = int(width_in / _CHARACTER_IN)
@@ -128,12 +129,6 @@ def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]
 def _select_finite(column: Column) -> Column:
     finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
     return finite if len(finite) else np.zeros(1)
-
-
-def _draw_scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], feasible: NDArray[np.bool_]) -> None:
-    size = min(5.0, max(2.4, 90 / math.sqrt(len(x))))
-    for selected, colour in ((~feasible, PALE_RED), (feasible, BLUE)):
-        plot.plot(x[selected], y[selected], ".", color=colour, markersize=size, markeredgewidth=0)
 
 
 def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
@@ -157,17 +152,9 @@ def _draw_correlation(plot: Axes, a: Column, b: Column) -> None:
     if len(a) < 3 or np.ptp(a) == 0 or np.ptp(b) == 0:
         return
     value = compute_correlation(compute_ranks(a), compute_ranks(b))
-    plot.text(
-        0.5,
-        0.5,
-        f"{round(value, 2) + 0.0:+.2f}",
-        ha="center",
-        va="center",
-        transform=plot.transAxes,
-        fontsize=8 + 8 * abs(value),
-        color=TEXT_COLOUR,
-        alpha=0.35 + 0.65 * abs(value),
-    )
+    text, size, alpha = f"{round(value, 2) + 0.0:+.2f}", 8 + 8 * abs(value), 0.35 + 0.65 * abs(value)
+    centre: dict[str, Any] = {"ha": "center", "va": "center", "transform": plot.transAxes}
+    plot.text(0.5, 0.5, text, fontsize=size, color=TEXT_COLOUR, alpha=alpha, **centre)
 
 
 _MAX_HEAT_MAPS = 3
@@ -210,10 +197,9 @@ def _draw_scatter_matrix(summary: SweepSummary, axes: dict[str, Column], outputs
     shown_outputs = list(outputs)[: max(MAX_COLUMNS // 2, MAX_COLUMNS - len(axes))]
     # Of many axes, those with the highest indices over the shown outputs
     totals = dict.fromkeys(axes, 0.0)
-    for sensitivity in summary.sensitivities:
-        for axis in sensitivity.axes:
-            if sensitivity.output in shown_outputs and axis.axis in totals:
-                totals[axis.axis] += axis.first_order_index
+    for axis in (axis for s in summary.sensitivities if s.output in shown_outputs for axis in s.axes):
+        if axis.axis in totals:
+            totals[axis.axis] += axis.first_order_index
     strongest = sorted(axes, key=lambda name: -totals[name])[: MAX_COLUMNS - len(shown_outputs)]
     shown_axes = [name for name in axes if name in strongest]
     columns = {name: axes[name] for name in shown_axes} | {name: outputs[name] for name in shown_outputs}

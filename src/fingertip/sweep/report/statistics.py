@@ -162,7 +162,10 @@ def find_pareto_front(costs: Costs) -> NDArray[np.intp]:
     result is exact: costs are compared, never added.
     """
     rows, index = np.unique(costs, axis=0, return_inverse=True)
-    on_front = _find_front_of_two(rows) if rows.shape[1] == 2 else _find_front_of_many(rows)
+    if rows.shape[1] == 2:  # they are sorted by the first objective, then by the second
+        on_front = np.asarray(rows[:, 1] < np.minimum.accumulate(np.append(np.inf, rows[:-1, 1])))
+    else:
+        on_front = _find_front_of_many(rows)
     return np.flatnonzero(on_front[index.reshape(-1)])
 
 
@@ -188,12 +191,6 @@ def _divide(column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.
     last = np.append(first[1:], len(values)) - 1
     bin_of_value = np.repeat(np.arange(len(first)), last - first + 1)
     return Bins(bin_of_value[index], values[first], values[last])
-
-
-def _find_front_of_two(rows: Costs) -> NDArray[np.bool_]:
-    """Find the front of distinct rows that are sorted by the first objective, then by the second."""
-    min_before = np.minimum.accumulate(np.append(np.inf, rows[:-1, 1]))
-    return np.asarray(rows[:, 1] < min_before)
 
 
 def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:

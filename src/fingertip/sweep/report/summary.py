@@ -88,13 +88,13 @@ def _to_json_object(record: LimitingRule | OutputSensitivity | AxisInfluence | A
 
 
 def format_text(summary: SweepSummary) -> str:
-    lines = _format_rules(summary.limiting_rules) + _format_outputs(summary)
-    lines += _format_sensitivities(summary.sensitivities) + ["", describe_best(summary)]
+    lines = [_format_counts(summary), *_format_rules(summary.limiting_rules), *_format_outputs(summary)]
+    lines += [*_format_sensitivities(summary.sensitivities), "", describe_best(summary)]
     if summary.selection.best is not None:
         data = _describe_point(summary, summary.selection.best)
         lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
         lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
-    return "\n".join([_format_counts(summary), *lines])
+    return "\n".join(lines)
 
 
 def describe_best(summary: SweepSummary) -> str:
@@ -183,10 +183,7 @@ def _format_counts(summary: SweepSummary) -> str:
 def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
     if not rules:
         return []
-    lines = [
-        "",
-        "limiting rule                        points   share   main axis (explained variance): limiting range",
-    ]
+    lines = ["", "limiting rule                        points   share   main axis (explained variance): limiting range"]
     for rule in rules[:_MAX_RULES]:
         axis = rule.axes[0] if rule.axes else None
         influence = ""
@@ -295,12 +292,10 @@ def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection)
     point = int(table.point[row])
     parameters = plan.point(point)
     goals = " and ".join(map(str, selection.objectives))
-    method = (
-        f"Best of {len(selection.candidates)} feasible designs to {goals}."
-        if len(selection.objectives) == 1
-        else f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, the "
-        "design nearest to the ideal point."
-    )
+    method = f"Best of {len(selection.candidates)} feasible designs to {goals}."
+    if len(selection.objectives) > 1:
+        method = f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, "
+        method += "the design nearest to the ideal point."
     lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
-"""Forces for which the tactile voltage is printed."""
 
 
 @command

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 LINE_INTERVAL_S = 10.0
 """Smallest time between two lines of a log that report shares [s]."""
 MIN_ROWS_FOR_ESTIMATE = 10
-"""Number of rows from which the remaining time is estimated."""
 BAR_WIDTH = 20
 CLEAR_LINE = "\r\x1b[2K"
 
@@ -183,12 +182,9 @@ def _write_details(error: BaseException) -> str | None:
 CHECK_FAILED = 1
 BAD_INPUT = 2
 _MAX_PRINTED = 200
-"""Maximum number of issues that are printed to stderr."""
 
 
 class Console:
-    """Output of a command."""
-
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self.as_json = as_json
         self.quiet = quiet

@@ -154,7 +154,6 @@ def refuse(*issues: Iterable[Issue]) -> None:
 
 
 def find_range_issues(option: str, value: float | None, low: float, high: float, remedy: str = "") -> Iterator[Issue]:
-    """Find that a number is out of its range."""
     if value is not None and not low <= value <= high:
         yield Issue(option, f"{value} is out of range; choose {low} to {high}{remedy}.")
 

@@ -72,7 +72,6 @@ class StepWatch:
         self._count, self._next = 0, _FIRST_LOOK
 
     def add(self, volts: float) -> str | None:
-        """Add one voltage [V], and return the warning if it is time for it."""
         if not self._next:
             return None
         self._levels.add(volts)

@@ -43,7 +43,6 @@ FILES = (
     "spectra.png", "windows.png", "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png",
     "window_trial.png", "closed_loop_power.png", "closed_loop_pinch.png",
 )  # fmt: skip
-"""Names of all files of a validation."""
 
 
 @dataclass(frozen=True)
@@ -149,16 +148,14 @@ class Validation:
 
         Raises MissingLibraryError.
         """
+        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
+        page = omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
         return {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
             **(self._draw_plots() if with_plots else {}),
-            "omissions.md": self._write_omissions().encode(),
+            "omissions.md": page.encode(),
         }
-
-    def _write_omissions(self) -> str:
-        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
-        return omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
 
     def _draw_plots(self) -> dict[str, bytes]:
         from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415

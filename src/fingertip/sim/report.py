@@ -116,7 +116,9 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
         if name == "slip":
             _draw_slip_bars(axes, result.time_s, rows, fingers)
         else:
-            _shade_slip(axes, result)
+            slip = result.columns.get("slip")
+            for part in () if slip is None else intervals(result.time_s, slip.astype(np.bool_)):
+                axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
             for i, row in enumerate(rows):
                 axes.plot(
                     result.time_s, output.factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i
@@ -144,25 +146,11 @@ def _draw_slip_bars(axes: Axes, time_s: AnyArray, rows: AnyArray, fingers: tuple
         axes.set_ylabel("true slip")
 
 
-def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
-    slip = result.columns.get("slip")
-    if slip is not None:
-        for part in intervals(result.time_s, slip.astype(np.bool_)):
-            axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
-
-
 def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:
     for axes, name in zip(panels, names, strict=True):
         if name not in ("slip", "object_m", "pin_n"):
-            axes.legend(
-                axes.get_lines(),
-                fingers,
-                loc="upper left",
-                framealpha=1.0,
-                edgecolor="none",
-                ncols=len(fingers),
-                fontsize=9,
-            )
+            frame: dict[str, Any] = {"loc": "upper left", "framealpha": 1.0, "edgecolor": "none"}
+            axes.legend(axes.get_lines(), fingers, ncols=len(fingers), fontsize=9, **frame)
             low, high = axes.get_ylim()
             axes.set_ylim(low, high + 0.2 * (high - low))
             return
@@ -186,7 +174,6 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
 # Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk.
 
 SUFFIXES = (".csv", ".npz")
-"""Suffixes of the files that are written."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
 bytes."""
@@ -207,9 +194,9 @@ class CsvTraceWriter:
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
         cells = [[f"{t:.7f}" for t in time_s.tolist()]]
-        cells += [
-            [_format_cell(name, value) for value in round_column(name, v).tolist()] for name, v in columns.items()
-        ]
+        for name, values in columns.items():
+            form = "d" if values.dtype == np.bool_ else f".{_decimals(name)}f"
+            cells.append([f"{value:{form}}" for value in round_column(name, values).tolist()])
         lines = [*map(",".join, zip(*cells, strict=True)), ""]
         self._file.write("\n".join(lines).encode("ascii"))
 
@@ -257,10 +244,14 @@ def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> CsvTraceWrit
 def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
     """Encode columns as CSV or NPZ, by the path's ending; equal numbers give equal bytes. Raises TraceError."""
     out = io.BytesIO()
-    writer = open_trace(out, path, [*columns])
+    write_columns(out, path, time_s, columns)
+    return out.getvalue()
+
+
+def write_columns(file: BinaryIO, path: Path, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+    writer = open_trace(file, path, [*columns])
     writer.write(time_s, columns)
     writer.close()
-    return out.getvalue()
 
 
 def _decimals(name: str) -> int:
@@ -270,7 +261,3 @@ def _decimals(name: str) -> int:
 def round_column(name: str, values: NDArray[Any]) -> NDArray[Any]:
     """Round a column to the decimals that are written; negative zero becomes zero."""
     return values if values.dtype == np.bool_ else np.round(values, _decimals(name)) + 0.0
-
-
-def _format_cell(name: str, value: float | bool) -> str:
-    return ("1" if value else "0") if isinstance(value, bool) else f"{value:.{_decimals(name)}f}"

@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 
 
 DETECTED = "detected"
-"""Name of an interval in which the detector is ON."""
 INTERVAL = "{onset} s to {end} s"
 _TOLD_S = 0.2
 """Time of ON without slip from which it is told [s]: less is the detector's memory after a slip."""
@@ -79,7 +78,6 @@ def as_text(detection: Detection) -> str:
 
 
 def describe_detector(detection: Detection) -> str:
-    """Describe the detector of a detection, the signals and the threshold that it used."""
     threshold = detection.threshold
     return f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: {threshold.describe()}"
 

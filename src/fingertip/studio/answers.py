@@ -75,7 +75,6 @@ def describe_issues(error: FingertipError) -> list[dict[str, str]]:
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
-    """Make what the 3D view shows of a design."""
     items = make_items(design, still_wanted)
     return {"scene": scene_data(items), "boxes": render_boxes(items)}
 
@@ -157,15 +156,12 @@ _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 class Download(NamedTuple):
-    """File for the browser to save."""
-
     name: str
     content_type: str
     data: bytes
 
 
 def download_design(design: Design, still_wanted: StillWanted) -> Download:
-    """Write the design as commented TOML."""
     return Download(f"{design.name}.toml", "application/toml", to_toml(design, DESIGN_HEADING).encode())
 
 

@@ -22,7 +22,6 @@ _LOGARITHMIC_STEP = 0.002
 
 
 def render_form(groups: Iterable[Group], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
-    """Render the form with the values of a design."""
     return element(
         "form",
         element(

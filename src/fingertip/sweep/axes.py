@@ -36,7 +36,6 @@ class Axis:
     name: str
     """Dotted name of the parameter."""
     listed: tuple[Value, ...] = ()
-    """Values as listed; empty for a range."""
     low: float = 0.0
     high: float = 0.0
     steps: int = 0

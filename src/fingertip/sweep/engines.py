@@ -60,7 +60,6 @@ class Engine(Protocol):
     """Source of executors that also knows what it can about workers that died."""
 
     description: str
-    """Kind of workers, for messages."""
     attempts: int
     """Number of workers that may die on one chunk before the engine itself gives the chunk up."""
 
@@ -164,7 +163,6 @@ def set_current_point(point: int) -> None:
 
 
 def count_processors() -> int:
-    """Count the processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

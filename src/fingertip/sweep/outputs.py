@@ -14,9 +14,7 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue
 
 FINGER = frozenset({"sensor", "custom_sensor", "bone", "hand", "skin"})
-"""Tables that define the shape of the finger."""
 CLOSED_MOLD = FINGER | {"mold"}
-"""Tables that define the shape of finger and mold."""
 MOLD = CLOSED_MOLD | {"printer"}
 """Tables that define the mold around the cavity, whose walls are as thick as the printer needs, and the play in it."""
 PARTS = MOLD | {"name", "strength", "silicone"}

@@ -82,7 +82,6 @@ class PointEvaluator:
         self.plan = plan
         quick = all(group.cost <= QUICK_COST for group in plan.groups)
         self.points_per_limit = QUICK_POINTS_PER_LIMIT if quick else 1
-        """Number of points that share a time limit."""
         self._designs = DesignBuilder(plan)
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]

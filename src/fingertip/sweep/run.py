@@ -51,7 +51,6 @@ class RunState:
     existing: int
     """Number of rows when the run began."""
     written: int = 0
-    """Number of rows written since then."""
     failures: int = 0
     """Number of points since then that failed or ran out of time."""
     refused: int = 0
@@ -65,7 +64,6 @@ class RunState:
 
     @property
     def done(self) -> int:
-        """Number of rows in total."""
         return self.existing + self.written
 
     @property

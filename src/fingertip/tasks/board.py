@@ -52,11 +52,9 @@ from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
-"""Names of the files of a board."""
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300
-"""Maximum length of a line of a difference [characters]."""
 _TAB = "\t"
 _MAX_DIFF_LINES = 12
 

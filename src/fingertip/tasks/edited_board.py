@@ -26,14 +26,11 @@ Fields = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Part:
-    """Part of a circuit as its netlist states it."""
-
     identifier: str
     """UUID by which KiCad's files refer to it; it stays when a user renumbers the parts."""
     kind: tuple[str, str]
     """Footprint and symbol."""
     fields: Fields
-    """Value, and the fields with the numbers of the part to buy."""
 
 
 @dataclass(frozen=True)

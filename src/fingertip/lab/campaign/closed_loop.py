@@ -47,7 +47,6 @@ _MIN_PRESENT_N = 0.1
 FIRST_SEED = HELD_OUT_FROM + 1_000_000
 """Seed of the first manipulation; all of them are held out."""
 NO_CONTROL = "no control"
-"""Name that stands for a detector where there is no control."""
 REACTION_M = 1e-4
 """Closing of a finger that counts as a reaction [m]. Assumption: well above an encoder's step."""
 MAX_SINCE_SLIP_S = 0.15
@@ -66,7 +65,6 @@ class GripSettings:
     max_growth_n_s: float = 8.0
     """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
     growth_window_s: float = 0.1
-    """Time over which the growth is measured [s]."""
     max_closing_m_s: float = 0.005
     """Closing speed of a finger above which detections are suppressed [m/s]: the force grows with it, or is about to,
     and its motor vibrates."""
@@ -77,13 +75,10 @@ class GripSettings:
     refractory_s: float = 0.06
     """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
     max_force_n: float = 10.0
-    """Largest force that a finger is commanded to [N]."""
 
 
 @dataclass(frozen=True)
 class GripDecision:
-    """Decision of the controller in one control period."""
-
     time_s: float
     detected: bool
     """True if any finger's detector was ON in the period."""
@@ -94,8 +89,6 @@ class GripDecision:
 
 
 class GripController:
-    """Controller with its state; make a new one for each manipulation."""
-
     def __init__(self, design: Design, settings: GripSettings, fingers: int) -> None:
         self.settings = settings
         self.decisions: list[GripDecision] = []
@@ -145,15 +138,6 @@ class GripController:
         return any(on)
 
 
-@dataclass(frozen=True, eq=False)
-class GrippedResult:
-    """Result of a manipulation with a detector in the loop."""
-
-    result: ManipulationResult
-    grips_s: tuple[float, ...]
-    """Moments at which the hand tightened its grip [s]."""
-
-
 def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:
     """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
     issues = []
@@ -169,8 +153,11 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
 
 def run_with_grip(
     simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
-) -> GrippedResult:
-    """Run a manipulation in which the hand tightens its grip when a detector finds slip. Raises FingertipError."""
+) -> tuple[ManipulationResult, tuple[float, ...]]:
+    """Run a manipulation in which the hand tightens its grip when a detector finds slip.
+
+    Returns its result, and the moments at which the hand tightened its grip [s]. Raises FingertipError.
+    """
     scene, design = simulation.scene, simulation.design
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)
@@ -180,7 +167,7 @@ def run_with_grip(
     scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
     result = run_manipulation(design, scene, controller, simulation.seed, progress)
-    return GrippedResult(result, tuple(decision.time_s for decision in controller.decisions if decision.tightened))
+    return result, tuple(decision.time_s for decision in controller.decisions if decision.tightened)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +176,6 @@ class ClosedLoopTrial:
 
     detector: str
     name: str
-    """Name of the object."""
     seed: int
     held: bool
     onset_s: float | None
@@ -230,7 +216,6 @@ def run_closed_loop(
 
 
 def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[ManipulationFile, int]]:
-    """Scene and seed of the manipulations, `repeats` times for each object."""
     counts: dict[str, int] = {}
     for scene, seed in article_manipulations(first_seed):
         counts[scene.name] = counts.get(scene.name, 0) + 1
@@ -241,7 +226,6 @@ def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[Manipula
 def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
 ) -> ClosedLoopTrial:
-    """Evaluate one manipulation against the true slip."""
     time_s, closing = manipulation.time_s, manipulation.signals.closing_m
     slip = any_finger_slips(manipulation)
     slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
@@ -281,8 +265,7 @@ def evaluate_manipulation(
 
 
 def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
-    slipping: NDArray[np.bool_] = np.logical_or.reduce(manipulation.output("slip"), axis=0)
-    return slipping
+    return np.asarray(np.logical_or.reduce(manipulation.output("slip"), axis=0), dtype=np.bool_)
 
 
 @dataclass(frozen=True)
@@ -293,7 +276,6 @@ class ClosedLoopSummary:
     count: int
     held: int
     slipped: int
-    """Number of manipulations in which the object slipped."""
     reactions_s: tuple[float, ...]
     """Reaction times where the object slipped and the hand moved, in ascending order [s]."""
     unanswered: int
@@ -304,7 +286,6 @@ class ClosedLoopSummary:
 
 
 def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
-    """Pool the results by detector."""
     summaries = []
     for detector in dict.fromkeys(trial.detector for trial in trials):
         group = [trial for trial in trials if trial.detector == detector]

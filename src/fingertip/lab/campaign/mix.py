@@ -26,9 +26,7 @@ from fingertip.slip.traces.truth import intervals
 EARLY_S = 0.005
 """Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""
 SLIDE_STRENGTHS_V = (0.002, 0.004, 0.008, 0.016)
-"""RMS values of the long slides [V]."""
 BURSTS_V = (0.006, 0.025)
-"""Range of the bursts' RMS values [V]."""
 _CONTACT_S = 1.7
 """Time after which a grasp of the scene "drift" has been held for 1 s [s]."""
 
@@ -46,7 +44,6 @@ class MixSize:
 
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
-    """Generate the signals one after the other."""
     seeds = itertools.count(first_seed)
     trials = [scene for scene, _ in article_trials()]
     with compiled():
@@ -98,11 +95,9 @@ class Outcome:
     delays_s: tuple[float, ...]
     """Delays of the slips that were found, from gross slip [s]."""
     motion_delays_s: tuple[float, ...]
-    """The same delays from the start of the motion [s]."""
     on_shares: tuple[float, ...]
     """Share of each slip, from its onset to its end, that is ON."""
     alarms: int
-    """Number of alarms without slip."""
     alarms_s: tuple[float, ...]
     events: int
     disturbed: int
@@ -220,12 +215,10 @@ class MixSummary:
 
     @property
     def events(self) -> int:
-        """Number of events that are not slip."""
         return sum(outcome.events for outcome in self.outcomes)
 
     @property
     def disturbed_share(self) -> float:
-        """Share of these events that caused an alarm."""
         return sum(outcome.disturbed for outcome in self.outcomes) / self.events if self.events else math.nan
 
 

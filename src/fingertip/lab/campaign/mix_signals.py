@@ -69,7 +69,6 @@ class LabelledSignal:
     """Sampled voltage, the slips in it, and the events in it that are not slip."""
 
     kind: str
-    """Name of the group that it belongs to."""
     rate_hz: float
     voltage_v: Array
     slides: tuple[Slide, ...] = ()
@@ -122,9 +121,8 @@ def filter_as_board(design: Design, volts: Array) -> Array | None:
 def _record(design: Design, rng: np.random.Generator, signal: LabelledSignal) -> LabelledSignal:
     """Sample the tactile voltage of a signal, and what an ideal board filters of it."""
     voltage_v, filtered_v = sample(design, rng, signal.voltage_v), filter_as_board(design, signal.voltage_v)
-    return replace(
-        signal, voltage_v=voltage_v, filtered_v=None if filtered_v is None else sample(design, rng, filtered_v)
-    )
+    sampled_v = None if filtered_v is None else sample(design, rng, filtered_v)
+    return replace(signal, voltage_v=voltage_v, filtered_v=sampled_v)
 
 
 def draw_rest_v(design: Design, rng: np.random.Generator) -> float:
@@ -236,11 +234,8 @@ def fast_closing(design: Design, seed: int, min_close_s: float = 0.05, max_close
 def taps(design: Design, seed: int, min_force_n: float = 0.3, max_force_n: float = 2.0) -> LabelledSignal:
     """Simulate three knocks of one random force and rise time on a grasped object."""
     rng = np.random.default_rng(seed)
-    tap = {
-        "force_n": float(rng.uniform(min_force_n, max_force_n)),
-        "rise_s": float(rng.uniform(0.002, 0.01)),
-        "count": 3,
-    }
+    force_n, rise_s = float(rng.uniform(min_force_n, max_force_n)), float(rng.uniform(0.002, 0.01))
+    tap = {"force_n": force_n, "rise_s": rise_s, "count": 3}
     hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
     return simulate_scene(design, SceneFile(scene="taps", hold=hold, tap=tap), seed, "tap")
 

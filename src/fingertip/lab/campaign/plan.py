@@ -18,7 +18,6 @@ from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000
-"""First seed of a validation."""
 LAST_SEED = 2**31 - 1 - 20_000_000
 """Last first seed of a validation, which uses some millions of them."""
 

@@ -32,8 +32,6 @@ threshold may be far below the design's."""
 
 @dataclass(frozen=True)
 class TrialResult:
-    """Result of a detector on one case."""
-
     case: Case
     duration_s: float
     force_n: float
@@ -104,14 +102,16 @@ def _score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_]
     # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
     counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
     delays = tuple(d for d in counted if d is not None and d >= 0.0)
-    early = [d for d in counted if d is not None and d < 0.0]
     on_share = 0.0
     if delays:
         slip, delay = next((s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays)
         since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
         on_share = float(np.mean(on[since])) if since.any() else 0.0
-    alarms = [_find_cause(case, alarm, scored.slips) for alarm in separate_events(scored.false_intervals)]
-    alarms += ["before slip"] * len(early)
+    alarms = [case.cause] * len(false := separate_events(scored.false_intervals))
+    if case.cause == "slip":  # contact or grasp before the slip, and release after it
+        first_s = scored.slips[0].onset_s if scored.slips else -math.inf
+        alarms = ["contact" if alarm.onset_s < first_s else "release" for alarm in false]
+    alarms += ["before slip" for d in counted if d is not None and d < 0.0]
     duration = float(trace.time_s[-1] - trace.time_s[0])
     motion_s = trace.origin.motion_s
     creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
@@ -127,13 +127,6 @@ def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
             kept.append(alarm)
         end = alarm.end_s
     return kept
-
-
-def _find_cause(case: Case, alarm: Interval, slips: Sequence[Interval]) -> str:
-    """Cause of an alarm; in a trial, contact or grasp before the slip, and release after it."""
-    if case.cause != "slip":
-        return case.cause
-    return "contact" if slips and alarm.onset_s < slips[0].onset_s else "release"
 
 
 def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
@@ -229,7 +222,6 @@ class DetectorResult:
 
     @property
     def limited_alarms(self) -> int:
-        """Number of false alarms in them."""
         return sum(n for cause, n in self.alarms().items() if cause not in REPORTED_SEPARATELY)
 
     @property
@@ -282,8 +274,7 @@ class CampaignResult:
 
     def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:
         """Result of a detector at the lowest threshold that keeps a rate of false alarms; None if none keeps it."""
-        quiet = (r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute)
-        return next(quiet, None)
+        return next((r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute), None)
 
 
 def run_campaign(

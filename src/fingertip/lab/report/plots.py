@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 COLOURS = {name: kind.colour for name, kind in DETECTORS.items()}
 MARKERS = {name: kind.marker for name, kind in DETECTORS.items()}
 OTHER_COLOUR = PURPLE
-"""Colour of a detector that has none of its nominal."""
 NOTE = "simulated, held-out seeds"
 
 
@@ -132,9 +131,8 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
     axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":", label="0.1 false alarms per minute")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
-    axes.set_xlabel(
-        f"false alarms per minute from contact, release, load change and drift; {no_alarms:g} means none ({NOTE})"
-    )
+    causes = "contact, release, load change and drift"
+    axes.set_xlabel(f"false alarms per minute from {causes}; {no_alarms:g} means none ({NOTE})")
     axes.set_ylabel("delay over all slips [ms]")
     title = "Each line: one detector from low to high threshold; circle: the detector's own threshold"
     axes.set_title(title, loc="left", fontsize=10)

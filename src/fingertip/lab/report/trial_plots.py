@@ -75,9 +75,8 @@ def simulate_examples(design: Design, first_seed: int = HELD_OUT_FROM) -> list[E
     with compiled():
         for i, label in enumerate(labels):
             speed = speeds[i % len(speeds)]
-            trace, force_n = simulate_trace(
-                design, Case("slip", scenes[(label, speed)], first_seed + i), ("analog", *DETECTORS_SHOWN)
-            )
+            case = Case("slip", scenes[(label, speed)], first_seed + i)
+            trace, force_n = simulate_trace(design, case, DETECTORS_SHOWN)
             examples.append(ExampleTrial(label, speed, trace, force_n))
     return examples
 

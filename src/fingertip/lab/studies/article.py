@@ -75,8 +75,6 @@ class ProtocolResult:
 
 @dataclass(frozen=True)
 class ProtocolStudy:
-    """All results under the article's protocol."""
-
     results: Sequence[ProtocolResult]
     manipulations: dict[str, ClosedLoopSummary]
     """Board -> manipulations with the detector `analog` in the loop."""
@@ -158,7 +156,6 @@ def _pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[Tria
 
 
 SEGMENT_S = 0.512
-"""Length of the segments whose spectra are computed [s]."""
 RESONANCES_HZ = {"embedded": 90.0, "bare": 230.0}
 """Resonance of the pad with an embedded and with a bare sensor [Hz], as in ``params/scenes``: about where the article's
 two spectra end."""
@@ -174,8 +171,6 @@ CONTACTS = ("contact", "release", "load change")
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Power spectrum of slip with one sensor."""
-
     label: str
     frequency_hz: Array
     power_v2_hz: Array
@@ -215,8 +210,6 @@ def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spe
 
 @dataclass(frozen=True)
 class WindowResult:
-    """Result of the article's chain with one window length."""
-
     window_s: float
     threshold_v: float
     """Threshold by the design's rule, noise level plus six standard deviations, which fall with a longer window [V]."""

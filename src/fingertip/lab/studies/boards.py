@@ -103,10 +103,8 @@ class ArticleBoardResult:
 
 def with_article_board(design: Design) -> Design:
     """Copy of a design with the board and the converter of the bundled design `article`."""
-    article = Design.load(ARTICLE)
-    return Design(
-        **(design.model_dump() | {"board": article.board.model_dump(), "detector": article.detector.model_dump()})
-    )
+    article = Design.load(ARTICLE).model_dump()
+    return Design(**(design.model_dump() | {name: article[name] for name in ("board", "detector")}))
 
 
 def study_article_board(

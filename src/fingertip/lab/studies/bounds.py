@@ -100,8 +100,6 @@ FREQUENCIES_HZ = tuple(np.arange(25.0, 121.0, 2.5).tolist())
 
 @dataclass(frozen=True)
 class DiscriminationResult:
-    """Result for one length of the segment."""
-
     segment_s: float
     motor_residual: float
     """Largest residual of any motor, relative to the noise."""

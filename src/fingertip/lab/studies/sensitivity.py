@@ -46,7 +46,6 @@ from fingertip.slip.detectors.analog_and_digital import noise_level
 
 ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
 ASSUMED_M_S2 = 1.0
-"""Acceleration of the scenes [m/s2]."""
 BOUND = "bound"
 """Name that stands for a detector in the rows of Lorden's bound."""
 
@@ -203,8 +202,6 @@ _NEGATIVE_MINUTES = 2.0
 
 @dataclass(frozen=True)
 class VariationResult:
-    """Result with one changed assumption."""
-
     label: str
     is_realistic: bool
     """True for an effect that real fingers show and the trials leave out by default."""

@@ -42,7 +42,6 @@ MAX_SHIFT_SAMPLES = 1.0
 GOAL_SHARE = 0.95
 """Fraction of the trials whose delay must not shift by more than that. Goal of this project."""
 SIGNALS = ("force_n", "voltage_v", "envelope_v")
-"""Signals whose largest error is measured."""
 _ROUNDING = 1e-6
 
 
@@ -87,8 +86,6 @@ def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class DelayShift:
-    """Shift of one detector's delay over all trials."""
-
     detector: str
     trials: int
     """Number of trials in which slip was found on either grid."""
@@ -163,8 +160,6 @@ DETECTOR = "fast"
 
 @dataclass(frozen=True)
 class SamplingRateResult:
-    """Result at one sampling rate."""
-
     sample_rate_hz: float
     bound_median_s: float
     """Median of Lorden's bound (`fingertip.lab.studies.bounds`) [s]."""

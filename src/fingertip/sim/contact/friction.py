@@ -84,9 +84,8 @@ class Friction:
             issues.append(Issue("friction.mu_s", f"{self.mu_s:g} is below mu_c; at least {self.mu_c:g}."))
         if not issues and not self.is_passive:
             maximum = self.sigma2 * self.mu_c / (self.mu_s - self.mu_c)
-            issues.append(
-                Issue("friction.sigma1", f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}.")
-            )
+            message = f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}."
+            issues.append(Issue("friction.sigma1", message))
         if issues:
             raise TraceError(issues)
 

@@ -59,8 +59,6 @@ class Mount:
 
 @dataclass(frozen=True)
 class PadMotion:
-    """Motion of the pad at the points of the time grid."""
-
     position_m: Array
     velocity_m_s: Array
     bristle_m: Array
@@ -86,9 +84,8 @@ class DraggedPad:
     def __init__(self, friction: Friction, mount: Mount, step_s: float) -> None:
         issues = find_not_positive("step_s", step_s, "s", "0.000125")
         if friction.elastic:
-            issues.append(
-                Issue("friction.elastic", f"{friction.elastic:g} needs error control; use coupled.integrate.")
-            )
+            message = f"{friction.elastic:g} needs error control; use coupled.integrate."
+            issues.append(Issue("friction.elastic", message))
         raise_issues(issues)
         self._friction, self._mount, self._step_s = friction, mount, step_s
         self._state: Array | None = None

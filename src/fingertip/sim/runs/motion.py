@@ -166,8 +166,6 @@ POSITION_TOLERANCE_M = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MotorMotion:
-    """Motion of the fingers at the next points, (fingers, points)."""
-
     closing_m: Array
     force_n: Array
     """Force with which the finger presses [N]."""

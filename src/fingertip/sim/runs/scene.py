@@ -133,7 +133,6 @@ class SceneResult:
 
 
 def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:
-    """Select the outputs that a scene names, in its order."""
     return {name: getattr(signals, name) for name in scene.outputs}
 
 
@@ -195,7 +194,6 @@ class SceneRun:
         return count_samples(self.timeline.duration_s, self.design.detector.sample_rate_hz)
 
     def predict_plain_s(self) -> float:
-        """Predict the time that the scene takes in plain Python [s]."""
         assert self.grid
         contact, outputs, slides = self.scene.contact, frozenset(self.scene.outputs), self.timeline.slide is not None
         adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")

@@ -154,7 +154,11 @@ class ManipulationStepper:
         self.chunks.append(
             HandSignals(
                 at.time_s,
-                tuple(_turn_velocity(finger) for finger in fingers),
+                # The velocity of the object over the pad is the opposite of a finger's own.
+                tuple(
+                    finger if finger.velocity_m_s is None else replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
+                    for finger in fingers
+                ),
                 np.stack(sampled[:count]),
                 np.stack(sampled[count : 2 * count]),
                 *sampled[2 * count :],
@@ -187,13 +191,6 @@ def _describe_drives(
         FingerDrive(load, push, jump, object_m - bent, np.where(load > 0.0, speed, 0.0), bristle, bent)
         for load, push, jump, bent, speed, bristle in zip(loads, pushes, jumps, shear, speeds, bristles, strict=True)
     ]
-
-
-def _turn_velocity(finger: FingerSignals) -> FingerSignals:
-    """Give a finger the velocity of the object over the pad instead of its opposite."""
-    if finger.velocity_m_s is None:
-        return finger
-    return replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
 
 
 def _refine(values: Array, parts: int) -> Array:

@@ -27,7 +27,6 @@ SLIDE_M = 0.04
 LIFT_M = 0.05
 """Height by which the finger lifts at the end [m]."""
 LIFT_S = 2.0
-"""Duration of that lift [s]."""
 APPROACH_M = 0.01
 """Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
 OPEN_S = 0.3
@@ -173,7 +172,6 @@ _TOLERANCE_N = 1e-6
 
 
 def mount_pad(pad: Pad, force_n: float) -> Mount:
-    """Tangential mount of a pad at a holding force [N]."""
     k = pad.tangential_stiffness_n_per_m(force_n)
     return Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
 
@@ -241,7 +239,6 @@ class CoupledPad:
 
 
 SlidingPad = SteppedPad | ErrorControlledPad | CoupledPad
-"""Pad on a carriage."""
 
 
 def _describe(
@@ -251,15 +248,8 @@ def _describe(
     push_n: Array | None,
     contact_n: Array | None = None,
 ) -> FingerDrive:
-    return FingerDrive(
-        load_n=load_n,
-        push_n=push_n,
-        path_m=motion.position_m,
-        velocity_m_s=motion.velocity_m_s,
-        bristle_m=motion.bristle_m,
-        shear_m=carriage_m - motion.position_m,
-        contact_n=contact_n,
-    )
+    path_m, shear_m = motion.position_m, carriage_m - motion.position_m
+    return FingerDrive(load_n, push_n, None, path_m, motion.velocity_m_s, motion.bristle_m, shear_m, contact_n)
 
 
 # Disturbances that are not slip: knocks and motors shake the contact.

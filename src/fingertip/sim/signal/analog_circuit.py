@@ -207,7 +207,6 @@ class LinearBoard:
 
 
 def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
-    """Compute the board's state equations."""
     rail = board.rail_v or 0.0
     states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
     saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}

@@ -57,13 +57,8 @@ def simulate_board(
     envelope_v = np.concatenate([chunk.envelope_v for chunk in chunks])
     if single:
         filtered_v, envelope_v = filtered_v[0], envelope_v[0]
-    return BoardSignals(
-        filtered_v,
-        envelope_v,
-        sum(chunk.steps for chunk in chunks),
-        sum(chunk.rejected for chunk in chunks),
-        sum(chunk.implicit for chunk in chunks),
-    )
+    counts = zip(*((chunk.steps, chunk.rejected, chunk.implicit) for chunk in chunks), strict=True)
+    return BoardSignals(filtered_v, envelope_v, *map(sum, counts))
 
 
 def simulate_boards(
@@ -229,8 +224,6 @@ class Comparator:
 
 @dataclass(frozen=True, eq=False)
 class ComparatorSignals:
-    """Signals of the comparator for one envelope."""
-
     mean_v: Array
     on: NDArray[np.bool_]
     edges_s: Array
@@ -273,8 +266,6 @@ class ComparatorStream:
 
 
 class SlipPin:
-    """Voltage of a design's slip pin, chunk by chunk."""
-
     def __init__(self, design: Design, step_s: float) -> None:
         self._comparator = Comparator.from_design(design)
         self._stream = ComparatorStream(self._comparator, AnalogBoard.from_design(design), step_s)

@@ -120,7 +120,6 @@ class FingerSetup:
     patch_average: bool = False
     """True if the pad averages the profile over its contact patch."""
     path: PathTables = field(default_factory=PathTables)
-    """Path from force to samples."""
     event_origin_s: float = 0.0
     """Moment from which a touch of the cable is counted [s]."""
 

@@ -88,7 +88,6 @@ class SampleClock:
         self._points = self._samples = 0
 
     def advance(self, points: int) -> Instants:
-        """Return the instants within the next points."""
         origin, last = max(self._points - 1, 0), self._points + points - 1
         end = math.floor((last + _SNAP) / self._ratio) + 1
         at = np.arange(self._samples, end) * self._ratio
@@ -125,7 +124,6 @@ class Sampler:
 
 Stream = np.random.RandomState
 OpenStream = Callable[[str], Stream]
-"""Function from a purpose to its stream."""
 
 
 def open_stream(seed: int, *purpose: str) -> Stream:
@@ -135,7 +133,6 @@ def open_stream(seed: int, *purpose: str) -> Stream:
 
 
 def draw_noise(stream: Stream, deviation: float, count: int) -> Array:
-    """Draw white Gaussian noise."""
     return np.asarray(deviation * stream.standard_normal(count))
 
 
@@ -151,8 +148,6 @@ STAGES = (
 
 @dataclass(frozen=True)
 class StageCost:
-    """Cost of one stage in one run."""
-
     name: str
     states: int
     evaluations: int

@@ -25,8 +25,6 @@ _GONE = 40.0
 
 
 class InterferenceSource:
-    """All interference of one finger, chunk by chunk."""
-
     def __init__(
         self, grid: Grid, drift: Drift, cable: Cable, noise: Noise, held_s: float, open_stream: OpenStream
     ) -> None:

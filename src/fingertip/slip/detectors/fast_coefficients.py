@@ -82,7 +82,6 @@ class FastCoefficients(NamedTuple):
     wide_share: float
     """Energy of white noise of unit variance in the wide band."""
     upper_share: float
-    """The same in the upper band."""
     min_floor: float
     """Lower bound of the wide band's floor [V^2]."""
     min_upper_floor: float
@@ -116,7 +115,6 @@ RESTORED_HZ = 15.0
 one, offsets of the filtered signal and its recovery from a limit would count more."""
 
 ThirdOrder = tuple[FirstOrder, SecondOrder]
-"""Filter of third order: a section of first order, followed by one of second order."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +144,6 @@ class FastFilters:
 
 @functools.lru_cache(maxsize=16)
 def design_filters(sample_rate_hz: float) -> FastFilters:
-    """Design the filters for a sampling rate [Hz]."""
     return FastFilters(
         restored=_third_order(sample_rate_hz, RESTORED_HZ),
         high_edge=_butterworth(sample_rate_hz, HIGH_HZ, 1),
@@ -213,7 +210,6 @@ def _filter(section: SecondOrder, samples: Sequence[float] | Array) -> Array:
 # evaluation therefore takes the same number of comparisons for every input.
 
 TABLE = "fast_model.json"
-"""Name of the table, beside this module."""
 DEPTH = 4
 """Comparisons of one tree."""
 NODES = (1 << DEPTH) - 1

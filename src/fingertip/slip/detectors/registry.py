@@ -81,7 +81,6 @@ ENVELOPE_MEAN = "mean of the envelope"
 class DetectorType:
     label: str
     words: str
-    """Few words for a list of all detectors."""
     input_column: str
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
     quantity: str
@@ -163,7 +162,6 @@ class UsedSignals:
     """Column that it would take too and that is not there."""
 
     def describe(self) -> str:
-        """Describe the columns."""
         used = " and ".join(self.columns)
         return f"on {used}" if self.missing is None else f"on {used} alone (no column {self.missing})"
 

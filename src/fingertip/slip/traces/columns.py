@@ -125,7 +125,6 @@ def suggest_numbers(count: int, columns: ColumnMap) -> str:
 # samples.
 
 LVM_HEADER_LINES = 200
-"""Number of lines in which the headers of a file end."""
 TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"
 _SEGMENT_KEYS = (
@@ -144,7 +143,6 @@ class PassedOver:
     first: int = 0
 
     def append(self, number: int) -> None:
-        """Add a line by its number."""
         self.count += 1
         self.first = self.first or number
 

@@ -96,8 +96,6 @@ def _detect_encoding(path: Path) -> str:
 
 @dataclass(frozen=True)
 class _Source:
-    """File whose header is known."""
-
     path: Path
     encoding: str
     header: Header
@@ -170,7 +168,6 @@ class _Faults(Generic[T]):
     last: tuple[int, T] | None = None
 
     def add(self, line: int, what: T) -> None:
-        """Add a line by its number."""
         self.count += 1
         self.last = (line, what)
         self.first = self.first or self.last
@@ -203,7 +200,6 @@ class _Samples:
     """Time of the first sample, in a file of dates."""
 
     def drop_last(self) -> None:
-        """Remove the last sample, with what is wrong with it."""
         number = self.lines.pop()
         for values in self.values.values():
             values.pop()

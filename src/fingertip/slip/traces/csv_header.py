@@ -38,8 +38,6 @@ _UNIT = re.compile(r'"?[\[(]?(s|ms|[uµμ]s|ns|sec|seconds?|v|mv|volts?|n|newton
 
 @dataclass(frozen=True)
 class Header:
-    """Line that names the columns."""
-
     names: tuple[str, ...]
     """Names of the columns. Those in the `ColumnMap` are spelt as there, whatever their case in the file."""
     delimiter: str

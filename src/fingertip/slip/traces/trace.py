@@ -180,7 +180,6 @@ class RawTrace:
         return self.trace
 
     def find_issues(self, detector: DetectorParameters) -> list[Issue]:
-        """Find everything that prevents detection."""
         issues = [*self.issues, *_value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
         if self._times_are_valid:
             issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))

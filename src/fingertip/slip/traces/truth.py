@@ -144,7 +144,6 @@ class Origin:
 
 
 UNKNOWN = Origin()
-"""Origin of a recording of which nothing is known."""
 
 
 def read_origin(path: Path) -> Origin:
@@ -203,4 +202,3 @@ ENCODER_NOTE = (
 )
 """Note of tables below delays since the robot moved."""
 BAND_LABEL = f"robot starts, known to {1000 / ENCODER_HZ:g} ms (encoders, {ENCODER_HZ:g} Hz)"
-"""Name of the band in the legends of pictures."""

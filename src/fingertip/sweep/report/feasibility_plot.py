@@ -62,7 +62,6 @@ class PlotScale:
     def apply(
         self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, max_label: int = 34
     ) -> None:
-        """Apply the scale to one side of a plot. Units: `size` [points]."""
         getattr(axes, f"set_{side}label")(wrap_name(self.name, max_label), fontsize=size)
         if self.categories:
             getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)

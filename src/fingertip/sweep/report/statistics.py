@@ -222,11 +222,9 @@ class PointClasses:
     """Class of each point as an index into `names`, shape (points,)."""
 
     def count(self) -> NDArray[np.intp]:
-        """Count the points of each class, shape (classes,)."""
         return np.bincount(self.indices, minlength=len(self.names))
 
     def count_by_bin(self, bins: Bins) -> NDArray[np.intp]:
-        """Count the points of each class in each bin, shape (bins, classes)."""
         size = len(self.names)
         return np.bincount(bins.indices * size + self.indices, minlength=bins.count * size).reshape(bins.count, size)
 
@@ -248,11 +246,9 @@ class LimitingRule:
 
     rule: str
     points: int
-    """Number of points that it makes infeasible."""
     share: float
     """Share of these among all points, 0 to 1."""
     axes: tuple[AxisInfluence, ...]
-    """Influence of each axis, the strongest first."""
     example: str
     """Message of its first point."""
 
@@ -343,11 +339,9 @@ class OutputSensitivity:
 
     output: str
     points: int
-    """Number of points that have the output."""
     null_deviation: float
     """Standard deviation of the index of an axis without effect (maximum over the axes)."""
     axes: tuple[AxisSensitivity, ...]
-    """Sensitivity to each axis, the strongest first."""
 
     @property
     def unexplained(self) -> float:

@@ -49,7 +49,6 @@ class SweepSummary:
     selection: Selection
 
     def find_sensitivity(self, output: str) -> OutputSensitivity | None:
-        """Find the sensitivity of one output; None if the output does not vary."""
         return next((s for s in self.sensitivities if s.output == output), None)
 
 

@@ -82,7 +82,7 @@ def test_folder_that_cannot_be_created_is_refused(tmp_path: Path, below: str) ->
 
 def test_a_sweep_that_cannot_begin_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(database, "_ROWS_TABLE", "CREATE TABLE rows (")
-    with pytest.raises(OutputError, match="incomplete input"):
+    with pytest.raises(OutputError, match="syntax error"):
         SweepDatabase.create(tmp_path / "sweeps" / "board", make_plan())
     assert list(tmp_path.iterdir()) == []
 

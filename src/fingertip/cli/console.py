@@ -138,15 +138,13 @@ def describe_path_error(error: OSError) -> FingertipError | None:
     """
     if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
         return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
+    reason = error.strerror or type(error).__name__
     if error.errno in _FULL_DISK:
-        reason = error.strerror or type(error).__name__
-        place = str(error.filename or "disk")
         message = f"cannot be written ({reason}); free some space there, and in TMPDIR."
-        return FingertipError(Issue(place, message))
+        return FingertipError(Issue(str(error.filename or "disk"), message))
     if error.filename is None or error.errno in _MACHINE_ERRORS:
         return None
     path = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else str(error.filename)
-    reason = error.strerror or type(error).__name__
     return FingertipError(Issue(path, f"cannot be used ({reason}); give another path, or change its mode."))
 
 
@@ -225,10 +223,8 @@ class Console:
             raise
         except OSError as error:
             discard_stdout()
-            reason = error.strerror or str(error)
-            raise OutputError(
-                Issue("standard output", f"cannot be written ({reason}); redirect it elsewhere.")
-            ) from error
+            message = f"cannot be written ({error.strerror or error}); redirect it elsewhere."
+            raise OutputError(Issue("standard output", message)) from error
 
     def print_issues(self, error: FingertipError, partial_result: Mapping[str, Any] | None = None) -> None:
         """Print the issues of an error to stderr, one per line.
@@ -263,15 +259,8 @@ def fit_width(text: str, width: int) -> str:
             continue
         begin = _LAST_COLUMN.match(line[: width // 2])
         start = len(begin[1]) if begin else len(line) - len(line.lstrip()) + 2
-        lines += textwrap.wrap(
-            line,
-            width,
-            subsequent_indent=" " * start,
-            break_long_words=False,
-            break_on_hyphens=False,
-            drop_whitespace=True,
-            replace_whitespace=False,
-        )
+        whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "replace_whitespace": False}
+        lines += textwrap.wrap(line, width, subsequent_indent=" " * start, **whole)
     return "\n".join(lines)
 
 

@@ -83,9 +83,8 @@ def sweep(
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
     refuse(find_range_issues("--jobs", jobs, 1, MAX_JOBS, ", or leave it out"))
     if jobs is not None and cluster:
-        raise SweepError(
-            Issue("--jobs", "cannot be combined with --cluster, which has its own workers; leave one of them out.")
-        )
+        message = "cannot be combined with --cluster, which has its own workers; leave one of them out."
+        raise SweepError(Issue("--jobs", message))
     plan = SweepPlan.load(file, changes or ())
     folder = out or _default_folder(plan)
     engine = DaskEngine(cluster) if cluster else ProcessEngine(jobs or count_processors())

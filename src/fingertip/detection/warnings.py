@@ -171,8 +171,7 @@ def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool
 
 
 MIN_CUTOFF_HZ = 45.0
-"""Cutoff below which every detector reports contacts as slip in the negative tuning scenes [Hz] (article, section
-III.A: contacts lie below 30 Hz)."""
+"""Cutoff below which detectors report contacts as slip [Hz] (article, III.A: they lie below 30 Hz)."""
 MIN_WINDOW_S = 0.02
 """Window length below which contacts are reported as slip [s] (article, section III.C)."""
 COARSE_RATIO = 2.0

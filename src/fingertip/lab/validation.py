@@ -30,8 +30,7 @@ from fingertip.slip.detectors.registry import find_detector_type
 STUDY_TRIALS = 24
 """Largest number of trials in each study beside the campaign: three for each surface and object."""
 MAX_STEP_TRIALS = 60
-"""Largest number of trials that are repeated with a finer time step: half of the default plan's, as each takes the
-time of ten."""
+"""Largest number of trials that are repeated with a finer time step, each in the time of ten."""
 SEED_RANGES = 4
 """Number of ranges of held-out seeds over which the alarms of a validation are counted."""
 RANGE_SEEDS = 1_000_000
@@ -144,10 +143,7 @@ class Validation:
         return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
-        """Return file name -> content: the results, the plots, and the page of omissions.
-
-        Raises MissingLibraryError.
-        """
+        """Return file name -> content: results, plots, page of omissions. Raises MissingLibraryError."""
         missed = [requirement.message for requirement in self.requirements if not requirement.passed]
         page = omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
         return {

@@ -62,10 +62,7 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
 
 
 def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
-    """Return the summary as lines of text. The parameters are those of `as_data`.
-
-    Slips that are no further apart than `STICK_S` are one line, as `fingertip detect` counts them.
-    """
+    """Return the summary as lines of text; slips within `STICK_S` are one line, as in `fingertip detect`."""
     size = f"seed {result.seed}: {result.samples} samples, {result.duration_s:.2f} s"
     slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(result.slips, STICK_S)]
     if isinstance(result, SceneRecord):
@@ -175,8 +172,7 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
 
 SUFFIXES = (".csv", ".npz")
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
-"""Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
-bytes."""
+"""Decimals of a column by the end of its name, so that equal numbers give equal bytes."""
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:

@@ -152,8 +152,7 @@ FORCE_RANGE_N = (0.2, 2.0)
 MAX_FORCE_N = 4.0
 """Maximum holding force [N]. At a larger one the hand travels so far that the lift of 5 cm does not end the contact."""
 SPEED_RANGE_M_S = (0.005, 0.2)
-"""Range of the sliding speed [m/s]. A slower slide takes minutes to compute; a faster one is not reached within 4
-cm."""
+"""Range of the sliding speed [m/s]: slower takes minutes to compute, faster is not reached within 4 cm."""
 SPEEDS_M_S = (0.04, 0.06, 0.08)
 REPEATS_PER_TRIAL = 5
 GRASPED_SURFACES = ("smooth", "plastic")
@@ -164,8 +163,7 @@ MANIPULATED_OBJECTS = {
     "small_parallelepiped": (0.06, "wood", "pinch"),
     "cylinder": (0.02, "wood", "pinch"),
 }
-"""Mass [kg], surface and grasp of the article's four objects. The bottle is assumed to have the surface of the
-smartphone cover."""
+"""Mass [kg], surface and grasp of the article's objects; the bottle's surface is the smartphone's (assumed)."""
 REPEATS_PER_MANIPULATION = 3
 
 

@@ -279,15 +279,12 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
 def draw_trace(trace: Trace) -> bytes:
     """Draw the columns of a trace below each other, with the true slips shaded, as PNG. Raises MissingLibraryError."""
     columns = [
-        (label, values, colour)
-        for label, values, colour in (
-            ("tactile voltage [V]", trace.voltage_v, BLUE),
-            ("normal force [N]", trace.force_n, TEAL),
-            ("envelope [V]", trace.envelope_v, ORANGE),
-            ("filtered signal [V]", trace.filtered_v, RED),
-        )
-        if values is not None
+        ("tactile voltage [V]", trace.voltage_v, BLUE),
+        ("normal force [N]", trace.force_n, TEAL),
+        ("envelope [V]", trace.envelope_v, ORANGE),
+        ("filtered signal [V]", trace.filtered_v, RED),
     ]
+    columns = [column for column in columns if column[1] is not None]
     figure = new_figure(10, 1.0 + 2.2 * len(columns))
     panels = figure.subplots(len(columns), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (label, values, colour) in zip(panels, columns, strict=True):

@@ -220,10 +220,7 @@ class Group:
 
 
 def make_form(schema: Mapping[str, Any]) -> tuple[Group, ...]:
-    """Make the form of a JSON schema whose objects are nested at most once, as those of design files are.
-
-    Raises ValueError.
-    """
+    """Make the form of a JSON schema whose objects are nested at most once. Raises ValueError."""
     loose: list[Field] = []
     groups: list[Group] = []
     for name, entry in schema["properties"].items():

@@ -23,8 +23,7 @@ RANGE_KEYS = ("low", "high", "steps", "spacing")
 MAX_STEPS = 100_000
 """Maximum number of values of one axis. They are held in memory."""
 _DIGITS = 9
-"""Significant digits of a computed value. The last bits of a logarithm differ between processors; nine digits do
-not."""
+"""Significant digits of a computed value; the last bits of a logarithm differ between processors."""
 _POWERS = np.array([float(f"1e{i}") for i in range(309)])
 """Powers of ten, each the float nearest to its decimal."""
 
@@ -64,10 +63,7 @@ class Axis:
         return value
 
     def sample(self, fractions: NDArray[np.float64]) -> NDArray[Any]:
-        """Map fractions in [0, 1) to values.
-
-        Every value of a list gets an equal part of [0, 1); an interval is interpolated.
-        """
+        """Map fractions in [0, 1) to values: equal parts for the values of a list, else interpolation."""
         if self.values:
             return self.array[np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)]
         if self.integer and self.spacing == "linear":  # gives every integer, the ends too, the same probability

@@ -83,8 +83,7 @@ class SweepTable:
     status: NDArray[np.str_]
     """(n,) one of `STATUSES`."""
     field: NDArray[np.str_]
-    """(n,) first parameter that a refused point's broken rule names, or first failed check of a computed point; ""
-    otherwise."""
+    """(n,) first parameter of a refused point's broken rule, or first failed check; "" otherwise."""
     reason: NDArray[np.object_]
     """(n,) of str: why a row is not ok, or which checks failed; "" otherwise."""
 
@@ -93,10 +92,7 @@ class SweepTable:
 
 
 class SweepDatabase:
-    """Folder of a sweep with its rows.
-
-    Open it with `create`, `resume` or `open`, and close it with `close` or a `with` block.
-    """
+    """Folder of a sweep with its rows: open it with `create`, `resume` or `open`, and close it."""
 
     def __init__(self, folder: Path, connection: sqlite3.Connection, lock: int | None = None) -> None:
         self.folder = folder
@@ -140,10 +136,7 @@ class SweepDatabase:
 
     @classmethod
     def resume(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
-        """Open the database of a sweep to continue it. Its objectives may have changed; the new ones are stored.
-
-        Raises SweepError.
-        """
+        """Open a sweep to continue it, with its new objectives if they have changed. Raises SweepError."""
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rw"), lock)
         try:
@@ -260,10 +253,7 @@ class SweepDatabase:
         return SweepTable(point, plan.columns(point), by_name, status, field, reason)
 
     def check_same_sweep(self, plan: SweepPlan) -> None:
-        """Refuse a plan whose rows would differ from those of this sweep; its objectives may differ.
-
-        Raises SweepError.
-        """
+        """Refuse a plan whose rows would differ; its objectives may differ. Raises SweepError."""
         before, now = (sweep_file.select_row_defining_lines(text) for text in (self.text, plan.to_toml()))
         if before == now:
             return

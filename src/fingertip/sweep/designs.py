@@ -65,10 +65,7 @@ V = TypeVar("V")
 
 
 class LruCache(Generic[K, V]):
-    """Mapping that evicts the least recently used entries once their total weight exceeds a limit.
-
-    A worker's memory stays constant however long the sweep is.
-    """
+    """Mapping of bounded weight: it evicts the least recently used entries, except for the newest one."""
 
     def __init__(self, max_weight: float) -> None:
         self.max_weight = max_weight
@@ -76,10 +73,7 @@ class LruCache(Generic[K, V]):
         self._entries: OrderedDict[K, tuple[V, float]] = OrderedDict()
 
     def get(self, key: K, make: Callable[[], V], weigh: Callable[[V], float] = lambda _: 1.0) -> V:
-        """Look up a value, or make it and store it with its weight.
-
-        The newest entry is never evicted, even if it alone exceeds the limit.
-        """
+        """Look up a value, or make it and store it with its weight."""
         if key in self._entries:
             self._entries.move_to_end(key)
             return self._entries[key][0]
@@ -205,10 +199,7 @@ class CachedManifold:
 
     @property
     def manifold(self) -> Manifold:
-        """manifold3d's own object.
-
-        Every step is evaluated at once: the rounding of a tree of steps would depend on what else the tree holds.
-        """
+        """manifold3d's own object. Each step is evaluated at once: rounding would depend on the tree of steps."""
         if self._manifold is None:
             self._manifold = self._evaluate()
             self._manifold.status()

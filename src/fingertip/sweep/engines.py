@@ -39,10 +39,7 @@ _COUNT_INTERVAL_S = 2.0
 
 
 class WorkerStatus:
-    """Current point of every worker, in shared memory.
-
-    When the pool breaks, it tells which points were being computed by the workers that died.
-    """
+    """Current point of every worker, in shared memory: it tells what the workers that died were computing."""
 
     def __init__(self, context: SpawnContext, workers: int) -> None:
         self.slots_taken = context.Value("i", 0)
@@ -81,10 +78,7 @@ class Engine(Protocol):
 
 
 class ProcessEngine:
-    """Worker processes on this machine.
-
-    They are spawned, never forked: a fork after a geometry kernel has started threads hangs.
-    """
+    """Worker processes on this machine, spawned, because a fork after a kernel has started threads hangs."""
 
     def __init__(self, jobs: int) -> None:
         self.workers = jobs
@@ -205,10 +199,7 @@ def _exit_with_parent() -> None:
 
 
 class DaskEngine:
-    """Engine whose workers may run on any machine; Dask replaces lost workers.
-
-    Raises MissingLibraryError or SweepError.
-    """
+    """Dask workers on any machine; Dask replaces lost ones. Raises MissingLibraryError or SweepError."""
 
     def __init__(self, address: str) -> None:
         import asyncio  # noqa: PLC0415

@@ -21,8 +21,7 @@ PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
 and limits, the loads and the silicone decide on the checks."""
 SIMULATION = FINGER | {"board", "detector", "mold", "force_curve"}
-"""Tables that a simulation can depend on. It uses the pad's shape, which is derived together with the mold's
-lengths."""
+"""Tables that a simulation can depend on; the pad's shape is derived together with the mold's lengths."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,7 @@ class OutputGroup:
     reads: frozenset[str]
     """Tables of the design that the outputs can depend on; `scene` stands for the scene."""
     cost: int
-    """Rank by computing time. Axes that expensive groups read vary slowest, so that neighbouring points share their
-    results."""
+    """Rank by computing time. Axes that expensive groups read vary slowest."""
     ignores: frozenset[str] = frozenset()
     """Parameters of those tables, dotted, that the outputs do not depend on."""
 

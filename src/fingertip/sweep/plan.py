@@ -47,10 +47,7 @@ class SweepPlan:
 
     @classmethod
     def load(cls, path: str | Path, changes: Iterable[str] = ()) -> SweepPlan:
-        """Load a sweep file; see `sweep_file.read_sweep_file` for the changes.
-
-        Raises SweepError or MissingLibraryError.
-        """
+        """Load a sweep file (see `read_sweep_file`). Raises SweepError or MissingLibraryError."""
         plan = cls.from_tables(sweep_file.read_sweep_file(path, changes))
         if plan.file.sampling != "grid":
             plan._require_samplers()  # a missing package is reported before the sweep

@@ -224,10 +224,7 @@ class _Run:
             self.state.refused += status == "refused"
 
     def _handle_broken_pool(self, lost: list[Chunk]) -> None:
-        """Handle the death of a worker, which breaks the pool: every chunk in flight is lost with it.
-
-        Points that dead workers were computing go to the retry queue, all others are sent again.
-        """
+        """Retry the points that dead workers were computing, and send all other chunks in flight again."""
         lost += self._in_flight.values()
         self._in_flight.clear()
         crashed = self.engine.find_crashed_points()

@@ -136,8 +136,7 @@ def to_canonical_text(tables: Mapping[str, Any]) -> str:
 
 
 def select_row_defining_lines(text: str) -> list[str]:
-    """Select the lines of a canonical text that determine the rows: all but the objectives, which only the report
-    reads."""
+    """Select the lines of a canonical text that determine the rows: all but the objectives."""
     return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
 
 

@@ -88,10 +88,7 @@ def _make_layout(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
 
 
 def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
-    """List the sets of 3D models beside a board, one for each folder, with writer and content.
-
-    They hold the packages of all boards and follow from no parameter, so they are the same for every design.
-    """
+    """List the 3D models beside a board, the same for every design: for each folder writer and content."""
     parameters, sets = hash_parameters({}), dict[str, dict[str, bytes]]()
     for path, data in model_files().items():
         library, name = path.split("/")
@@ -129,10 +126,7 @@ class BoardPlan:
 
 
 def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: bool = False) -> BoardPlan:
-    """Plan the board's files in a folder, and refuse what it cannot take, before anything is written.
-
-    The parameters and exceptions are those of `write_board`.
-    """
+    """Plan the board's files, and refuse what the folder cannot take, as `write_board` does."""
     files = board_files(design)
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:
@@ -232,16 +226,11 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 
 def _refuse_edited(folder: Path) -> None:
     finish_interrupted(folder)
-    issues = [
-        Issue(
-            str(folder / name),
-            "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
-            "Outputs) and leave --fab out, or add --force to overwrite your edits.",
-        )
-        for name in find_edited(folder)
-        if name != PROJECT
-    ]
-    if issues:
+    message = (
+        "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
+        "Outputs) and leave --fab out, or add --force to overwrite your edits."
+    )
+    if issues := [Issue(str(folder / name), message) for name in find_edited(folder) if name != PROJECT]:
         raise OutputError(issues)
 
 
@@ -283,13 +272,8 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
     first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
     window = slice(first, first + _MAX_DIFF_LINES)
     lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
-    return [
-        f"    line {first + 1}:",
-        *(
-            f"    {escape_control(shorten(line, _MAX_DIFF_LENGTH), kept=_TAB)}"
-            for line in list(lines)[3 : 3 + _MAX_DIFF_LINES]
-        ),
-    ]
+    shown = (shorten(line, _MAX_DIFF_LENGTH) for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])
+    return [f"    line {first + 1}:", *(f"    {escape_control(line, kept=_TAB)}" for line in shown)]
 
 
 # Files of a bring-up, and the assessment of readings, for a design.

@@ -67,10 +67,7 @@ def write_coupon(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> Coupon:
-    """Write the coupon of a design with a template for the readings and a page on its use.
-
-    Raises DesignError or GeometryError or MissingLibraryError or OutputError.
-    """
+    """Write a coupon. Raises DesignError or GeometryError or MissingLibraryError or OutputError."""
     if out is not None and not str(out).strip():
         message = "is empty; give a folder, such as . for the current one, or omit the option."
         raise DesignError(Issue("--out", message))

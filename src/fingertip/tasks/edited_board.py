@@ -64,10 +64,7 @@ def find_edited(folder: Path) -> list[str]:
 
 
 def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
-    """Refuse a folder whose board has other parts, footprints or nets. Files that were edited are no concern here.
-
-    Raises OutputError.
-    """
+    """Refuse a folder whose unedited board has other parts, footprints or nets. Raises OutputError."""
     manifest, path = read_manifest(folder), folder / NETLIST
     if manifest is None or manifest.kind != "board" or not has_hash(path, manifest.files.get(path.name)):
         return

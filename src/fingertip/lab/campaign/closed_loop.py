@@ -50,8 +50,7 @@ NO_CONTROL = "no control"
 REACTION_M = 1e-4
 """Closing of a finger that counts as a reaction [m]. Assumption: well above an encoder's step."""
 MAX_SINCE_SLIP_S = 0.15
-"""Longest time since true slip for which a grip increase is justified [s]: the detectors' memory and one control
-period. Assumption."""
+"""Longest time since true slip for which a grip increase is justified [s]. Assumption: a detector's memory."""
 _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 """Outputs of every manipulation; the board's envelope is added where the detector reads it."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
@@ -66,8 +65,7 @@ class GripSettings:
     """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
     growth_window_s: float = 0.1
     max_closing_m_s: float = 0.005
-    """Closing speed of a finger above which detections are suppressed [m/s]: the force grows with it, or is about to,
-    and its motor vibrates."""
+    """Closing speed above which detections are suppressed [m/s]: the force grows with it, the motor vibrates."""
     suppression_s: float = 0.1
     """Time for which detections remain suppressed after growth or closing [s]: detectors have a memory."""
     force_ratio: float = 1.6
@@ -154,10 +152,7 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
 def run_with_grip(
     simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
 ) -> tuple[ManipulationResult, tuple[float, ...]]:
-    """Run a manipulation in which the hand tightens its grip when a detector finds slip.
-
-    Returns its result, and the moments at which the hand tightened its grip [s]. Raises FingertipError.
-    """
+    """Tighten the grip whenever a detector finds slip; also return the moments [s]. Raises FingertipError."""
     scene, design = simulation.scene, simulation.design
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)

@@ -152,10 +152,7 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
-    """Run a detector over signals; it assumes the design's noise, whatever they have.
-
-    A detector of the board's envelope reads the design's board, simulated on the sampled voltage.
-    """
+    """Run a detector, or the design's simulated board ahead of one that reads it, with the design's noise."""
     outcomes = []
     with compiled():
         for signal in signals:

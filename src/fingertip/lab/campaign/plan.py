@@ -91,10 +91,7 @@ class CampaignPlan:
 
 
 def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
-    """Generate the trials, then the scenes without slip; every case has its own seed.
-
-    Fewer trials than the article's 120 are spread over its surfaces and speeds.
-    """
+    """Generate the trials, spread over surfaces and speeds, then the scenes without slip, each with its seed."""
     seed = first_seed
     scenes = [scene for scene, _ in article_trials()]
     for i in range(plan.trials):

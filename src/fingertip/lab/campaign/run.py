@@ -77,10 +77,7 @@ def needs_board(*detectors: str) -> bool:
 def evaluate(
     case: Case, trace: Trace, force_n: float, detector: str, design: Design, scales: Sequence[float]
 ) -> list[TrialResult]:
-    """Run a detector on a trace and return one result for each factor of its threshold.
-
-    Where the threshold is constant, the test statistic is the same for every factor and is computed once.
-    """
+    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single run."""
     nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
     output = nominal.process(*inputs)
     constant = float(np.ptp(output.threshold_v)) == 0.0

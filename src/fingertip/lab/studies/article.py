@@ -228,10 +228,7 @@ def study_windows(
     first_seed: int = HELD_OUT_FROM,
     windows_s: Sequence[float] = WINDOWS_S,
 ) -> list[WindowResult]:
-    """Measure delay and false alarms of the detector `digital` by window length, on the same traces.
-
-    A short window takes contacts for slip; a long one is late.
-    """
+    """Measure delay and false alarms of `digital` by window length: a short one takes contacts for slip."""
     designs = [with_window(design, window_s) for window_s in windows_s]
     collected: list[list[TrialResult]] = [[] for _ in designs]
     with compiled():

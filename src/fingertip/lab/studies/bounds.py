@@ -40,6 +40,7 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, ge
 from fingertip.lab.campaign.run import run_cases, simulate_trace
 from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast_coefficients import HIGH_HZ, LOW_HZ
 from fingertip.slip.detectors.noise import input_noise_v, mean_quantised_noise_v
 
 ALARMS_PER_MINUTE = 0.1
@@ -58,16 +59,13 @@ def compute_bounds_s(
     first_seed: int = HELD_OUT_FROM,
     change: Callable[[SceneFile], SceneFile] = lambda scene: scene,
 ) -> list[float]:
-    """Compute the bound on the mean delay of each slip of some trials [s].
-
-    Each scene is changed first. The bound is infinite where the information never suffices.
-    """
+    """Compute the bound on the mean delay of each slip [s], infinite where the information never suffices."""
     detector = design.detector
     noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
     settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
     reference = FastDetector(settings)
-    low_hz, high_hz = reference.band_hz
-    rate, width, noise = settings.sample_rate_hz, high_hz - low_hz, reference.noise_energy_v2
+    rate, width = settings.sample_rate_hz, HIGH_HZ - LOW_HZ
+    noise = reference.coefficients.wide_share * settings.noise_v**2  # mean power in the wide band [V^2]
     required = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
     tables = design.model_dump()
     tables["detector"]["adc_bits"] = 24

@@ -117,10 +117,7 @@ class Variation:
         return SceneFile(**_apply(scene.model_dump(), changes)) if changes else scene
 
     def vary_design(self, design: Design) -> Design:
-        """Return a design with the changes of its parameters.
-
-        The threshold changes by the same ratio as the one that the design's noise allows, as a user would set it.
-        """
+        """Return a changed design; its threshold changes by the same ratio as the noise-derived one."""
         changes = {name: to for name, to in self.changes.items() if not name.startswith(_SCENE)}
         if not changes:
             return design

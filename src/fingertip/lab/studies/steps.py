@@ -179,10 +179,7 @@ def study_sampling_rates(
     first_seed: int = HELD_OUT_FROM,
     rates_hz: Sequence[float] = RATES_HZ,
 ) -> list[SamplingRateResult]:
-    """Run the same cases at each rate, and at the design's own rate if it is another.
-
-    Rates that the design cannot have are omitted.
-    """
+    """Run the same cases at each rate that the design can have, and at its own."""
     plan, results = CampaignPlan(trials, negative_minutes), []
     for rate in sorted({*rates_hz, design.detector.sample_rate_hz}):
         try:

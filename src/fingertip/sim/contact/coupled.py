@@ -77,10 +77,7 @@ class CoupledMotion:
 
 
 class CoupledContact:
-    """A pad under a drive that comes in chunks; any chunks give the bits of `integrate`.
-
-    It begins at standstill, in balance with the pressing force of the first sample. Raises TraceError.
-    """
+    """A pad under a drive in any chunks, from standstill in balance with the first force. Raises TraceError."""
 
     def __init__(
         self,

@@ -183,10 +183,7 @@ class ContactResonance:
         self._lag, self._step_s, self._state = 2 * zeta / w, h, np.zeros(3)
 
     def process(self, drive_n: Array, load_n: Array, jump_n: Array | None = None) -> Array:
-        """Return the contact force [N] under a drive [N]; the finger touches where the load is above 0.
-
-        A drive may jump by `jump_n` right after the previous point.
-        """
+        """Return the contact force [N]. A drive may jump by `jump_n` [N] right after the previous point."""
         out = np.zeros(len(drive_n))
         jumps = np.zeros(len(drive_n)) if jump_n is None else jump_n
         _resonate(self._free, self._lag, self._step_s, drive_n, jumps, load_n, self._state, out)

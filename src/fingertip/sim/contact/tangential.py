@@ -65,10 +65,7 @@ class PadMotion:
 
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:
-    """Longest step that resolves the oscillation of a stuck pad on its bristles [s].
-
-    Bristles and mount are springs in parallel, so the pad turns by ``sqrt((k + N sigma0) / m)`` radians per second.
-    """
+    """Longest step for a stuck pad, which turns by ``sqrt((k + N sigma0) / m)`` radians per second [s]."""
     stiffness = mount.stiffness_n_per_m + max_load_n * friction.sigma0
     return MAX_PHASE * math.sqrt(mount.mass_kg / stiffness) if stiffness > 0.0 else math.inf
 

@@ -66,10 +66,7 @@ class MotionPlan:
 
 
 def thumb_force_n(scene: ManipulationFile, margin: float) -> float:
-    """Force of the thumb for a margin over the force that just holds the weight [N].
-
-    Thumb and opposing fingers press with the same force, and friction acts on both sides.
-    """
+    """Force of the thumb for a margin over holding the weight by friction on both sides [N]."""
     grasp, mu = scene.grasp, SURFACES[scene.object.surface].friction.mu_s
     return grasp.force_n or max(grasp.min_force_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
 
@@ -214,10 +211,7 @@ class Motors:
 
 
 def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
-    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0, the cube root of a force, with Newton's method.
-
-    The function is convex, so from its first step at the latest the iteration approaches the root from above.
-    """
+    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0 with Newton's method, which converges from above."""
     if depth <= 0.0:
         return 0.0
     n = start if start > 0.0 else math.sqrt(depth / c)

@@ -27,8 +27,7 @@ ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 BLOCK = 8
 """Rows of the step matrices that one pass computes: the length of a column is a multiple of it."""
 ENVELOPE, LEVEL, OUTPUT = range(3)
-"""Indices of what a chunk carries to the next one, beside the circuit's states: envelope [V], level of the step and the
-filter's output [V]."""
+"""Indices of what a chunk carries beside the states: envelope [V], level of the step, output [V]."""
 LOG_OFF = math.log(1e-3)
 """Logarithm of the fraction of the tolerance below which the diode's charge is neglected."""
 STEPS, REJECTED, IMPLICIT = range(3)

@@ -108,10 +108,7 @@ class AnalogStream:
         """Steps taken so far, accepted and rejected."""
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
-        """Return filtered voltages and envelopes [V] at the next samples, (boards, samples) like the voltages [V].
-
-        Raises TraceError.
-        """
+        """Return filtered voltages and envelopes [V], (boards, samples) like the voltages. Raises TraceError."""
         after = voltage_v if after_v is None else after_v
         for name, rows in (("voltage_v", voltage_v), ("after_v", after)):
             raise_issues(
@@ -331,7 +328,4 @@ def _comparator_loop(
 
 
 _compare = CompiledLoop(_comparator_loop, mean_after, outputs=5, samples="envelope", plain_us=4.0)
-"""Carries mean and output to the next chunk.
-
-Fills the mean, ON or OFF, the moments at which the output changes, and their number.
-"""
+"""Carries mean and output; fills the mean, ON or OFF, and the moments of changes with their number."""

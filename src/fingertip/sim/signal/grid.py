@@ -20,8 +20,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, ShareText, describe_share
 
 BASE_HZ = 10_000.0
-"""Points per second: forces are then within 0.1 mN and envelopes within 1 mV of the limit for vanishing steps
-(docs/accuracy.md)."""
+"""Points per second: forces within 0.1 mN, envelopes within 1 mV of vanishing steps (docs/accuracy.md)."""
 _SNAP = 1e-6
 """Distance from a point, in steps, at which an instant counts as that point."""
 
@@ -62,10 +61,7 @@ def count_samples(duration_s: float, sample_rate_hz: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """Samples that a chunk of points contains.
-
-    Positions count from the last point before the chunk, or from the first point in the first chunk.
-    """
+    """Samples in a chunk of points, by positions from the last point before it, or the very first."""
 
     first: int
     """Number of samples before the chunk."""

@@ -36,7 +36,6 @@ from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast_coefficients import (
-    HIGH_HZ,
     LOW_HZ,
     FastCoefficients,
     FastModel,
@@ -175,16 +174,6 @@ class FastDetector(Detector):
     def noise_v(self) -> float:
         """White RMS noise that has the energy of the learned wide floor [V]."""
         return math.sqrt(self._state[fast_loop.FLOOR] / self.coefficients.wide_share)
-
-    @property
-    def noise_energy_v2(self) -> float:
-        """Mean power of the stated noise in the wide band [V^2]."""
-        return self.coefficients.wide_share * self.settings.noise_v**2
-
-    @property
-    def band_hz(self) -> tuple[float, float]:
-        """Edges of the wide band [Hz]."""
-        return LOW_HZ, HIGH_HZ
 
     @classmethod
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:

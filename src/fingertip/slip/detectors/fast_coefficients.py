@@ -154,10 +154,7 @@ def design_filters(sample_rate_hz: float) -> FastFilters:
 
 
 def design_board_filter(sample_rate_hz: float, cutoff_hz: float) -> tuple[ThirdOrder, ThirdOrder]:
-    """Design the board's high-pass filter for a gain of 1, and the filter that restores what it takes away.
-
-    The product of both is `FastFilters.restored`: their numerators and denominators cancel.
-    """
+    """Design the board's high-pass filter for a gain of 1, and what turns it into `FastFilters.restored`."""
     first, second = board = _third_order(sample_rate_hz, cutoff_hz)
     low_first, low_second = _third_order(sample_rate_hz, RESTORED_HZ)
     gain_1, gain_2 = low_first.b0 / first.b0, low_second.b0 / second.b0

@@ -39,15 +39,13 @@ CLIP_RATIO = 4.0
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
 MOVED_TICKS = 25.0
-"""Ticks for which the force must have changed for an ON to count as begun with the change: 50 ms, later than slip of
-any strength is found."""
+"""Ticks of a change of force for an ON to count as begun with it: 50 ms, later than slip is found."""
 MOVED_WITHIN_TICKS = 50.0
 """Ticks after a change of force within which an ON counts as begun with it: 100 ms."""
 DOUBTED_TICKS = 150.0
 """Ticks after which such an ON no longer holds the floors: 0.3 s. A hand vibrates more from the grasp on."""
 UNLEARNED_RATIO = 0.03
-"""Squared coefficient of variation of the wide energy below which a long ON is a tone. Noise in a band of 100 Hz has
-0.25 behind 20 ms."""
+"""Squared coefficient of variation of the wide energy of a tone; noise in 100 Hz has 0.25 behind 20 ms."""
 DECAY_RATIO = 0.02
 """Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
 it within 34 ms, however strong the vibration was."""

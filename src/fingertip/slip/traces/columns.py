@@ -43,10 +43,7 @@ def is_value(cell: str) -> bool:
 
 
 def parse_instant(cell: str) -> datetime.datetime | None:
-    """Parse a date with time, or a time of day, as ISO 8601 writes them; None for anything else.
-
-    A time of day has an arbitrary date. Digits below a microsecond are cut off.
-    """
+    """Parse a date with time, or a time of day (then of an arbitrary date), as ISO 8601 writes them, else None."""
     text = unquote(cell)
     if ":" not in text:  # a bare date, or a whole number, which would be read as one
         return None

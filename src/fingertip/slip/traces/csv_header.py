@@ -27,8 +27,7 @@ MAX_PREAMBLE = 200
 MAX_CELLS = 10_000
 """Maximum number of columns by whose number one can be chosen."""
 MAX_SAMPLES_ABOVE = 5000
-"""Maximum number of samples above the header: a controller that runs already sends some until it repeats the header,
-which it does each second."""
+"""Maximum number of samples above the header, which a controller repeats each second."""
 NOT_TEXT = "is not a text file; a trace is a CSV file with the columns time_s,voltage_v."
 
 _SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
@@ -115,10 +114,7 @@ def _are_numbers(columns: ColumnMap) -> bool:
 
 
 def _match_numbers(line: str, columns: ColumnMap) -> tuple[tuple[str, ...], str] | None:
-    """Return names and delimiter of a line that has values in the required columns; None for any other line.
-
-    The comma comes late: in a line with another delimiter it may be a decimal comma.
-    """
+    """Match a line with values in the required columns. The comma comes late: it may be a decimal comma."""
     required = [int(columns.name_in_file(column)) for column in columns.required]
     if not 1 <= min(required) <= max(required) <= MAX_CELLS:
         return None
@@ -134,10 +130,7 @@ def _join_required(columns: ColumnMap) -> str:
 
 
 def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
-    """Split a line at the delimiter that gives the most known names; return the cells and the delimiter.
-
-    A column given by its number is one of these names, if any other is found by its name.
-    """
+    """Split a line at the delimiter that gives the most known names, by name or else by number."""
     split = {d: _normalise_case(_split_at(line, d), columns) for d in (*DELIMITERS, SPACES)}
     known = set(map(columns.name_in_file, COLUMNS))
     delimiter = max(split, key=lambda d: len(known & set(split[d])))

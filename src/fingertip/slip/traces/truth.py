@@ -37,10 +37,7 @@ class Interval:
     end_s: float
 
     def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
-        """Return whether two intervals overlap.
-
-        An interval of length 0, at a trace's last sample, overlaps one that contains its time.
-        """
+        """Return whether two intervals overlap; one of length 0, at a trace's end, overlaps one around it."""
         begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
         has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
         return begin < end or (has_zero_length and begin == end)
@@ -147,10 +144,7 @@ UNKNOWN = Origin()
 
 
 def read_origin(path: Path) -> Origin:
-    """Read what the set beside a trace says of it: a file that is listed there, and unchanged, is simulated.
-
-    Where the set holds the detection of this trace too, that says when the robot moved.
-    """
+    """Read what the manifest beside a trace, and the detection of a simulated one, say of it."""
     manifest = read_manifest(path.parent)
     if manifest is None or manifest.kind != SIGNAL.kind or not has_hash(path, manifest.files.get(path.name)):
         return UNKNOWN

@@ -130,10 +130,7 @@ def write_parquet(source: RowSource, path: Path) -> None:
 
 
 def load_pyarrow() -> tuple[Any, Any]:
-    """Load the modules pyarrow and pyarrow.parquet; call this before a long sweep, not after it.
-
-    Raises MissingLibraryError.
-    """
+    """Load pyarrow and pyarrow.parquet, before a long sweep and not after it. Raises MissingLibraryError."""
     remedy = "write CSV with --csv"
     pyarrow = extras.load("pyarrow", "--parquet", alternative=remedy)
     return pyarrow, extras.load("pyarrow.parquet", "--parquet", alternative=remedy)

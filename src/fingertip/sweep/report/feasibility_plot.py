@@ -132,10 +132,7 @@ def choose_points(count: int, max_points: int) -> NDArray[np.intp]:
 
 
 def _compute_edges(bins: Bins, log: bool) -> NDArray[np.float64]:
-    """Compute the edges of the cells, halfway between neighbours.
-
-    If each cell is one value, the outer edges are as far out as the inner ones are in.
-    """
+    """Compute the edges of the cells, halfway between neighbours; outer ones are as far from single values."""
     low, high = bins.low.astype(float), bins.high.astype(float)
     if log:
         low, high = np.log(low), np.log(high)

@@ -67,18 +67,12 @@ def to_sortable(column: Column) -> Column:
 
 
 def bin_by_count(column: Column, max_bins: int) -> Bins:
-    """Divide a column into bins with about equally many points; equal values share a bin.
-
-    With `max_bins` distinct values or fewer, each value has its own bin.
-    """
+    """Divide a column into bins with about equally many points, or one for each of few distinct values."""
     return _divide(column, max_bins, lambda _, counts: max_bins * (np.cumsum(counts) - counts / 2) / counts.sum())
 
 
 def bin_by_value(column: Column, max_bins: int) -> Bins:
-    """Divide a column into bins of equal width, or of equal ratio if a logarithmic scale suits it.
-
-    With `max_bins` distinct values or fewer, each value has its own bin.
-    """
+    """Divide a column into bins of equal width or ratio, or one for each of few distinct values."""
 
     def locate(values: Column, _: NDArray[np.intp]) -> NDArray[np.float64]:
         scale = np.log(values) if suits_log_scale(values) else values.astype(float)

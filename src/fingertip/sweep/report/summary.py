@@ -265,8 +265,7 @@ class Selection:
     front: NDArray[np.intp]
     """Rows of the Pareto front: no candidate dominates them. Ascending."""
     best: int | None
-    """Row of the front nearest to the ideal point (see `statistics.find_nearest_to_ideal`); None without a
-    candidate or an objective."""
+    """Row of the front nearest to the ideal point; None without a candidate or an objective."""
 
 
 def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:

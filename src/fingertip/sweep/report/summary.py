@@ -19,20 +19,7 @@ from fingertip.foundation.errors import DesignError
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report.statistics import (
-    AxisInfluence,
-    AxisSensitivity,
-    Column,
-    LimitingRule,
-    OutputSensitivity,
-    PointClasses,
-    classify_points,
-    compute_sensitivities,
-    find_feasible,
-    find_limiting_rules,
-    find_nearest_to_ideal,
-    find_pareto_front,
-)
+from fingertip.sweep.report import statistics
 
 _MAX_RULES = 12
 _MIN_CORRELATION = 0.1
@@ -43,19 +30,19 @@ _MIN_CORRELATION = 0.1
 class SweepSummary:
     plan: SweepPlan
     table: SweepTable
-    classes: PointClasses
-    limiting_rules: tuple[LimitingRule, ...]
-    sensitivities: tuple[OutputSensitivity, ...]
+    classes: statistics.PointClasses
+    limiting_rules: tuple[statistics.LimitingRule, ...]
+    sensitivities: tuple[statistics.OutputSensitivity, ...]
     selection: Selection
 
-    def find_sensitivity(self, output: str) -> OutputSensitivity | None:
+    def find_sensitivity(self, output: str) -> statistics.OutputSensitivity | None:
         return next((s for s in self.sensitivities if s.output == output), None)
 
 
 def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
-    classes = classify_points(table)
-    rules = find_limiting_rules(table, classes)
-    sensitivities = tuple(compute_sensitivities(table))
+    classes = statistics.classify_points(table)
+    rules = statistics.find_limiting_rules(table, classes)
+    sensitivities = tuple(statistics.compute_sensitivities(table))
     objectives = [Objective(name, 1) for name in plan.file.minimise] + [Objective(n, -1) for n in plan.file.maximise]
     return SweepSummary(plan, table, classes, rules, sensitivities, select_best(table, tuple(objectives)))
 
@@ -63,7 +50,7 @@ def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
 def to_json_data(summary: SweepSummary) -> dict[str, Any]:
     """Convert a summary to one JSON object; numbers that are not finite become null."""
     table, selection = summary.table, summary.selection
-    feasible = find_feasible(table)
+    feasible = statistics.find_feasible(table)
     return {
         "sweep": summary.plan.file.name,
         "points": summary.plan.size,
@@ -79,7 +66,12 @@ def to_json_data(summary: SweepSummary) -> dict[str, Any]:
     }
 
 
-def _to_json_object(record: LimitingRule | OutputSensitivity | AxisInfluence | AxisSensitivity) -> dict[str, Any]:
+def _to_json_object(
+    record: statistics.LimitingRule
+    | statistics.OutputSensitivity
+    | statistics.AxisInfluence
+    | statistics.AxisSensitivity,
+) -> dict[str, Any]:
     """Convert the fields of a record; `limiting_ranges` keep every digit of the axis."""
     data = {field.name: getattr(record, field.name) for field in fields(record)}
     data |= {name: _to_json_number(value) for name, value in data.items() if isinstance(value, float)}
@@ -101,7 +93,7 @@ def describe_best(summary: SweepSummary) -> str:
     selection, table = summary.selection, summary.table
     if not len(table.point):
         return "No point has been computed yet."
-    if not find_feasible(table).any():
+    if not statistics.find_feasible(table).any():
         rule = summary.limiting_rules[0]
         axis = rule.axes[0] if rule.axes else None
         remedy = example = ""
@@ -127,7 +119,7 @@ def describe_best(summary: SweepSummary) -> str:
     return f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
 
 
-def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
+def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -> str:
     """Explain why the first point of a rule is refused, with a remedy, which the rows of a sweep leave out."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
     base, changes = _split_parameters(summary.plan, summary.plan.point(int(summary.table.point[row])))
@@ -152,7 +144,7 @@ def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
     return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}
 
 
-def _describe_output(column: Column) -> dict[str, Any]:
+def _describe_output(column: statistics.Column) -> dict[str, Any]:
     finite = column[np.isfinite(column)]
     known = len(finite) > 0
     return {
@@ -171,7 +163,7 @@ def _to_json_number(value: float) -> float | None:
 
 def _format_counts(summary: SweepSummary) -> str:
     table = summary.table
-    feasible = int(find_feasible(table).sum())
+    feasible = int(statistics.find_feasible(table).sum())
     counts = {status: int(np.sum(table.status == status)) for status in STATUSES}
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
     share = f" ({format_percent(feasible / len(table.point))})" if len(table.point) else ""
@@ -179,7 +171,7 @@ def _format_counts(summary: SweepSummary) -> str:
     return f"{summary.plan.file.name}: {total}: {statuses}; {feasible} feasible{share}"
 
 
-def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
+def _format_rules(rules: Sequence[statistics.LimitingRule]) -> list[str]:
     if not rules:
         return []
     lines = ["", "limiting rule                        points   share   main axis (explained variance): limiting range"]
@@ -196,7 +188,7 @@ def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
 
 
 def _format_outputs(summary: SweepSummary) -> list[str]:
-    feasible = find_feasible(summary.table)
+    feasible = statistics.find_feasible(summary.table)
     if not feasible.any() or not summary.table.outputs:
         return []
     lines = ["", "output (feasible points)              minimum     median    maximum"]
@@ -207,7 +199,7 @@ def _format_outputs(summary: SweepSummary) -> list[str]:
     return lines
 
 
-def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[str]:
+def _format_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity]) -> list[str]:
     if not sensitivities:
         return []
     lines = [
@@ -270,7 +262,7 @@ class Selection:
 
 def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
     """Select the Pareto front of a table and its best row; of equal rows the first is the best."""
-    rows = np.flatnonzero(find_feasible(table))
+    rows = np.flatnonzero(statistics.find_feasible(table))
     if not objectives:
         return Selection(objectives, rows, 0, rows[:0], None)
     costs = np.stack([o.sign * table.outputs[o.output][rows] for o in objectives], axis=1)
@@ -278,8 +270,8 @@ def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selecti
     candidates, costs = rows[finite], costs[finite]
     if not len(candidates):
         return Selection(objectives, candidates, len(rows), candidates, None)
-    front = find_pareto_front(costs)
-    best = int(candidates[find_nearest_to_ideal(costs, front)])
+    front = statistics.find_pareto_front(costs)
+    best = int(candidates[statistics.find_nearest_to_ideal(costs, front)])
     return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
 
 

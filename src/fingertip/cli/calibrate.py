@@ -88,12 +88,10 @@ def printer(
         calibrated = fit.apply_calibration(loaded, calibration, out.stem if out else None)
     except DesignError as error:
         found = fit.find_kept(loaded, calibration, fit.CLEARANCES)
-        note = (
-            f"the calibrated design is refused; --keep {found} passes, at a printed gap smaller than the design's."
-            if found
-            else "the calibrated design is refused; change the design as the other messages say, and print its coupon."
-        )
-        refused = DesignError([*error.issues, Issue("calibration", note)])
+        remedy = "change the design as the other messages say, and print its coupon."
+        if found:
+            remedy = f"--keep {found} passes, at a printed gap smaller than the design's."
+        refused = DesignError([*error.issues, Issue("calibration", f"the calibrated design is refused; {remedy}")])
         if not console.as_json:
             console.write("\n".join(lines))
         console.print_issues(refused, data)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
 from fingertip.foundation.errors import Issue
+from fingertip.sweep.outputs import GROUPS
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
@@ -80,17 +81,7 @@ def compute_board(context: PointContext) -> OutputValues:
 
 def compute_circuit(context: PointContext) -> OutputValues:
     from fingertip.board import board_values
-    from fingertip.board.analysis.gate import (
-        BANDWIDTH,
-        CLAMP,
-        CURRENT,
-        IDLE,
-        MARGIN,
-        OFFSET,
-        PEAKING,
-        SERIES,
-        find_smallest_margin,
-    )
+    from fingertip.board.analysis import gate
 
     values = board_values(context.design)
     spread = values.threshold_spread
@@ -101,14 +92,14 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "vibration_peak_v": values.voltage_limits.vibration_peak_v,
         "bridge_amplifier_margin_v": values.voltage_limits.bridge_amplifier_margin_v,
         "filter_load_ohm": values.filter_load_ohm,
-        "gate_margin": find_smallest_margin(values.gate),
-        "output_current_margin": find_smallest_margin(values.gate, CURRENT),
-        "offset_margin": find_smallest_margin(values.gate, OFFSET),
-        "gain_bandwidth_margin": find_smallest_margin(values.gate, BANDWIDTH),
-        "phase_margin_deg": min(c.value for c in values.gate if c.name == MARGIN),
-        "peaking_db": max(c.value for c in values.gate if c.name == PEAKING),
-        "adc_margin": find_smallest_margin(values.gate, IDLE, CLAMP),
-        "odd_capacitors": max(c.value for c in values.gate if c.name == SERIES),
+        "gate_margin": gate.find_smallest_margin(values.gate),
+        "output_current_margin": gate.find_smallest_margin(values.gate, gate.CURRENT),
+        "offset_margin": gate.find_smallest_margin(values.gate, gate.OFFSET),
+        "gain_bandwidth_margin": gate.find_smallest_margin(values.gate, gate.BANDWIDTH),
+        "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
+        "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
+        "adc_margin": gate.find_smallest_margin(values.gate, gate.IDLE, gate.CLAMP),
+        "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
         "mean_threshold_v": spread.mean_v if spread else math.nan,
         "min_threshold_worst_v": spread.min_v if spread else math.nan,
         "max_threshold_worst_v": spread.max_v if spread else math.nan,
@@ -310,22 +301,5 @@ def _mesh(context: PointContext, part: str) -> Mesh:
 
 
 GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
-    "lengths": compute_lengths,
-    "board": compute_board,
-    "circuit": compute_circuit,
-    "noise": compute_noise,
-    "detection": compute_detection,
-    "simulation": compute_simulation,
-    "skin": compute_skin,
-    "bone": compute_bone,
-    "strength": compute_strength,
-    "walls": compute_walls,
-    "mold": compute_mold,
-    "thickness": compute_thickness,
-    "casting": compute_casting,
-    "filling": compute_filling,
-    "play": compute_play,
-    "printing": compute_printing,
-    "acceptance": compute_acceptance,
-    "checks": compute_checks,
+    group: globals()[f"compute_{group}"] for group in GROUPS
 }

@@ -289,17 +289,12 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
     rng = np.random.default_rng(seed)
     names = list(MANIPULATED_OBJECTS)
     mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
+    times = {"let_go_s": float(rng.uniform(0.1, 0.6)), "after_s": 1.0}
     scene = ManipulationFile(
         scene="manipulation",
         outputs=_select_outputs(design),
         object={"mass_kg": mass_kg, "surface": surface},
-        grasp={
-            "kind": kind,
-            "after_s": 1.0,
-            "min_margin": 1.1,
-            "max_margin": max_margin,
-            "let_go_s": float(rng.uniform(0.1, 0.6)),
-        },
+        grasp={"kind": kind, "min_margin": 1.1, "max_margin": max_margin, **times},
         knock={"speed_m_s": speed_m_s},
     )
     result = run_manipulation(design, scene, None, seed)
@@ -311,20 +306,10 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
         found = merge(intervals(result.time_s, trace.slip), STICK_S)
         slides = tuple(Slide(max(0.0, slip.onset_s - _SHEAR_S), slip.onset_s, slip.end_s) for slip in found)
         events = () if any(slide.motion_s < weight.end_s + REACTION_S for slide in slides) else (weight,)
-        lost_s = result.lost_s or np.inf
-        count = int(min(len(trace.time_s), lost_s * rate))
-        filtered_v = None if trace.filtered_v is None else trace.filtered_v[:count]
-        signals.append(
-            LabelledSignal(
-                "weight taken over",
-                rate,
-                trace.voltage_v[:count],
-                slides,
-                events,
-                weight.onset_s - _EVENT_S,
-                filtered_v=filtered_v,
-            )
-        )
+        count = int(min(len(trace.time_s), (result.lost_s or np.inf) * rate))
+        volts, filtered_v = trace.voltage_v[:count], None if trace.filtered_v is None else trace.filtered_v[:count]
+        signal = LabelledSignal("weight taken over", rate, volts, slides, events, weight.onset_s - _EVENT_S)
+        signals.append(replace(signal, filtered_v=filtered_v))
     return signals
 
 

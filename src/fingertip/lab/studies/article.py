@@ -86,9 +86,8 @@ class ProtocolStudy:
 def find_encoder_zero_s(slide: TrapezoidalMove, phase_s: float, moved_m: float) -> float:
     """Time of the first reading of the encoders at which a slide has moved by more than `moved_m` [s]."""
     first_s, next_s = encoder_band_s(slide.start_s)
-    readings = np.asarray(
-        slide.start_s + phase_s + (next_s - first_s) * np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ)), dtype=np.float64
-    )
+    numbers = np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ))
+    readings = np.asarray(slide.start_s + phase_s + (next_s - first_s) * numbers, dtype=np.float64)
     return float(readings[np.argmax(slide.position_m(readings) > moved_m)])
 
 
@@ -115,9 +114,7 @@ def study_article_protocol(
 def _with_threshold(board: Design, detector: str) -> Design:
     """Copy of a design with the threshold that the noise of what the detector reads allows."""
     level = simulate_quiescent_level(board) if detector == "analog" else noise_level(board)
-    tables = board.model_dump()
-    tables["detector"]["threshold_v"] = level.rounded_threshold_v
-    return Design(**tables)
+    return Design(**board.with_values({"detector.threshold_v": level.rounded_threshold_v}).model_dump())
 
 
 def _find_delays_s(trials: Sequence[TrialResult], moved_m: float) -> Iterator[tuple[TrialResult, float]]:
@@ -238,13 +235,12 @@ def study_windows(
             trace, force_n = simulate_trace(design, case, [WINDOW_DETECTOR])
             for results, other in zip(collected, designs, strict=True):
                 results += evaluate(case, trace, force_n, WINDOW_DETECTOR, other, [1.0])
-    pooled = [DetectorResult(1.0, tuple(results)) for results in collected]
-    return [
-        WindowResult(
-            window_s, d.detector.threshold_v, r.found_share, r.delay_s(0.5), r.delay_s(0.9), r.alarms_per_minute
-        )
-        for window_s, d, r in zip(windows_s, designs, pooled, strict=True)
-    ]
+    rows = []
+    for window_s, other, results in zip(windows_s, designs, collected, strict=True):
+        r, threshold_v = DetectorResult(1.0, tuple(results)), other.detector.threshold_v
+        delays_s = r.delay_s(0.5), r.delay_s(0.9)
+        rows.append(WindowResult(window_s, threshold_v, r.found_share, *delays_s, r.alarms_per_minute))
+    return rows
 
 
 def with_window(design: Design, window_s: float) -> Design:

@@ -115,10 +115,9 @@ def study_article_board(
     if changed == design:
         return []
     result = run_campaign(changed, plan, scales=(1.0,), first_seed=first_seed)
-    return [
-        ArticleBoardResult(
-            name, one.found_share, one.delay_s(0.5), one.delay_s(0.9), one.motion_delay_s(0.9), one.alarms_per_minute
-        )
-        for name in result.detectors
-        for one in [result.at_nominal_threshold(name)]
-    ]
+    rows = []
+    for name in result.detectors:
+        r = result.at_nominal_threshold(name)
+        delays_s = r.delay_s(0.5), r.delay_s(0.9), r.motion_delay_s(0.9)
+        rows.append(ArticleBoardResult(name, r.found_share, *delays_s, r.alarms_per_minute))
+    return rows

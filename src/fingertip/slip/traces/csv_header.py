@@ -84,7 +84,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
         is_comment = text.lstrip().startswith("#")
         text = text.lstrip().lstrip("#") if is_comment else text
         for candidate in (columns, *alternatives):
-            if _are_numbers(candidate) and not is_comment and (found := _match_numbers(text, candidate)):
+            if not is_comment and (found := _match_numbers(text, candidate)):
                 before = skipped[-1][1] if skipped else ""
                 return Header(*found, number - 1, _strip_comment(before))
             cells, delimiter = _split(text, candidate)
@@ -108,14 +108,12 @@ def _strip_comment(line: str) -> str:
     return line.lstrip("\ufeff").strip().lstrip("#").strip()
 
 
-def _are_numbers(columns: ColumnMap) -> bool:
-    """Return whether every required column is given by its number in the line."""
-    return all(columns.name_in_file(column).isdecimal() for column in columns.required)
-
-
 def _match_numbers(line: str, columns: ColumnMap) -> tuple[tuple[str, ...], str] | None:
     """Match a line with values in the required columns. The comma comes late: it may be a decimal comma."""
-    required = [int(columns.name_in_file(column)) for column in columns.required]
+    names = [columns.name_in_file(column) for column in columns.required]
+    if not all(map(str.isdecimal, names)):
+        return None
+    required = [int(name) for name in names]
     if not 1 <= min(required) <= max(required) <= MAX_CELLS:
         return None
     for delimiter in ("\t", ";", ",", SPACES):

@@ -132,10 +132,7 @@ def describe_fault(error: BaseException) -> FingertipError:
 
 
 def describe_path_error(error: OSError) -> FingertipError | None:
-    """Describe an error of the operating system that blames a path; None if it is another one.
-
-    A path that is too long, or a folder that may not be read, is no fault of the program, wherever it is met.
-    """
+    """Describe an error of the system that blames a path, which is no fault of the program; None for others."""
     if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
         return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
     reason = error.strerror or type(error).__name__
@@ -227,10 +224,7 @@ class Console:
             raise OutputError(Issue("standard output", message)) from error
 
     def print_issues(self, error: FingertipError, partial_result: Mapping[str, Any] | None = None) -> None:
-        """Print the issues of an error to stderr, one per line.
-
-        With --json also print them to stdout as one object, together with the result found before the error.
-        """
+        """Print the issues of an error to stderr; with --json also to stdout, with what was found before."""
         self._display.clear()
         for issue in error.issues[:_MAX_PRINTED]:
             print(f"error: {issue}", file=sys.stderr)
@@ -248,10 +242,7 @@ _LAST_COLUMN = re.compile(r"^(.*\S {2,})\S")
 
 
 def fit_width(text: str, width: int) -> str:
-    """Break the lines of a text that are longer than a width between words.
-
-    The rest of a table's row stands below its last column if that leaves room for words, else two columns further in.
-    """
+    """Break long lines between words; the rest of a table's row stands below its last column."""
     lines = []
     for line in text.split("\n"):
         if len(line) <= width or width < MIN_WIDTH:

@@ -131,10 +131,7 @@ def adapt_detector(
     rate_hz: float,
     prefix: str = "",
 ) -> Design:
-    """Adapt a design to another sampling rate for one detector, and report what changes.
-
-    Raises TraceError for NaN and infinity, with which no design can be computed, and DesignError for other wrong rates.
-    """
+    """Adapt a design to a rate for one detector, and report it. Raises TraceError or DesignError."""
     if not math.isfinite(rate_hz):
         message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
         raise TraceError(Issue("--rate-hz", message))

@@ -69,8 +69,7 @@ GROUPS = {
 TRACES = OutputGroup(
     "traces", SIMULATION | {"scene"}, 3, frozenset({"detector.window_samples", "detector.threshold_v"})
 )
-"""Simulated trials that the detection outputs are computed from. They do not depend on the detector's window and
-threshold, so points that differ only in those share them."""
+"""Simulated trials, which points share that differ in the detector's window or threshold only."""
 
 
 @dataclass(frozen=True)

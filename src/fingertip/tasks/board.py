@@ -60,10 +60,7 @@ _MAX_DIFF_LINES = 12
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """Content of a board's files by name: KiCad project, netlist, SPICE deck, bill of materials, values and README.
-
-    The same design gives the same bytes. Raises BoardError if the values cannot be computed.
-    """
+    """Content of a board's files by name, the same for the same design. Raises BoardError."""
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
@@ -255,10 +252,7 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
 
 
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
-    """Describe how the fabrication files in a board's folder differ from those of a design; empty if they do not.
-
-    If there are none, that counts as a difference only if they are `expected`.
-    """
+    """Describe how a board's fabrication files differ from a design's; none there count only if `expected`."""
     fab = Path(folder) / FAB_FOLDER
     if not expected and not (fab / PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
         return []

@@ -192,10 +192,7 @@ def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWrite
 def _replace_subset(
     writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None, progress: Callable[[str], None]
 ) -> tuple[str, ...]:
-    """Write a set below the parts, or remove that of other parameters; return what was removed.
-
-    Files of the same parameters that end with `obsolete` and are not written again are removed too.
-    """
+    """Write a set below the parts, without older files ending with `obsolete`; return what was removed."""
     old = read_manifest(writer.folder, writer.top)
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()

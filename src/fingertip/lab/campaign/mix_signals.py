@@ -282,10 +282,7 @@ def grip_steps(design: Design, seed: int) -> list[LabelledSignal]:
 
 
 def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: float = 2.0) -> list[LabelledSignal]:
-    """Simulate a hand that takes over an object's weight, which a pin may hit: one signal for each finger.
-
-    The weight shears the pads, which is not slip, until it is: true slips are labelled as such.
-    """
+    """Simulate a hand that takes over a weight: one signal for each finger, whose shear is no slip by itself."""
     rng = np.random.default_rng(seed)
     names = list(MANIPULATED_OBJECTS)
     mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]

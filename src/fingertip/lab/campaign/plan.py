@@ -52,9 +52,7 @@ NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
     ),
     "cable": (SceneFile(scene="cable_touch", hold=_GRASP, cable={"step_v": 0.02, "hum_v": 0.005}), 0.05),
 }
-"""Cause of false alarms -> scene without slip, and its fraction of the time without slip.
-
-The scenes are those of ``params/scenes``, with their sources and assumptions."""
+"""Cause of alarms -> scene of ``params/scenes`` without slip, and its fraction of the time without slip."""
 REPORTED_SEPARATELY = ("hard tap", "motor", "cable")
 """Causes whose alarms are reported separately and not limited by a requirement.
 

@@ -26,8 +26,7 @@ VIBRATION_HZ = 30.0
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.5, 1.6, 1.8, 2.0, 2.3, 2.6, 3.0, 4.0, 6.0, 10.0)
 """Factors of each detector's threshold, from sensitive to insensitive."""
 LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
-"""Additional factors for detectors that read the board's envelope: a diode without bias passes so little noise that the
-threshold may be far below the design's."""
+"""Further factors for the board's envelope: a diode without bias passes very little noise."""
 
 
 @dataclass(frozen=True)
@@ -135,10 +134,7 @@ def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
 
 
 def measure_vibration_n(trace: Trace) -> float:
-    """Measure the RMS vibration of the true normal force from the first to the last slip [N]; NaN without slip.
-
-    What a mean over one period of `VIBRATION_HZ` follows is no vibration.
-    """
+    """Measure the RMS vibration of the normal force, beyond a period's mean, in slip [N]; NaN without slip."""
     if trace.force_n is None or trace.slip is None or not trace.slip.any():
         return math.nan
     slipping = np.flatnonzero(trace.slip)

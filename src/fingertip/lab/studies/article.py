@@ -30,8 +30,7 @@ from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 
 MOVED_M = (0.0, 1e-5, 1e-4)
-"""Motions from which on the robot counts as moving [m]: none, and the steps of a good and a common encoder. Assumption:
-the article states none."""
+"""Motions from which on the robot counts as moving [m], as a good and a common encoder show (assumption)."""
 PROMPT_S = 0.03
 """Delay below which the article counts a detection as fast [s] (IV.A)."""
 LATE_S = 0.1
@@ -154,8 +153,7 @@ def _pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[Tria
 
 SEGMENT_S = 0.512
 RESONANCES_HZ = {"embedded": 90.0, "bare": 230.0}
-"""Resonance of the pad with an embedded and with a bare sensor [Hz], as in ``params/scenes``: about where the article's
-two spectra end."""
+"""Resonance of an embedded and of a bare sensor's pad [Hz]: about where the article's spectra end."""
 _AVERAGED = 5
 
 WINDOWS_S = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1)

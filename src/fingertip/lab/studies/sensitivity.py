@@ -107,8 +107,7 @@ class Variation:
 
     label: str
     changes: Mapping[str, Change]
-    """Dotted parameter -> its value, or the factor of its value. `scene.` precedes parameters of the scene, as in a
-    sweep; the others are the design's."""
+    """Dotted parameter of the design, or of the scene after `scene.` -> its value, or the factor of its value."""
     is_realistic: bool = False
     """True for an effect that real fingers show and the trials leave out by default."""
 

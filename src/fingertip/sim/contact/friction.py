@@ -46,9 +46,7 @@ RELAX_PER_S = 1 / RELAXATION_S
 STICK_SLIP_STRIBECK_M_S = 0.06
 """Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction still falls at the article's speeds. Assumption."""
 GROSS_SLIP_M_S = 1e-3
-"""Sliding speed above which slip is gross [m/s]; slip onset is the time at which it is first exceeded.
-
-Assumption: 1/40 of the article's slowest slide."""
+"""Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +66,7 @@ class Friction:
     sigma2: float = 0.6
     """Viscous friction [s/m]. Assumption: at 8 cm/s it adds 0.05 to the coefficient."""
     elastic: float = 0.0
-    """Fraction of the deflection ``mu_c / sigma0`` up to which bristles bend elastically.
-
-    0 is plain LuGre friction, where bristles always creep."""
+    """Fraction of ``mu_c / sigma0`` up to which bristles bend elastically; 0 is plain LuGre friction."""
 
     def __post_init__(self) -> None:
         issues = [

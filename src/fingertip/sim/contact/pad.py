@@ -25,11 +25,9 @@ YOUNG_PA = 1.0e6
 POISSON = 0.5
 """Poisson's ratio: rubber is incompressible."""
 HAND_N_PER_M = 90.0
-"""Stiffness of the hand behind the finger [N/m]. In the article (III.C), target positions spread over 2 cm gave forces
-of 0.2 to 2 N."""
+"""Stiffness of the hand behind the finger [N/m]: 2 cm of target positions gave 0.2 to 2 N (article, III.C)."""
 RESONANCE_HZ = 90.0
-"""Normal resonance of the embedded fingertip at 1 N [Hz]. Its spectrum rarely exceeds 100 Hz (article, figure 2); the
-value below that is an assumption."""
+"""Normal resonance of the embedded fingertip at 1 N [Hz]. Assumption: below 100 Hz (article, figure 2)."""
 DAMPING_RATIO = 0.15
 """Damping ratio of the pad in both directions. Assumption: soft silicone has a loss factor of 0.1 to 0.4."""
 
@@ -105,10 +103,7 @@ class Pad:
 
 
 def cube_root(values: Array) -> Array:
-    """Cube root of values of at least 0, with operations that every processor rounds alike.
-
-    Newton's method for ``y^3 = x`` from the fourth root, for values from 1e-12 to 1e4; smaller ones count as 0.
-    """
+    """Cube root of values from 1e-12 to 1e4, or of 0, by Newton's method, which every processor rounds alike."""
     x = np.where(values > 1e-12, values, 1.0)
     y = np.sqrt(np.sqrt(x))
     for _ in range(9):

@@ -224,10 +224,7 @@ def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
 
 
 def approach(distance: float, h: float, lag: float, rate: float) -> float:
-    """Distance to the command after a step, for a first-order lag with limited velocity: exact, also across the limit.
-
-    A motor that is closer than `POSITION_TOLERANCE_M` stands still.
-    """
+    """Distance to the command after a step of a first-order lag with limited velocity: exact."""
     size = distance if distance >= 0.0 else -distance
     if size <= POSITION_TOLERANCE_M:
         return distance

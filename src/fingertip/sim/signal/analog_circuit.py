@@ -83,10 +83,7 @@ COMPONENTS = (
 
 @dataclass(frozen=True)
 class Diode:
-    """Shockley diode with a series resistance: ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``.
-
-    The defaults are the 1N4148 of common SPICE libraries at SPICE's nominal 27 degrees Celsius.
-    """
+    """Shockley diode ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``; by default the 1N4148 of SPICE at 27 degrees."""
 
     saturation_a: Value = SATURATION_A
     emission: Value = EMISSION

@@ -127,10 +127,7 @@ class AdcRange:
         return cls.from_design(design)
 
     def above_signal_ground(self, design: Design) -> AdcRange:
-        """The same range for voltages above the signal ground, which on a single supply lies near half of it.
-
-        Filtered signal and envelope are computed so. The controller subtracts the signal ground from its readings.
-        """
+        """The same range above the signal ground, which the controller subtracts from filtered signal and envelope."""
         ground_v = SUPPLIES[design.board.supply].signal_ground_v(design.board.supply_v)
         return replace(self, low_v=self.low_v - ground_v, high_v=self.high_v - ground_v)
 

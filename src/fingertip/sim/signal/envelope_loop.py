@@ -77,10 +77,7 @@ def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> fl
 def multiply(
     columns: Sequence[float], start: int, z: Sequence[float], width: int, rows: int, out: MutableSequence[float]
 ) -> None:
-    """Multiply the matrix that begins at `start`, stored by columns, with z; `rows` is a multiple of `BLOCK`.
-
-    Eight sums at a time do not wait for each other, and every sum keeps its order.
-    """
+    """Multiply a matrix, stored by columns, with z: eight sums at a time do not wait for each other."""
     for block in range(0, rows, BLOCK):
         a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0
         at = start + block

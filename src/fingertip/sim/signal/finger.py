@@ -75,10 +75,7 @@ class FingerDrive:
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at the instants of its converter, named as the outputs in `sim.signal.parameters`.
-
-    A signal that no output needs is None.
-    """
+    """Signals of one finger at its converter's instants, named as the outputs; None where no output needs it."""
 
     time_s: Array
     voltage_v: Array | None = None

@@ -61,10 +61,7 @@ class InterferenceSource:
 
 
 def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:
-    """Voltage that a touched cable adds [V], and its jumps: one at each end of the touch, which then decays.
-
-    A jump between two points is taken to happen at the later one. Mains hum is added during the touch.
-    """
+    """Voltage of a touched cable [V], and its jumps, each at the point that follows it; with hum in between."""
     volts, jumps = np.zeros(len(time_s)), np.zeros(len(time_s))
     begin = held_s + cable.at_s
     for moment, sign in ((begin, 1.0), (begin + cable.duration_s, -1.0)):

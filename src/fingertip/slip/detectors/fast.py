@@ -76,8 +76,7 @@ SCORE_S = 0.1
 MIN_NOISE_SHARE = 0.5
 """Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
 MIN_NOISE_V_RTHZ = 1.26e-5
-"""Smallest noise density that is taken for stated [V/sqrt(Hz)]: 0.4 mV at 2 kHz, as in training. In less noise,
-features would exceed what was trained on: a slip would look like a contact."""
+"""Smallest noise density taken for stated [V/sqrt(Hz)], that of training: a slip would look like a contact."""
 LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 LIMITED_S = 0.03

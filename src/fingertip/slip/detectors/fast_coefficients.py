@@ -111,8 +111,7 @@ SLOW_HZ = 28.0
 """Cutoff behind which the voltage follows the slow force [Hz]: just below contacts' highest frequency."""
 
 RESTORED_HZ = 15.0
-"""Cutoff to which that of the board's high-pass filter is moved in software [Hz]: well below the bands. With a lower
-one, offsets of the filtered signal and its recovery from a limit would count more."""
+"""Cutoff of the restored high-pass [Hz]: below the bands, but not so low that offsets and limits count."""
 
 ThirdOrder = tuple[FirstOrder, SecondOrder]
 

@@ -25,9 +25,7 @@ from fingertip.slip.detectors.registry import Detector, DetectorOutput
 # The energy in noise is a weighted sum of squares of independent Gaussian variables.
 
 ALARMS_PER_HOUR = 1.0
-"""False alarms from noise alone that the rule for a threshold permits.
-
-It is a sixth of the 0.1 per minute that a detector may have in all, so noise never dominates the count."""
+"""False alarms from noise alone that a threshold permits: a sixth of all that a detector may have."""
 
 
 def tail_probability(weights: Array, threshold: float) -> float:

@@ -59,11 +59,7 @@ class Header:
         return len(cells) == len(self.names) and any(cells) and all(map(_UNIT.fullmatch, cells))
 
     def count_cells(self, first: int, columns: ColumnMap) -> int:
-        """Return how many cells each line must have, given the number in the first line.
-
-        It is the number of names, or fewer where a program omits the last cells (LabVIEW's comments) and none of those
-        belongs to the trace.
-        """
+        """Return how many cells each line must have: a program may omit last ones that no column of a trace takes."""
         minimum = 1 + max(self.names.index(name) for name in map(columns.name_in_file, COLUMNS) if name in self.names)
         return first if minimum <= first < len(self.names) else len(self.names)
 

@@ -18,9 +18,7 @@ from fingertip.foundation.output_set import read_manifest
 from fingertip.foundation.output_set.writer import has_hash
 
 STICK_S = 0.05
-"""Gap up to which two true slips count as one stick-slip event [s].
-
-No hand can respond between them. The gap is the same for every detector, so all are scored on the same slips."""
+"""Gap up to which two true slips count as one [s]: no hand can respond between them, with any detector."""
 
 INCIPIENT_S = 0.007
 """Duration of incipient slip [s].
@@ -170,11 +168,7 @@ ENCODER_HZ = 100.0
 
 
 def encoder_band_s(motion_s: float) -> tuple[float, float]:
-    """Interval in which encoders first show a motion that begins at `motion_s` [s]: one of their periods.
-
-    Every picture and table takes the article's uncertainty from here. Friction in the robot and the encoders' step make
-    it later still.
-    """
+    """Interval in which encoders first show a motion that begins at `motion_s` [s]: one of their periods."""
     return motion_s, motion_s + 1 / ENCODER_HZ
 
 

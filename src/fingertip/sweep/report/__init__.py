@@ -111,10 +111,7 @@ def write_csv(source: RowSource, path: Path) -> None:
 
 
 def write_parquet(source: RowSource, path: Path) -> None:
-    """Write the columns of `write_csv` with their types, in row groups; an output that was not computed is null.
-
-    Raises MissingLibraryError or OutputError.
-    """
+    """Write the columns of `write_csv` with their types. Raises MissingLibraryError or OutputError."""
     pyarrow, parquet = load_pyarrow()
     types = {"point": pyarrow.int64()}
     types |= {axis.name: _choose_axis_type(pyarrow, axis.values, axis.integer) for axis in source.plan.axes}

@@ -125,10 +125,7 @@ def estimate_explained_variance(y: NDArray[np.float64], bins: Bins) -> float:
 
 
 def compute_null_deviation(bins: int, points: int) -> float:
-    """Compute the standard deviation of `estimate_explained_variance` for a variable without effect.
-
-    The variance between bins then follows a chi-squared distribution with bins - 1 degrees of freedom.
-    """
+    """Compute the standard deviation of that share by chance: chi-squared with bins - 1 degrees of freedom."""
     return math.sqrt(2.0 * (bins - 1)) / (points - bins)
 
 
@@ -344,10 +341,7 @@ class OutputSensitivity:
 
 
 def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
-    """Compute the sensitivity of feasibility over all points, then of every output over the feasible points.
-
-    Outputs that do not vary are left out.
-    """
+    """Compute the sensitivity of feasibility, then of every output that varies over the feasible points."""
     feasible = find_feasible(table)
     columns = {name: np.where(feasible, column, np.nan) for name, column in table.outputs.items()}
     for name, column in {FEASIBLE: feasible.astype(float), **columns}.items():

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from fingertip.design import Design
 from fingertip.foundation.comparison import Comparison
@@ -27,6 +27,7 @@ from fingertip.lab.studies.steps import study_sampling_rates, study_steps
 from fingertip.sim.contact.pad import Pad
 from fingertip.slip.detectors.registry import find_detector_type
 
+T = TypeVar("T")
 STUDY_TRIALS = 24
 """Largest number of trials in each study beside the campaign: three for each surface and object."""
 MAX_STEP_TRIALS = 60
@@ -221,40 +222,25 @@ def validate(
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
     trials = min(STUDY_TRIALS, plan.trials)
-    work.begin("bound")
-    bounds_s = compute_bounds_s(design, plan.trials, first_seed)
-    work.begin("assumptions")
-    variations = study_assumptions(design, detector, trials)
-    work.begin("time step")
-    steps = study_steps(design, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2))
-    work.begin("windows and spectra")
-    windows, spectra = study_windows(design, trials), compute_spectra(design)
-    work.begin("accelerations")
-    accelerations = study_accelerations(design, trials)
-    work.begin("sampling rates")
-    rates = study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials))
-    work.begin("boards")
-    boards = study_board_variants(design, trials)
-    work.begin("the article's board")
-    article = study_article_board(design, plan, first_seed)
-    work.begin("the article's protocol")
-    protocol = study_article_protocol(design, plan.trials, loop_repeats, first_seed)
-    work.begin("motors and knocks")
-    motor, knocks = study_motor_discrimination(design, trials), study_knock_rejection(design)
+
+    def run(stage: str, study: Callable[..., T], *arguments: Any) -> T:
+        work.begin(stage)
+        return study(design, *arguments)
+
     studies = StudyResults(
-        bounds_s=bounds_s,
-        variations=variations,
-        steps=steps,
+        bounds_s=run("bound", compute_bounds_s, plan.trials, first_seed),
+        variations=run("assumptions", study_assumptions, detector, trials),
+        steps=run("time step", study_steps, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
         patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
-        windows=windows,
-        spectra=spectra,
-        accelerations=accelerations,
-        rates=rates,
-        boards=boards,
-        article=article,
-        protocol=protocol,
-        motor=motor,
-        knocks=knocks,
+        windows=run("windows and spectra", study_windows, trials),
+        spectra=compute_spectra(design),
+        accelerations=run("accelerations", study_accelerations, trials),
+        rates=run("sampling rates", study_sampling_rates, min(2 * STUDY_TRIALS, plan.trials)),
+        boards=run("boards", study_board_variants, trials),
+        article=run("the article's board", study_article_board, plan, first_seed),
+        protocol=run("the article's protocol", study_article_protocol, plan.trials, loop_repeats, first_seed),
+        motor=run("motors and knocks", study_motor_discrimination, trials),
+        knocks=study_knock_rejection(design),
         closed_loop=summaries,
         seed_ranges=ranges,
         wider_mix=mix,

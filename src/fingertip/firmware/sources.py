@@ -34,18 +34,18 @@ def _detector_groups(design: Design) -> Iterator[Group]:
     detector, both = _start(design, None), _start(design, 0.0)
     model, c, state = load_model(), detector.coefficients, detector.state
     rate = c.sample_rate_hz
-    second = ("b0", "b1", "b2", "a1", "a2")
-    for name, keys, text in (
-        ("board_1", ("b", "a1"), "Board's high-pass filter for a gain of 1: its section of first order,"),
-        ("board", second, "and that of second order."),
-        ("restore_1", ("b0", "b1", "a1"), "Filter that moves its cutoff down: section of first order,"),
-        ("restore", second, "and of second order."),
-        ("edge", second, "Low-pass filter at the upper edge of both bands, behind it."),
-        ("upper", second, "High-pass filter at the lower edge of the upper band, behind that."),
-        ("wide", second, "High-pass filter at the lower edge of the wide band, behind that."),
-        ("slow", second, "Low-pass filter of the slow voltage, from the tactile voltage."),
+    for name, section, text in (
+        ("board_1", c.board_1, "Board's high-pass filter for a gain of 1: its section of first order,"),
+        ("board", c.board, "and that of second order."),
+        ("restore_1", c.restore_1, "Filter that moves its cutoff down: section of first order,"),
+        ("restore", c.restore, "and of second order."),
+        ("edge", c.edge, "Low-pass filter at the upper edge of both bands, behind it."),
+        ("upper", c.upper, "High-pass filter at the lower edge of the upper band, behind that."),
+        ("wide", c.wide, "High-pass filter at the lower edge of the wide band, behind that."),
+        ("slow", c.slow, "Low-pass filter of the slow voltage, from the tactile voltage."),
     ):
-        terms = {key: getattr(c, f"{name}_{key}") for key in keys}
+        # The first section's numerator is b (1 - 1/z).
+        terms = {"b": c.board_1.b0, "a1": c.board_1.a1} if name == "board_1" else section._asdict()
         yield text, {f"{name}_{key}".upper(): real(value) for key, value in terms.items()}
     yield (
         "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",

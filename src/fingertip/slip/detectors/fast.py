@@ -271,14 +271,12 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     return FastCoefficients(
-        *(board[0].b0, board[0].a1),
-        *board[1],
-        *restore[0],
-        *restore[1],
-        *filters.high_edge,
-        *filters.upper,
-        *filters.wide,
-        *filters.slow,
+        *board,
+        *restore,
+        filters.high_edge,
+        filters.upper,
+        filters.wide,
+        filters.slow,
         sample_rate_hz=rate,
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,

@@ -28,41 +28,14 @@ class FastCoefficients(NamedTuple):
     a score is smoothed; their times stand in `fast`. Scores are those of `FastModel` and of `fast`.
     """
 
-    board_1_b: float
-    board_1_a1: float
-    board_b0: float
-    board_b1: float
-    board_b2: float
-    board_a1: float
-    board_a2: float
-    restore_1_b0: float
-    restore_1_b1: float
-    restore_1_a1: float
-    restore_b0: float
-    restore_b1: float
-    restore_b2: float
-    restore_a1: float
-    restore_a2: float
-    edge_b0: float
-    edge_b1: float
-    edge_b2: float
-    edge_a1: float
-    edge_a2: float
-    upper_b0: float
-    upper_b1: float
-    upper_b2: float
-    upper_a1: float
-    upper_a2: float
-    wide_b0: float
-    wide_b1: float
-    wide_b2: float
-    wide_a1: float
-    wide_a2: float
-    slow_b0: float
-    slow_b1: float
-    slow_b2: float
-    slow_a1: float
-    slow_a2: float
+    board_1: FirstOrder
+    board: SecondOrder
+    restore_1: FirstOrder
+    restore: SecondOrder
+    edge: SecondOrder
+    upper: SecondOrder
+    wide: SecondOrder
+    slow: SecondOrder
     sample_rate_hz: float
     filtered_gain: float
     """Factor from the filtered signal to a voltage at the filter's input; 0 if the board gives no filtered signal."""

@@ -102,11 +102,11 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        p_b, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
-        e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
-        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, still_samples, short, long, tick_samples,
-        slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
-        min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
+        (p_b, _, p_a1), (h_b0, h_b1, h_b2, h_a1, h_a2), (q_b0, q_b1, q_a1), (r_b0, r_b1, r_b2, r_a1, r_a2),
+        (e_b0, e_b1, e_b2, e_a1, e_a2), (u_b0, u_b1, u_b2, u_a1, u_a2), (w_b0, w_b1, w_b2, w_a1, w_a2),
+        (s_b0, s_b1, s_b2, s_a1, s_a2), rate, filtered_gain, filtered_limit, limited_samples, still_samples,
+        short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share,
+        min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
         stay_ratio, score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]

@@ -20,7 +20,6 @@ from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.foundation.output_set.swap import hash_content
 
-"""Folder of the board within the output folder of a design."""
 _MAKE = "fingertip make DESIGN"
 COMMANDS = {
     STEPS_FOLDER: "fingertip build design.toml --out . --pictures",

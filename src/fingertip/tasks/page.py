@@ -26,6 +26,7 @@ def write_page(
         raise
     except Exception as error:  # what the manifest lists may be any file all the same
         message = f"holds files that cannot be shown ({type(error).__name__}: {error}); `fingertip make` makes others."
-        raise OutputError(Issue(str(folder), message)) from error
+        fault = " If it made these, this is a fault of fingertip: please report it."
+        raise OutputError(Issue(str(folder), message + fault)) from error
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())

@@ -291,7 +291,14 @@ def output_errors(folder: Path) -> Iterator[None]:
     """Turn errors of the operating system into an OutputError with a remedy."""
     try:
         yield
+    except FileExistsError as error:
+        raise OutputError(describe_obstacle(error, folder)) from error
     except OSError as error:
         reason = error.strerror or str(error)
         message = f"cannot be written ({reason}); choose another folder with --out."
         raise OutputError(Issue(str(folder), message)) from error
+
+
+def describe_obstacle(error: FileExistsError, folder: Path) -> Issue:
+    """Name the file or link that has a name this module needs for a moment."""
+    return Issue(str(error.filename or folder), "stands where files are put for a moment; move it away.")

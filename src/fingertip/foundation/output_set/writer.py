@@ -23,6 +23,7 @@ from fingertip.foundation.input_files import (
 )
 from fingertip.foundation.output_set.swap import (
     Content,
+    describe_obstacle,
     find_unfinished,
     hash_content,
     is_folder,
@@ -52,6 +53,8 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
             try_to_write(place, target.relative_to(place) / name)
     except PermissionError:
         yield Issue(str(_find_existing(folder)), f"may not be written; change its mode, or {remedy}.")
+    except FileExistsError as error:
+        yield describe_obstacle(error, folder)
     except OSError as error:
         path = folder if name == _NAME else folder / name
         yield Issue(str(path), f"cannot be written ({error.strerror or error}); {remedy}.")

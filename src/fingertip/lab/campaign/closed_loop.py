@@ -189,17 +189,13 @@ class ClosedLoopTrial:
 
 
 def run_closed_loop(
-    design: Design,
-    detectors: Sequence[str] = ("analog", "fast"),
-    repeats: int = 3,
-    first_seed: int = FIRST_SEED,
-    uncontrolled: bool = True,
+    design: Design, detectors: Sequence[str], repeats: int, uncontrolled: bool = True
 ) -> list[ClosedLoopTrial]:
     """Run every manipulation without control, unless `uncontrolled` is false, then with each detector."""
     trials = []
     with compiled():
         for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors):
-            for scene, seed in plan_manipulations(repeats, first_seed):
+            for scene, seed in plan_manipulations(repeats, FIRST_SEED):
                 controller = None
                 if detector != NO_CONTROL:
                     sampled = select_board_outputs(design, [detector])
@@ -285,17 +281,10 @@ def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
     for detector in dict.fromkeys(trial.detector for trial in trials):
         group = [trial for trial in trials if trial.detector == detector]
         slipped = [trial for trial in group if trial.onset_s is not None]
-        summaries.append(
-            ClosedLoopSummary(
-                detector,
-                len(group),
-                sum(trial.held for trial in group),
-                len(slipped),
-                tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None)),
-                sum(trial.reaction_s is None for trial in slipped),
-                sum(trial.false_grips for trial in group),
-                sum(trial.suppressed for trial in group),
-                sum(trial.suppressed_true for trial in group),
-            )
-        )
+        held = sum(trial.held for trial in group)
+        reactions_s = tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None))
+        unanswered = len(slipped) - len(reactions_s)
+        counts = zip(*((trial.false_grips, trial.suppressed, trial.suppressed_true) for trial in group), strict=True)
+        outcome = (len(group), held, len(slipped), reactions_s, unanswered)
+        summaries.append(ClosedLoopSummary(detector, *outcome, *map(sum, counts)))
     return summaries

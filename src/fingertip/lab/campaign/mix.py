@@ -135,20 +135,11 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
         any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in signal.events
     )
     counted = ~is_slip & (time_s >= signal.alarms_from_s)
-    return Outcome(
-        signal.kind,
-        signal.strength_v,
-        signal.duration_s / 60,
-        len(signal.slides),
-        tuple(delays),
-        tuple(motion_delays),
-        tuple(shares),
-        len(alarms),
-        tuple(alarm.onset_s for alarm in alarms),
-        len(signal.events),
-        disturbed,
-        float(np.mean(on[counted])) if counted.any() else 0.0,
-    )
+    kind, strength_v, minutes, slides = signal.kind, signal.strength_v, signal.duration_s / 60, len(signal.slides)
+    found_slips = tuple(delays), tuple(motion_delays), tuple(shares)
+    alarms_s = tuple(alarm.onset_s for alarm in alarms)
+    share, events = float(np.mean(on[counted])) if counted.any() else 0.0, len(signal.events)
+    return Outcome(kind, strength_v, minutes, slides, *found_slips, len(alarms), alarms_s, events, disturbed, share)
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:

@@ -70,19 +70,10 @@ def study_board_variants(
         design_v = changed.detector.threshold_v
         pair = run_cases(changed, cases, {"analog": (1.0, rule_v / design_v)})["analog"]
         for by_rule, threshold_v, pooled in zip((False, True), (design_v, rule_v), pair, strict=True):
-            results.append(
-                BoardResult(
-                    changed.board.variant,
-                    threshold_v,
-                    by_rule,
-                    pooled.found_share,
-                    pooled.delay_s(0.5),
-                    pooled.delay_s(0.9),
-                    pooled.share_within_30_ms,
-                    max(mean for mean, _, _ in pooled.group_delays(surface).values()),
-                    pooled.alarms_per_minute,
-                )
-            )
+            worst_s = max(mean for mean, _, _ in pooled.group_delays(surface).values())
+            found, delays_s = pooled.found_share, (pooled.delay_s(0.5), pooled.delay_s(0.9))
+            figures = (found, *delays_s, pooled.share_within_30_ms, worst_s, pooled.alarms_per_minute)
+            results.append(BoardResult(changed.board.variant, threshold_v, by_rule, *figures))
     return results
 
 

@@ -179,22 +179,15 @@ class KnockResult:
     """Fraction of the knocks that were reported as slip: alarms over knocks, at most 1."""
 
 
-def study_knock_rejection(
-    design: Design,
-    detectors: Sequence[str] = ("digital", "fast"),
-    scenes: int = 3,
-    first_seed: int = HELD_OUT_FROM,
-    forces_n: Sequence[float] = FORCES_N,
-    rises_s: Sequence[float] = RISES_S,
-) -> list[KnockResult]:
+def study_knock_rejection(design: Design, scenes: int = 3, forces_n: Sequence[float] = FORCES_N) -> list[KnockResult]:
     """Run scenes with a few knocks each, for every force and rise time."""
     scene = NEGATIVE_SCENES["hard tap"][0]
-    results, seed = [], first_seed + _SEED_OFFSET
-    for rise_s, force_n in itertools.product(rises_s, forces_n):
+    results, seed = [], HELD_OUT_FROM + _SEED_OFFSET
+    for rise_s, force_n in itertools.product(RISES_S, forces_n):
         tap = scene.tap.model_copy(update={"force_n": force_n, "rise_s": rise_s})
         cases = [Case("hard tap", scene.model_copy(update={"tap": tap}), seed + i) for i in range(scenes)]
         seed += scenes
-        for name, (found,) in run_cases(design, cases, dict.fromkeys(detectors, (1.0,))).items():
+        for name, (found,) in run_cases(design, cases, {"digital": (1.0,), "fast": (1.0,)}).items():
             alarms = sum(len(trial.alarms) for trial in found.trials)
             results.append(KnockResult(name, force_n, rise_s, min(1.0, alarms / (scenes * tap.count))))
     return results

@@ -255,16 +255,10 @@ def _run_variation(design: Design, detector: str, variation: Variation, cases: S
 
 
 def _compare(run: _VariationRun, base: _VariationRun) -> VariationResult:
-    median_s, before_s = run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
+    pooled, median_s, before_s = run.pooled, run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
     is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
-    return VariationResult(
-        run.variation.label,
-        run.variation.is_realistic,
-        run.pooled.slips,
-        run.pooled.found_share,
-        median_s,
-        median_s - before_s if is_comparable else math.nan,
-        run.pooled.alarms_per_minute,
-        median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True)),
-        median_of_known(run.vibrations_n),
-    )
+    change_s = median_s - before_s if is_comparable else math.nan
+    onset_s = median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True))
+    detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
+    label, is_realistic = run.variation.label, run.variation.is_realistic
+    return VariationResult(label, is_realistic, *detection, onset_s, median_of_known(run.vibrations_n))

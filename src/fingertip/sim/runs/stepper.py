@@ -151,19 +151,13 @@ class ManipulationStepper:
         count = len(fingers)
         rows = [*closing, *command, object_m, pin_n]
         sampled = [sampler.process(row, at) for sampler, row in zip(self._samplers, rows, strict=True)]
-        self.chunks.append(
-            HandSignals(
-                at.time_s,
-                # The velocity of the object over the pad is the opposite of a finger's own.
-                tuple(
-                    finger if finger.velocity_m_s is None else replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
-                    for finger in fingers
-                ),
-                np.stack(sampled[:count]),
-                np.stack(sampled[count : 2 * count]),
-                *sampled[2 * count :],
-            )
-        )
+        # The velocity of the object over the pad is the opposite of a finger's own.
+        turned = [
+            finger if finger.velocity_m_s is None else replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
+            for finger in fingers
+        ]
+        closing_m, command_m = np.stack(sampled[:count]), np.stack(sampled[count : 2 * count])
+        self.chunks.append(HandSignals(at.time_s, tuple(turned), closing_m, command_m, *sampled[2 * count :]))
 
     def _set_up(self, finger: int) -> FingerSetup:
         scene, name = self.scene, self.scene.fingers[finger]

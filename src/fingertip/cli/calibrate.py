@@ -256,18 +256,13 @@ def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[s
     if calibration.offset_v:
         lines.append(f"offset of the board without load: {1000 * calibration.offset_v:+.1f} mV, taken off the readings")
     lines.append(f"{'force':>8} {'sensor':>12} {'tactile voltage':>16}   95 % interval of a force read off it")
-    lines += (
-        f"{point.force_n:6.2f} N {_format_ohm(1 / point.conductance_s):>8} ohm {point.voltage_v:14.3f} V   "
-        f"{point.low_n:.2f} to {point.high_n:.2f} N"
-        for point in calibration.points
-    )
+    for point in calibration.points:
+        ohm = float(f"{1 / point.conductance_s:.4g}")  # four digits, and no power of ten
+        interval = f"{point.low_n:.2f} to {point.high_n:.2f} N"
+        resistance = f"{ohm:.0f}" if ohm >= 1000.0 else f"{ohm:.4g}"
+        lines.append(f"{point.force_n:6.2f} N {resistance:>8} ohm {point.voltage_v:14.3f} V   {interval}")
     lines.append(calibrated.force_curve.describe())
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
-
-
-def _format_ohm(resistance_ohm: float) -> str:
-    """Format a resistance with four digits, and without a power of ten."""
-    return f"{float(f'{resistance_ohm:.4g}'):.0f}" if resistance_ohm >= 1000.0 else f"{resistance_ohm:.4g}"
 
 
 def _sensor_data(calibration: SensorCalibration) -> dict[str, Any]:

@@ -72,7 +72,12 @@ def sweep(
     idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
     refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
     if outputs:
-        _list_outputs(console)
+        from fingertip.sweep.outputs import OUTPUTS
+
+        listed = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
+        lines = [f"{'output':24} {'group':10} description"]
+        lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
+        console.result({"outputs": listed}, "\n".join(lines))
         return
     if parquet is not None:
         load_pyarrow()  # a missing package is reported before the sweep, not after it
@@ -180,12 +185,3 @@ def _export(console: Console, database: SweepDatabase, csv: Path | None, parquet
         if path is not None:
             write(database, path)
             console.progress(f"wrote {path}")
-
-
-def _list_outputs(console: Console) -> None:
-    from fingertip.sweep.outputs import OUTPUTS
-
-    data = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
-    lines = [f"{'output':24} {'group':10} description"]
-    lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
-    console.result({"outputs": data}, "\n".join(lines))

@@ -190,8 +190,11 @@ class _Run:
             error = future.exception() if not future.cancelled() else CancelledError()
             if error is None:
                 self._consecutive_failures = 0
-                self._add_rows(chunk, future.result())
-                self._adapt_chunk_size(chunk, future.result())
+                self._add_rows(chunk, result := future.result())
+                # The next chunk should take `CHUNK_DURATION_S` at the pace of this one.
+                per_point_s = result.elapsed_s / len(chunk.points)
+                size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
+                self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
             elif isinstance(error, BrokenExecutor):
                 lost.append(chunk)
                 broken = True
@@ -209,12 +212,6 @@ class _Run:
         self.state.silent_s = now - self._answered_at_s
         if self.state.silent_s > STUCK_S:
             self.engine.end_if_stuck()
-
-    def _adapt_chunk_size(self, chunk: Chunk, result: ChunkResult) -> None:
-        """Choose the chunk size for `CHUNK_DURATION_S` at the pace of the latest chunk."""
-        per_point_s = result.elapsed_s / len(chunk.points)
-        size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
-        self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
 
     def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:
         values = zip(*chunk.columns.values(), strict=True)

@@ -168,7 +168,8 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
     by_identifier = {part.identifier: name for name, part in old.parts.items()}
     # Further units of a symbol have identifiers of their own, but the reference of the first.
     items = list(root.children(kind))
-    references = {by_identifier[_identifier(item)]: _reference(item) for item in items if _is_of(item, by_identifier)}
+    known = [item for item in items if _identifier(item) in by_identifier]
+    references = {by_identifier[_identifier(item)]: _reference(item) for item in known}
     changes: dict[Word, str] = {}
     changed, problems = [], []
     for name, part in new.parts.items():
@@ -222,10 +223,6 @@ def _printed_texts(root: Node) -> dict[str, Word]:
 
 def _identifier(item: Node) -> str:
     return item.word("path").rpartition("/")[2] if item.head == "footprint" else item.word("uuid")
-
-
-def _is_of(item: Node, identifiers: Mapping[str, str]) -> bool:
-    return _identifier(item) in identifiers
 
 
 def _reference(item: Node) -> str:

@@ -70,7 +70,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
         change = f"{1000 * v.change_s:+.1f} ms"
     else:
         change = "found" if math.isfinite(v.median_s) > math.isfinite(base.median_s) else "missed"
-    onset = "" if v is base else _signed_ms(v.onset_change_s)
+    onset = "" if v is base else format_ms(v.onset_change_s, "unknown", "+.1f")
     return (
         f"{format_ms(v.median_s):>10} {change:>10} {found:>14} {v.alarms_per_minute:10.2f} {onset:>10} "
         f"{format_mn(v.vibration_n):>11}  {v.label}"
@@ -101,10 +101,6 @@ def step_table(steps: StepSensitivity) -> list[str]:
 
 def _shift_ms(seconds: float) -> str:
     return format_ms(seconds, "not found")
-
-
-def _signed_ms(seconds: float) -> str:
-    return format_ms(seconds, "unknown", "+.1f")
 
 
 def format_rate(result: DetectorResult) -> str:

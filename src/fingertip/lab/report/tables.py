@@ -155,10 +155,6 @@ def _ms(seconds: float) -> str:
     return format_ms(seconds, "  missed ", "6.1f")
 
 
-def _band(delay_s: float) -> str:
-    return format_delay_band(delay_s) if math.isfinite(delay_s) else "missed"
-
-
 def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str:
     lines = [
         f"{'':17}{'since gross slip':>27} {'since motion':>21} {'p90 since motion,':>18}",
@@ -167,10 +163,12 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
     ]
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
+        p90_s = nominal.motion_delay_s(0.9)
+        band = format_delay_band(p90_s) if math.isfinite(p90_s) else "missed"
         lines.append(
             f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} {_ms(nominal.delay_s(0.9))} "
-            f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(nominal.motion_delay_s(0.9))} "
-            f"{_band(nominal.motion_delay_s(0.9)):>18} {100 * nominal.share_within_30_ms:6.1f}%"
+            f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(p90_s)} "
+            f"{band:>18} {100 * nominal.share_within_30_ms:6.1f}%"
         )
     lines.append(
         f"{'bound':8} {'':7} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms {BOUND_LABEL}"

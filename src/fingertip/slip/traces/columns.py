@@ -93,20 +93,10 @@ def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
     return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
 
 
-def _lacks_only_times(columns: ColumnMap) -> bool:
-    """Return whether all columns are given by number but that of the times, whose name is no number, such as none."""
-    others = [column for column in columns.required if column != "time_s"]
-    return (
-        "time_s" in columns.required
-        and "time_s" in columns.names
-        and not columns.names["time_s"].isdecimal()
-        and all(columns.name_in_file(column).isdecimal() for column in others)
-    )
-
-
 def suggest_numbers(count: int, columns: ColumnMap) -> str:
     """Suggest the options that read a file without a header, whose lines have `count` cells."""
-    if _lacks_only_times(columns):
+    by_name = [column for column in columns.required if not columns.name_in_file(column).isdecimal()]
+    if by_name == ["time_s"] and "time_s" in columns.names:  # such as none
         return "the file has no header and its times are left out: give the sampling rate with --rate-hz, such as 2000"
     options = [f"--column {column}={number}" for number, column in enumerate(columns.required, 1)]
     if count < len(options):

@@ -324,10 +324,8 @@ def _coupled_loop(
 
             # Stage 5.
             ts = t + step
-            ye, we = (
-                y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4,
-                w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4,
-            )
+            ye = y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4
+            we = w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4
             c1, c2, c3, c4 = C51 * per_step, C52 * per_step, C53 * per_step, C54 * per_step
             ry = we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4
             uy5 = (
@@ -388,10 +386,7 @@ def _coupled_loop(
             else:
                 rejected += 1
                 h = step * factor
-        xs[i + 1] = x
-        vs_out[i + 1] = v
-        ss[i + 1] = s
-        ys[i + 1] = y
+        xs[i + 1], vs_out[i + 1], ss[i + 1], ys[i + 1] = x, v, s, y
     carried[POSITION], carried[VELOCITY], carried[BRISTLE], carried[COMPRESSION], carried[RATE] = x, v, s, y, w
     carried[STEP] = h
     stats[ACCEPTED], stats[REJECTED] = steps, rejected

@@ -79,9 +79,12 @@ def _render_constants(design: Design) -> str:
     """Render the constants of a design as lines of C: settings and coefficients of its detector, and its converter."""
     converter, detector, both = design.detector, _start(design, None), _start(design, 0.0)
     c, state, rate = detector.coefficients, detector.state, detector.coefficients.sample_rate_hz
+    sections = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
     values: dict[str, Any] = {
         **vars(fast_loop),
         **{name.upper(): value for name, value in c._asdict().items()},
+        **{f"{name}_{key}".upper(): term for name, one in sections.items() for key, term in one._asdict().items()},
+        "BOARD_1_B": c.board_1.b0,  # its numerator is b (1 - 1/z)
         "FILTERED_GAIN": both.coefficients.filtered_gain,
         "FILTERED_LIMIT": both.coefficients.filtered_limit,
         "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",

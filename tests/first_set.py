@@ -96,7 +96,7 @@ def _count_calls(owner: Any, name: str, kind: str) -> None:
     setattr(owner, name, counted)
 
 
-_count_calls(importlib._bootstrap, "_find_and_load", "imports")  # type: ignore[attr-defined]
+_count_calls(importlib._bootstrap, "_find_and_load", "imports")
 _count_calls(CompiledLoop, "_run_first", "compilations")
 
 

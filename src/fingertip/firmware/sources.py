@@ -79,7 +79,7 @@ def _render_constants(design: Design) -> str:
     """Render the constants of a design as lines of C: settings and coefficients of its detector, and its converter."""
     converter, detector, both = design.detector, _start(design, None), _start(design, 0.0)
     c, state, rate = detector.coefficients, detector.state, detector.coefficients.sample_rate_hz
-    sections = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
+    sections: dict[str, Any] = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
     values: dict[str, Any] = {
         **vars(fast_loop),
         **{name.upper(): value for name, value in c._asdict().items()},

@@ -37,7 +37,6 @@ from fingertip.design.refusal import (
     describe_refusal,
     format_value,
     is_number,
-    round_digits,
     round_inwards,
 )
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
@@ -304,10 +303,10 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
         return issue
     others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
     if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
-        default = round_digits(PARAMETERS[name].default, 3, up=True)
+        default = PARAMETERS[name].default
         if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
-            more = f", such as {format_value(name, default)}{unit}."
-            return Issue(name, issue.message.removesuffix(".") + more)
+            return issue  # which names it as an example
+        issue = Issue(name, issue.message.partition(", such as")[0])
     at_bound = valid.with_values({name: bound})
     violations = list(find_violations(RULES, at_bound, others))
     broken = [one for one in violations if name in one.reads]

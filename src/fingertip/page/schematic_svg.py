@@ -30,7 +30,6 @@ def numbers(node: Node) -> list[float]:
 
 
 def points(node: Node) -> list[Point]:
-    """Return the points of a polygon or line."""
     return [(x, y) for x, y in (numbers(item)[:2] for item in first(node, "pts").children("xy"))]
 
 
@@ -41,7 +40,6 @@ def find_place(node: Node) -> tuple[float, float, float]:
 
 
 def is_hidden(node: Node) -> bool:
-    """Return whether a text is hidden."""
     return any(place.word("hide") == "yes" for place in (node, first(node, "effects")))
 
 
@@ -94,7 +92,6 @@ class _Ink:
 
 
 def render_schematic(sheet: Node, title: str) -> Markup:
-    """Render the schematic of a `.kicad_sch` file."""
     ink = _Ink()
     library = {symbol.words[1]: symbol for symbol in first(sheet, "lib_symbols").children("symbol")}
     for wire in sheet.children("wire"):

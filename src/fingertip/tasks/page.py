@@ -15,10 +15,7 @@ from fingertip.tasks.build import parts_writer
 def write_page(
     design: Design, out: str | Path | None = None, *, force: bool = False
 ) -> tuple[Path, int, tuple[str, ...]]:
-    """Write the page of a design beside its files, `out/NAME/index.html` by default.
-
-    Returns its size [byte]. Raises OutputError.
-    """
+    """Write the page of a design beside its files; returns its size [byte]. Raises OutputError."""
     folder = PART_FILES.folder(design) if out is None else Path(out)
     writer = parts_writer(design, folder, force)
     writer.check((PAGE,))

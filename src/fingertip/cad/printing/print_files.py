@@ -62,7 +62,7 @@ Plate = tuple[Placed, ...]
 
 
 def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float) -> tuple[Plate, ...]:
-    """Place parts [mm] on as few plates as a simple search finds, in the middle of the bed; too large ones alone."""
+    """Place parts [mm] on as few plates as a simple search finds, mid-bed; those that are too large stand alone."""
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
     best: list[list[Placed]] = []

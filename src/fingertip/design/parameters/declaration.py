@@ -161,7 +161,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "greater_than_equal":
             return Issue(field, f"{shown}{unit} is too small; at least {context['ge']:g}{unit}.")
         case "greater_than":
-            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}.")
+            example = f", such as {info.default:g}{unit}" if isinstance(info, FieldInfo) else ""
+            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}{example}.")
         case "less_than_equal":
             return Issue(field, f"{shown}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":

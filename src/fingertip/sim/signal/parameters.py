@@ -22,8 +22,7 @@ from fingertip.design.parameters.declaration import issues_from_pydantic, sugges
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 
 ACCELERATION_M_S2 = 1.0
-"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
-second. This value gives 1.04 s."""
+"""Acceleration of a move [m/s2]. Assumption: 4 cm at 4 cm/s take the article about one second, here 1.04 s."""
 
 
 @dataclass(frozen=True)

@@ -5,35 +5,14 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.circuits.network import build_network
+from fingertip.board import board_values
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import tactile_pin_transfer
-
-SAMPLE_RATES_HZ = (1000.0, 2000.0, 5000.0, 20000.0)
-
-
-@pytest.mark.parametrize("rate", SAMPLE_RATES_HZ)
-@pytest.mark.parametrize("series", ["E12", "E96"])
-def test_anti_aliasing_poles_follow_the_sample_rate(rate: float, series: str) -> None:
-    design = load_article([f"detector.sample_rate_hz={rate}", f"board.series={series}"])
-    values = board_values(design)
-    f = np.array([1.0, 50.0, rate / 4, rate / 2, rate])
-    network = build_network(board_circuit(values)).drive("TACTILE").restrict("ADC_TACTILE")
-    gains = network.response(f, {"TACTILE": 1.0}, "ADC_TACTILE")[:, 0]
-    for hz, gain in zip(f, gains, strict=True):
-        assert gain == pytest.approx(tactile_pin_transfer(float(hz), values.adc_interface), rel=1e-9)
-    # Two poles near a quarter of the sampling rate attenuate by 6 dB there; a single pole would by 3 dB.
-    assert 20 * math.log10(abs(gains[2])) == pytest.approx(-6.4, abs=0.8)
-    assert values.aliasing.tactile_nyquist_db == pytest.approx(20 * math.log10(abs(gains[3])), abs=1e-9)
-    assert values.aliasing.tactile_nyquist_db < -13
-    assert values.aliasing.nyquist_hz == rate / 2
 
 
 def test_alias_attenuation_of_the_default_board() -> None:

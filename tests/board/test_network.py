@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
@@ -23,7 +23,6 @@ from fingertip.board.analysis.response import (
 )
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
-from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, sensor_conductance_s
 from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
@@ -44,23 +43,17 @@ from tests.oracles.filter_formulas import (
     first_stage_transfer,
     ideal_cutoff_hz,
     noise_v,
-    overall_cutoff_hz,
     passband_gain,
     pole_hz,
     section_frequency_hz,
     section_quality,
-    supply_transfer,
     tactile_pin_transfer,
 )
 from tests.oracles.ideal_filter import (
-    envelope_impedance,
     ideal_filter_transfer,
-    phase_degrees,
-    second_stage_transfer,
 )
 
 ARTICLE = FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
-IDEAL = ideal_components(Board())
 FREQUENCIES = np.logspace(-1, 6, 141)
 
 cutoffs = st.floats(1e-2, 1e4)
@@ -93,20 +86,6 @@ def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
 
 
 # The article's figures and formulas
-
-
-def test_article_errata_are_errors() -> None:
-    assert round(100e3 / 1.5e3, 1) == 66.7  # R5 / R4, printed as G
-    assert 1 / math.sqrt(1200 * 4700 * 1e-6) == pytest.approx(0.42, abs=0.01)  # eq. (10) as printed, not 421 rad/s
-    assert envelope_impedance(0.0, ARTICLE) == pytest.approx(2000)  # an impedance [ohm], not a gain of 1
-    peak = max(abs(second_stage_transfer(f / 10, IDEAL)) for f in range(500, 2000))
-    assert round(decibel(peak), 2) == 1.25
-
-
-def test_ideal_values_of_the_default_design_are_the_articles() -> None:
-    assert [round(r, 1) for r in (IDEAL.r1_ohm, IDEAL.r2_ohm, IDEAL.r3_ohm)] == [2375.4, 1187.7, 4750.9]
-    assert IDEAL.r4_ohm == pytest.approx(1500, rel=1e-12)
-    assert IDEAL.r_lp_ohm == pytest.approx(2000, rel=1e-4)
 
 
 def test_network_of_the_articles_values_has_the_articles_figures(article_model: FilterModel) -> None:
@@ -144,28 +123,6 @@ def test_network_of_ideal_parts_agrees_with_the_closed_forms(
     assert section == pytest.approx((section_frequency_hz(ideal), section_quality(ideal)), rel=1e-9)
     assert float(article_model.envelope.decay_s(values)) == pytest.approx(target.envelope_decay_s, rel=1e-9)
     assert float(article_model.envelope.gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
-
-
-@pytest.mark.full
-@settings(max_examples=200)
-@given(st.floats(0.02, 50), st.floats(0.2, 40))
-def test_overall_cutoff_is_the_highest_half_power_frequency(first_pole: float, quality: float) -> None:
-    """The closed form that other tests rely on."""
-
-    def power(f: float) -> float:
-        s = 1j * f
-        return abs(s / (s + first_pole) * s * s / (s * s + s / quality + 1)) ** 2
-
-    cutoff = overall_cutoff_hz(first_pole, 1.0, quality)
-    assert power(cutoff) == pytest.approx(0.5, rel=1e-9)
-    assert all(power(cutoff * 1.01**i) > 0.5 for i in range(1, 1200))
-
-
-def test_ideal_filter_blocks_direct_current_and_passes_high_frequencies() -> None:
-    assert ideal_filter_transfer(0.0, ARTICLE) == 0
-    assert decibel(0.0) == -math.inf
-    assert abs(ideal_filter_transfer(1e9, ARTICLE)) == pytest.approx(1 + 100 / 1.5, rel=1e-9)
-    assert phase_degrees(ideal_filter_transfer(1e-3, ARTICLE)) == pytest.approx(-90, abs=0.01)  # s^3
 
 
 # Frequency response as built, in its three forms: equations, polynomials and states
@@ -228,15 +185,6 @@ def state_response(system: StateSpace, net: str) -> Array:
     row, s = system.rows[net], 2j * math.pi * FREQUENCIES
     states = np.linalg.solve(s[:, None, None] * np.eye(n) - system.A, system.B.astype(complex))[:, :, 0]
     return np.asarray(states @ row[:n] + row[n])
-
-
-def test_products_of_a_coefficient_never_cancel() -> None:
-    """All products of a coefficient are positive, so that it is exact to rounding."""
-    for name in BOARD_CONFIGURATIONS:
-        model = model_filter(load(name)[1], name.startswith("article"))
-        for stage in (*model.ideal, *model.as_built, model.envelope.stage):
-            for polynomial in (stage.numerator, stage.denominator):
-                assert all(factor > 0 for products in polynomial for factor, _ in products)
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
@@ -316,41 +264,6 @@ def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) 
     assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=max(tolerance, 0.01))
 
 
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
-    """The formula has no ripple in VMID, of which C21 leaves a little.
-
-    On a board for 3.3 V all ripple is what C21 and C23 leave: the bridge lies between VREF and VMID, and its ends are
-    those of the sensor's range.
-    """
-    design, _ = load(name)
-    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
-
-    def excitation(f_hz: float) -> complex:
-        if "3v3" not in name:
-            return 1.0
-        dividers = (0.8, 24e3), (44.2 / 99.1, 54.9e3 * 44.2e3 / 99.1e3)
-        vref, vmid = (ratio / (1 + 2j * math.pi * f_hz * ohm * 10e-6) for ratio, ohm in dividers)
-        return vref - vmid
-
-    def gain(f_hz: float, force_n: float) -> float:
-        pole = 1 + 1j * f_hz * values.bridge.gain / AD623_BANDWIDTH_HZ
-        chain = filter_transfer(
-            f_hz, values.preferred, gbw, values.first_stage_capacitors, CATALOGUE[values.amplifier].input_f
-        )
-        return abs(
-            supply_transfer(values.bridge, f_hz, sensor_conductance_s(force_n)) * excitation(f_hz) / pole * chain
-        )
-
-    tolerance = 0.002 if name.endswith("split") else 0.02
-    f = np.geomspace(30, 1e5, 2000).tolist()
-    largest = {
-        force_n: max(gain(f_hz, force_n) for f_hz in f) for force_n in ((0.0, 20.0) if "3v3" in name else (0.0,))
-    }
-    assert values.supply_ripple.gain == pytest.approx(max(largest.values()), rel=tolerance)
-    assert values.supply_ripple.force_n == max(largest, key=largest.__getitem__)
-
-
 @pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
 def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     """What remains is the finite gain of the amplifiers, 1e-5."""
@@ -362,6 +275,7 @@ def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     assert offset.max_v == pytest.approx(amplifier.max_offset_v * math.fsum(map(abs, conducting)), rel=1e-4)
     assert offset.min_v == pytest.approx(-amplifier.max_offset_v * math.fsum(map(abs, blocked)), rel=1e-4)
     assert offset.typical_v == pytest.approx(amplifier.offset_v * math.hypot(*conducting), rel=1e-4)
+    assert offset.max_low_offset_v < 0.05 * 0.017
 
 
 @pytest.mark.full
@@ -430,12 +344,6 @@ def test_charges_that_determine_each_other_are_refused() -> None:
     circuit = passive_circuit(R1=("1k", "VCC", "A"), C1=("1u", "A", "B"), R2=("1k", "B", "GND"))
     with pytest.raises(np.linalg.LinAlgError):
         assert build_network(circuit).state_space
-
-
-def test_polynomials_have_no_more_coefficients_than_their_degree() -> None:
-    """(1 + s) (1 + 2 s) = 1 + 3 s + 2 s^2."""
-    product = multiply([Rational([1.0, 1.0], [4.0]), Rational([1.0, 2.0], [1.0, 0.5])])
-    assert product == Rational([1.0, 3.0, 2.0], [4.0, 2.0])
 
 
 def test_determinants_multiply_the_factors_of_their_terms() -> None:

@@ -176,20 +176,6 @@ def _tactile_density_squared(bridge: Bridge, f_hz: float) -> float:
     return gain**2 * (arm + reference + amplifier + gain_resistor) / pole
 
 
-def supply_transfer(bridge: Bridge, f_hz: float, sensor_s: float = 0.0) -> complex:
-    """Transfer function from the supply to the tactile voltage at f [Hz], for a conductance of the sensor [S].
-
-    VMID of a single supply is assumed to be free of ripple.
-    """
-    top, shunt, reference = (
-        bridge.sensor_top_ohm,
-        1 / (1 / bridge.sensor_shunt_ohm + sensor_s),
-        bridge.reference_bottom_ohm / (bridge.reference_top_ohm + bridge.reference_bottom_ohm),
-    )
-    delay = 1.0 + 2j * math.pi * f_hz * SENSOR_FILTER_F * top * shunt / (top + shunt)
-    return bridge.gain * (shunt / (top + shunt) / delay - reference)
-
-
 def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Gains of the offsets of Sallen-Key stage, rectifier and envelope: with the positive diode on, and off.
 

@@ -160,6 +160,8 @@ REFUSED = {
     "board.envelope_cutoff_hz=10000": (
         "board.envelope_cutoff_hz board.envelope_capacitor_uf detector.sample_rate_hz", "at most 382 Hz",
     ),
+    "board.capacitor_series=E6 board.cutoff_hz=0.003": ("board.cutoff_hz", "at least 0.003184 Hz"),
+    "board.capacitor_series=E6 board.envelope_cutoff_hz=0.001": ("board.envelope_cutoff_hz", "at least 0.001592 Hz"),
     "board.passband_gain=1.001": ("board.passband_gain board.r5_ohm", "board.passband_gain="),
     "board.passband_gain=2": ("board.r5_ohm", "leaves 9 degrees of phase margin"),
     "board.passband_gain=2 board.r5_ohm=1e7": ("board.r5_ohm", "leaves 1 degrees of phase margin"),

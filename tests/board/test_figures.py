@@ -70,10 +70,3 @@ def test_no_figure_has_an_exponent_where_gain_and_steps_are_large() -> None:
     assert [format_ohm(value) for value in (4.7, 6800.0, 1.1e6)] == ["4.7 ohm", "6.8 kohm", "1.1 Mohm"]
     assert "a step of the ADC (13 mV) is 110 uV" in notes, "3.3 V / 256, over 115"
     assert not re.findall(r"\de[+-]\d", notes)
-
-
-def test_order_form_asks_for_a_usual_board() -> None:
-    """1.6 mm thick, of 35 um of copper, and with a ring of 0.15 mm around each via: more than houses ask extra for."""
-    form = readme(Design())
-    for row in ("layers | 2", "thickness | 1.6 mm", "copper | 1 oz (35 um) outside", "vias | 0.6 mm, drill 0.3 mm"):
-        assert f"| {row} |" in form

@@ -18,10 +18,8 @@ from fingertip.board.components.selection import (
     select_resistors,
     values_in_range,
 )
-from fingertip.board.components.values import select_components
 from fingertip.design.formulas.filter import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
-from tests.designs import load_article
 
 
 def ideal_ohm(cutoff_hz: float, capacitor_uf: float = 1.0) -> tuple[tuple[float, float, float], FilterComponents]:
@@ -76,12 +74,6 @@ def test_deviations_fall_by_half(series: str) -> None:
     assert max(apart) > apart_db
     assert max(together) < together_db
     assert np.quantile(together, 0.9) < most_db < np.quantile(apart, 0.9)
-
-
-def test_the_articles_values_are_both_choices() -> None:
-    for choice in ("joint", "apart"):
-        values = select_components(load_article([f"board.resistor_choice={choice}"])).preferred
-        assert (values.r1_ohm, values.r2_ohm, values.r3_ohm) == (2400.0, 1200.0, 4700.0)
 
 
 @pytest.mark.parametrize("cutoff", [33.0, 80.0, 140.0])

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from xml.etree import ElementTree
 
 import pytest
 
 from fingertip import Design
 from fingertip.board import board_circuit, board_values
-from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.table import (
     PlugWire,
     count_wires,
     find_plug_wire,
-    group_plug_wires,
     list_connectors,
     list_mating_parts,
 )
@@ -54,18 +51,6 @@ def test_every_connector_has_its_plug_with_a_number_or_a_reason(name: str) -> No
             assert int(re.findall(r"-(?:0)?(\d+)", housing.part.number)[0]) == len(pins)
             assert (housing.count(len(pins)), contact.count(len(pins))) == (1, len(pins))
             assert lead.count(len(pins)) == len(pins) // 2
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_wiring_diagram_states_the_wires_of_the_plugs(name: str) -> None:
-    design = load_article(BOARD_CONFIGURATIONS[name].changes)
-    circuit = board_circuit(board_values(design))
-    root = ElementTree.fromstring(wiring_diagram(circuit, design.board.supply_v, design.name))
-    text = " ".join(element.text or "" for element in root.iter())
-    wires = group_plug_wires(circuit)
-    assert bool(wires) == name.endswith("3v3")
-    for wire, references in wires.items():
-        assert f"Wires of {' and '.join(references)} ({wire.series} plug): {wire.description}." in text
 
 
 @pytest.mark.parametrize(

@@ -28,16 +28,3 @@ def test_alias_attenuation_of_the_default_board() -> None:
     assert precision.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
 
 
-@pytest.mark.parametrize("name", ["article_split", "comparator_single"])
-def test_anti_aliasing_poles_of_the_spice_deck_match(board_folder: BoardFolder, tmp_path: Path, name: str) -> None:
-    folder = board_folder(*BOARD_CONFIGURATIONS[name].changes)
-    values = board_values(load_article(BOARD_CONFIGURATIONS[name].changes))
-    rows = run_ngspice(
-        tmp_path, (folder / "slip_filter.cir").read_text("utf-8"),
-        "ac dec 20 1 10k\nwrdata out vr(tactile) vi(tactile) vr(adc_tactile) vi(adc_tactile)",
-    )  # fmt: skip
-    for f, tr, ti, ar, ai in rows:
-        # The clamp's 10 pF and its leakage load the pin slightly.
-        assert complex(ar, ai) / complex(tr, ti) == pytest.approx(
-            tactile_pin_transfer(f, values.adc_interface), rel=3e-3
-        )

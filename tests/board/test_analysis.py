@@ -197,38 +197,8 @@ def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     assert float(computed.std()) > 0.8
 
 
-def table_rows(text: str, heading: str) -> dict[str, list[float]]:
-    """Figures of a table of the analysis by the words of their row, all in volts."""
-    lines = text[text.index(heading) :].splitlines()[1:]
-    units = {"uV": 1e-6, "mV": 1e-3}
-    rows = {}
-    for line in itertools.takewhile(str.strip, lines):
-        cells = re.findall(r"(\S+) (uV|mV)(?=\s|$)", line)
-        rows[re.split(r"\s{2,}", line.strip())[0]] = [float(number) * units[unit] for number, unit in cells]
-    return rows
 
 
-@pytest.mark.full
-def test_both_columns_of_noise_and_offset_are_the_computed_voltages() -> None:
-    """Numbers and units as printed: a wrong power of ten would look like a table all the same."""
-    analysis = analyse(Design(), boards=50)
-    text = analysis_text(analysis)
-    ahead = table_rows(text, "noise ahead of the rectifier")
-    for item in analysis.noise_alternatives:
-        assert item.mean_envelope_v is not None
-        assert ahead[item.change] == pytest.approx([item.filtered_v, item.mean_envelope_v], abs=0.51e-5)
-        assert 5e-4 < item.filtered_v < 0.05
-    assert ahead["threshold of the detector"] == pytest.approx([Design().detector.threshold_v])
-    noise, offset = table_rows(text, "RMS noise"), table_rows(text, "offset       ")
-    for item in analysis.noise[:6]:
-        assert noise[item.cause] == pytest.approx(item.volts, rel=0.006)
-    assert noise["total"] == pytest.approx(analysis.noise_total_v, rel=0.006)
-    for item in analysis.offset:
-        assert offset[item.cause] == pytest.approx(item.volts, rel=0.006, abs=1e-12)
-    assert f"1 LSB of the ADC ({1e3 * analysis.aliasing.lsb_v:.3g} mV)" in text
-    assert 3.3 / 2**14 <= analysis.aliasing.lsb_v <= 3.3 / 2**10
-    assert f"A tone of {1e3 * analysis.aliasing.one_lsb_tone_v:.2g} mV (peak)" in text
-    assert f"vibrations of {1e3 * analysis.voltage_limits.vibration_peak_v:.1f} mV in the tactile voltage" in text
 
 
 def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:

@@ -47,14 +47,3 @@ def test_sized_bridge_reproduces_the_articles_voltages_within_the_sensors_limit(
     assert 0.7 * max_current_a(min(diameter_mm, 5.08)) < max(currents) <= max_current_a(diameter_mm)
 
 
-def test_resistors_of_the_bridge_are_preferred_values() -> None:
-    for series in ("E12", "E24", "E96"):
-        bridge = size_bridge(5.0, series, 5.08)
-        for ohm in (
-            bridge.sensor_top_ohm,
-            bridge.sensor_shunt_ohm,
-            bridge.reference_top_ohm,
-            bridge.reference_bottom_ohm,
-            bridge.gain_ohm,
-        ):
-            assert float(f"{ohm:e}".split("e")[0]) * (100 if series == "E96" else 10) in mantissas(series)

@@ -25,32 +25,6 @@ from tests.designs import load_article
 SH = PlugWire("JST SH", 28, 32, 0.4, 0.8, "")
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_every_connector_has_its_plug_with_a_number_or_a_reason(name: str) -> None:
-    design = load_article(BOARD_CONFIGURATIONS[name].changes)
-    circuit = board_circuit(board_values(design))
-    readme = board_files(design)[README].decode()
-    connectors = list(list_connectors(circuit))
-    assert [connector.reference for connector in connectors] == ["J1", "J2", "J3"]
-    for connector in connectors:
-        parts = list_mating_parts(connector)
-        pins = [pin for pin in connector.symbol.pins if pin.number != "MP"]
-        assert count_wires(connector) == len(pins)
-        assert parts
-        for mating in parts:
-            assert bool(mating.part) != bool(mating.reason)
-            line = f"| {connector.reference} | {mating.count(len(pins))} | {mating.item} |"
-            assert line in readme
-            if mating.part:
-                assert f"{line} JST {mating.part.number} | {mating.part.lcsc} |" in readme
-        # A maker's housing has its number of positions, and one contact for each wire.
-        if connector.footprint.startswith("Connector_JST"):
-            housing, contact, lead = parts
-            assert housing.part
-            assert int(re.findall(r"-(?:0)?(\d+)", housing.part.number)[0]) == len(pins)
-            assert (housing.count(len(pins)), contact.count(len(pins))) == (1, len(pins))
-            assert lead.count(len(pins)) == len(pins) // 2
 
 
 @pytest.mark.parametrize(

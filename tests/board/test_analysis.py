@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-import itertools
 import json
 import math
 import random
-import re
 from pathlib import Path
 
 import numpy as np
@@ -34,11 +32,7 @@ from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
-from tests.oracles.filter_formulas import (
-    filter_transfer,
-    open_loop_transfer,
-    overall_cutoff_hz,
-)
+from tests.oracles.filter_formulas import filter_transfer, open_loop_transfer, overall_cutoff_hz
 
 VALUES = board_values(ARTICLE)
 
@@ -197,10 +191,6 @@ def test_cutoffs_of_random_boards_agree_with_ngspice(tmp_path: Path) -> None:
     assert float(computed.std()) > 0.8
 
 
-
-
-
-
 def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
     """With C1 to C3 of twice the article's tolerance the cutoff spreads almost twice as much."""
     analysis = analyse(ARTICLE, boards=2000)
@@ -215,3 +205,16 @@ def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
     stated = analyse(load_article(["board.capacitor_tolerance_percent=5"]), boards=2000)
     assert stated.spread == stated.article_spread == analysis.article_spread
     assert "the article's" not in analysis_text(stated)
+
+
+def test_alias_attenuation_of_the_default_board() -> None:
+    a = board_values(ARTICLE).aliasing
+    assert (a.band_hz, a.nyquist_hz, a.alias_hz) == (201.0, 1000.0, 1799.0)
+    assert a.lsb_v == 20 / 65536
+    # A swing of 3.5 V against a step of 0.305 mV.
+    assert a.required_db == pytest.approx(20 * math.log10(3.5 * 65536 / 20), rel=1e-12)
+    assert a.one_lsb_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.lsb_v, rel=1e-12)
+    assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
+    precision = board_values(load_article(["board.variant=precision"])).aliasing
+    envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)
+    assert precision.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)

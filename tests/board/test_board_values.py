@@ -192,6 +192,10 @@ REFUSED = {
     "board.variant=precision board.band_limit_hz=31 board.cutoff_hz=10 board.r5_ohm=2000 board.passband_gain=2": (
         "board.band_limit_hz", "requires 2.567e+06 pF across it, above 1e+06 pF; at least 79.58 Hz with this r5_ohm",
     ),
+    "board.supply=single_3v3 board.supply_v=5": ("board.supply_v", "3.6"),
+    "board.supply=single_3v3 board.supply_v=3": ("board.supply_v", ""),
+    "board.supply=single board.supply_v=3.3": ("board.supply_v", "5"),
+    "board.supply=split board.supply_v=3.3": ("board.supply_v", "5"),
     "board.supply_v=6 board.variant=precision": (
         "board.supply_v", "put 12 V across the bridge's AD623, too close to the end of its supply range; at most 5.5 V",
     ),

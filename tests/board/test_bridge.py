@@ -41,9 +41,12 @@ def test_sized_bridge_reproduces_the_articles_voltages_within_the_sensors_limit(
     # The amplifier's output reaches 0.5 V below the rail (AD623, 10 kohm load).
     assert bridge.tactile_v(0.0, supply_v) < supply_v - 0.5
     assert bridge.tactile_v(sensor_conductance_s(MAX_FORCE_N), supply_v) > 0
+    for ohm in (
+        bridge.sensor_top_ohm, bridge.sensor_shunt_ohm, bridge.reference_top_ohm, bridge.reference_bottom_ohm,
+        bridge.gain_ohm,
+    ):  # fmt: skip
+        assert float(f"{ohm:e}".split("e")[0]) * (100 if series == "E96" else 10) in mantissas(series)
     conductances = [sensor_conductance_s(f / 10) for f in range(201)]
     ground_v = signal_ground_ratio * supply_v
     currents = [g * (bridge.sensor_v(g, supply_v) - ground_v) for g in conductances]
     assert 0.7 * max_current_a(min(diameter_mm, 5.08)) < max(currents) <= max_current_a(diameter_mm)
-
-

@@ -11,12 +11,11 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
-from fingertip.board.components.bridge import AMPLIFIERS, VREF_RATIO, sensor_conductance_s
+from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.errors import DesignError
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
 from tests.designs import load_article
@@ -39,8 +38,6 @@ def test_output_connector_has_ground_between_the_signals(name: str) -> None:
     nets = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3"}
     slip = "SLIP" if name.startswith("comparator") else "GND"
     assert nets == PINS | {"9": slip, "MP": "GND"} | dict.fromkeys(("2", "4", "6", "8", "10"), "GND")
-
-
 
 
 RANGE_SWEEP = {
@@ -112,8 +109,6 @@ def test_ripple_of_one_millivolt_moves_the_envelope_by_less_than_a_tenth_of_the_
     assert abs(volts[0] - volts[1]) / math.pi > 0.1 * design.detector.threshold_v
 
 
-
-
 def test_tactile_voltage_falls_with_force_within_the_range() -> None:
     response = board_values(load("precision_single_3v3")).tactile_response
     volts = [response.tactile_v(sensor_conductance_s(f)) for f in (0.0, 0.2, 0.8, 1.3, 20.0)]
@@ -129,5 +124,3 @@ def test_protection_costs_less_than_a_millivolt() -> None:
     assert (6 * 0.8e-3 + 0.6e-3 + 2e-3 + 1e-3) * MAX_SWITCH_OHM < 1e-3
     switch = {pin: net for (ref, pin), net in circuit_of("precision_single_3v3").net_by_pin.items() if ref == "Q1"}
     assert switch == {"1": "GND", "2": "VCC", "3": "POWER_IN"}  # gate, source, drain
-
-

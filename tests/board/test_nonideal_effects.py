@@ -85,7 +85,3 @@ def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, va
     # On a split supply E is at ground, where the lower diode of D2 does not block. Elsewhere equal currents cancel.
     assert (shifts[0] > 0.5 * stated[0]) == (supply == "split")
     assert abs(shifts[1]) < 0.01 * stated[1]
-
-
-
-

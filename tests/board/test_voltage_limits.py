@@ -7,18 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board import board_values
 from fingertip.board.analysis.limits import (
     adc_range_warnings,
-    compute_voltage_limits,
     describe_adc_range,
     describe_filter_swing,
 )
 from fingertip.board.analysis.loads import load_warnings
-from fingertip.board.components.bridge import (
-    AMPLIFIERS,
-)
-from fingertip.board.components.values import SUPPLIES
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import (
     ARTICLE_AMPLIFIER,
@@ -26,10 +21,9 @@ from fingertip.catalogues.amplifiers import (
     LOW_VOLTAGE_AMPLIFIER,
     RAIL_TO_RAIL_AMPLIFIER,
 )
-from fingertip.design.parameters import Detector
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 
 
 def test_voltage_limits_of_both_supplies() -> None:
@@ -81,8 +75,6 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
     assert (higher_supply.filter_peak_v, higher_supply.filter_trough_v) == (4.0, 2.5)
 
 
-
-
 AMPLIFIER_OUTPUTS = {"U1a": "stage1_out", "U1b": "filtered", "U2": "tactile", "U3a": "rect_out", "U3b": "envelope"}
 
 
@@ -124,8 +116,6 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
             if variant is conducting:
                 current = values.voltage_limits.vibration_peak_v * max(row[-1] for row in rows)
                 assert load.max_current_a == pytest.approx(current, rel=0.02)
-
-
 
 
 @pytest.mark.full

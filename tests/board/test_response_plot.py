@@ -119,16 +119,6 @@ def test_command_writes_the_same_plot_twice(tmp_path: Path, suffix: str, start: 
     assert b"<dc:date>" not in data
 
 
-def test_plot_of_another_format_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    run = run_fingertip(
-        "board", "--out", tmp_path / "pcb", "--plot", tmp_path / "plot.pdf", "--bode", tmp_path / "b.txt"
-    )
-    assert run.returncode == 2
-    assert "--plot: 'plot.pdf' is of no format that is written; end it in .png or .svg." in run.stderr
-    assert "--bode: 'b.txt' is of no format that is written; end it in .csv." in run.stderr
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_figures_stand_in_the_plot(band: ResponseBand, monkeypatch: pytest.MonkeyPatch) -> None:
     require_module("matplotlib")
     texts: list[str] = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,8 @@ from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
-from fingertip.calibration.readings import Length, list_lengths, write_template
+from fingertip.calibration.readings import Length, list_lengths
 from fingertip.design import Design
-from fingertip.documents.coupon import render_instructions
 from fingertip.pictures import coupon_plan
 from fingertip.pictures.coupon_plan import draw_plan
 from fingertip.pictures.raster import Canvas
@@ -75,33 +75,12 @@ def test_lengths_and_heights_are_where_the_plan_draws_them(name: str) -> None:
         below, above = height.height_mm - 0.02, height.height_mm + 0.02
         found = [has_material(meshes[height.piece], *height.at, z) for z in (below, above)]
         assert found == [True, False], height.feature
-    for each in lengths:  # the place states the same length
+    for each in lengths:  # the place states the same length, and one that is off is found
         (x0, y0), (x1, y1) = each.ends
         assert each.nominal_mm == pytest.approx(abs(x1 - x0) + abs(y1 - y0), abs=1e-6), each.name
-
-
-def test_place_that_is_off_is_found() -> None:
-    design = Design.load(design_file("fsr400"))
-    meshes = meshes_of(design)
-    for each in list_lengths(design):
-        (x0, y0), (x1, y1) = each.ends
-        shift = (0.25, 0.0) if each.axis == "x" else (0.0, 0.25)
-        moved = tuple((x + shift[0], y + shift[1]) for x, y in ((x0, y0), (x1, y1)))
-        wrong = Length(each.name, each.nominal_mm, each.kind, each.where, (moved[0], moved[1]), each.piece)
-        assert not is_at_its_place(meshes, wrong), each.name
-
-
-def test_page_and_template_number_the_lengths_as_the_plan_does() -> None:
-    design = Design.load(design_file("fsr400"))
-    page, template = render_instructions(design, "coupon_readings.toml"), write_template(design)
-    stroke = re.search(r"their strokes, ([\d.]+) mm wide", page)
-    assert stroke
-    assert 0.4 <= float(stroke[1]) <= 5.0 * 0.8 / 6, "letters of at most 5 mm, on a grid of 6 with strokes of 0.8"
-    for number, length in enumerate(list_lengths(design), 1):
-        assert f"| {number} | `{length.name}` | {length.axis} | {length.nominal_mm:.2f} |" in page
-        assert f"{length.name} = []  # {number}: nominal" in template
-    for height in list_heights(design):
-        assert f"| {height.feature} | {height.height_mm:.2f} |" in page
+        dx, dy = (0.25, 0.0) if each.axis == "x" else (0.0, 0.25)
+        moved = replace(each, ends=((x0 + dx, y0 + dy), (x1 + dx, y1 + dy)))
+        assert not is_at_its_place(meshes, moved), each.name
 
 
 @pytest.mark.full
@@ -141,11 +120,3 @@ def test_plan_of_a_calibrated_printer_states_the_heights_of_its_files(monkeypatc
     heights = [float(found[1]) for found in (re.fullmatch(r"Z\d+: ([\d.]+)", text) for text in said) if found]
     tallest = max(mesh.vertices[:, 2].max() for mesh in meshes.values())
     assert max(heights) == pytest.approx(tallest, abs=0.006)
-
-
-def test_page_of_a_calibrated_printer_states_the_same_gap_and_the_lengths_of_its_files() -> None:
-    """A pocket 0.12 mm wider prints the gap that was asked for; 3.2 mm and 13 mm become 0.4 % more."""
-    page = render_instructions(calibrated("fsr400"), "coupon_readings.toml")
-    assert "with a gap of about 0.15 mm all round" in page
-    assert "block with the trap | 3.21 |" in page
-    assert "`slice_width_mm` | x | 13.05 |" in page

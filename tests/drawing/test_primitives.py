@@ -9,12 +9,12 @@ from xml.etree import ElementTree
 import pytest
 
 from fingertip.design.geometry.sizes import (
+    FIT,
     INNER,
     OUTER,
     Circle,
     Length,
     Tolerance,
-    general,
     nut_trap,
     size_text,
     symmetric,
@@ -102,16 +102,11 @@ def test_pdf_has_a_page_for_each_sheet_and_no_date_of_today() -> None:
     ("tolerance", "text"),
     [
         (symmetric(0.1), "±0.1"), (symmetric(0.075), "±0.07"), (Tolerance(-0.1, 0.0), "0/-0.1"),
-        (Tolerance(0.0, 0.25), "+0.25/0"), (Tolerance(-0.3, 0.195), "+0.19/-0.3"), (Tolerance(0.05, 0.2), "+0.2/+0.05"),
+        (Tolerance(-0.02, 0.02), FIT), (Tolerance(0.0, 0.25), "+0.25/0"), (Tolerance(-0.3, 0.195), "+0.19/-0.3"), (Tolerance(0.05, 0.2), "+0.2/+0.05"),
     ],
 )  # fmt: skip
 def test_tolerance_is_never_written_wider_than_it_is(tolerance: Tolerance, text: str) -> None:
     assert tolerance.text() == text
-
-
-def test_general_tolerances_are_those_of_class_m() -> None:
-    sizes = (2.0, 3.0, 6.0, 6.01, 30.0, 30.01, 120.0, 121.0)
-    assert [general(size).high for size in sizes] == [0.1, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.5]
 
 
 def test_nut_goes_into_the_narrowest_trap_and_does_not_turn_in_the_widest() -> None:

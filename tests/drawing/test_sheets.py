@@ -13,7 +13,6 @@ import pytest
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import general
-from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Styles, Text, line
@@ -124,38 +123,6 @@ def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
 
 
 @pytest.mark.full
-def test_lines_have_the_widths_of_iso_128(drawn: Drawn) -> None:
-    for part, sheet in drawn[1].items():
-        styles = {p.style for p in sheet.primitives if isinstance(p, Polyline)}
-        assert Styles.EDGE in styles
-        assert Styles.EDGE.width_mm == 0.5
-        assert Styles.HIDDEN.width_mm == 0.25
-        assert Styles.HIDDEN.dashes_mm
-        assert Styles.HIDDEN in styles, part
-        assert any(isinstance(primitive, Hatch) and any(primitive.lines()) for primitive in sheet.primitives)
-
-
-@pytest.mark.full
-def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
-    """The section at x = 0 of the mesh, by another kernel."""
-    from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.parts import PARTS
-    from fingertip.pictures.drawing.projection import project_parts
-
-    design = Design.load(design_file("fsr400"), changes=["mold.engraving_depth_mm=0"])
-    solids = {part: PARTS[part].solid(design) for part in ("bone", "mold_dorsal")}
-    views = project_parts(tuple((part, solid, ("section",)) for part, solid in solids.items()))
-    for part, solid in solids.items():
-        manifold = MeshEvaluator(0.002).manifold(solid)
-        thin = 0.01
-        slab = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0).trim_by_plane((-1.0, 0.0, 0.0), -thin)
-        spacing = 0.005
-        hatched = Hatch(views[part]["section"].cut, spacing).lines()
-        area = sum(math.dist(*each.points) for each in hatched) * spacing
-        assert area == pytest.approx(slab.volume() / thin, rel=2e-3), part
-
-
-@pytest.mark.full
 def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     require_module("reportlab")
     written = []
@@ -169,19 +136,6 @@ def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     parts = ("bone", "lid", "mold_palmar", "mold_dorsal")
     assert set(written[0]) == {*(f"drawing_{part}.svg" for part in parts), "drawing.pdf", "manifest.json"}
     assert written[0] == written[1]
-
-
-def test_missing_package_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    monkeypatch.setitem(sys.modules, "reportlab", None)
-    done = run_fingertip("drawing", design_file("fsr400"), "--out", tmp_path / "out")
-    assert done.returncode == 2
-    assert done.stderr == (
-        "error: fingertip drawing: needs the package reportlab, which is not installed; "
-        'pip install "fingertip[drawing]", or draw a picture with fingertip picture.\n'
-    )
-    assert not (tmp_path / "out").exists()
 
 
 def test_folder_of_another_design_is_refused_before_any_work(tmp_path: Path) -> None:
@@ -232,14 +186,3 @@ def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     assert all(math.dist(point, (4.0, 0.0)) == pytest.approx(0.5, abs=2e-4) for point in circle)
     area = sum(math.dist(*hatched.points) for hatched in Hatch(views["section"].cut, 0.01).lines()) * 0.01
     assert area == pytest.approx(9.0 * 4.0 - 4.0, rel=2e-3)
-
-
-def test_library_without_cadquery_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    from fingertip.pictures.drawing.draw import draw_files
-
-    monkeypatch.setitem(sys.modules, "cadquery", None)
-    monkeypatch.setitem(sys.modules, "reportlab", None)
-    with pytest.raises(MissingLibraryError, match=r'cadquery and reportlab.*"fingertip\[step,drawing\]"'):
-        draw_files(Design())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,6 @@ from fingertip.page.atlas import (
     list_changes,
     render_atlas,
 )
-from tests.conftest import run_fingertip
 from tests.page.conftest import Page
 
 
@@ -119,15 +117,6 @@ def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
     assert picture.caption in page.text
     assert not [link for link in page.attributes("href") if not link.startswith("#")]
     assert "script" not in {tag for tag, _ in page.elements}
-
-
-def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
-    done = run_fingertip("params", "--html", tmp_path / "a.png")
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: --html: 'a.png' is of no format that is written; end it in .html.")
-    done = run_fingertip("params", "--html", tmp_path)
-    assert done.returncode == 2
-    assert "is a folder" in done.stderr
 
 
 @pytest.mark.full

@@ -67,13 +67,6 @@ def count_pixels(driver: Any, rgb: tuple[int, int, int]) -> int:
 
 
 @pytest.mark.full
-def test_first_picture_comes_at_once(opened: Any) -> None:
-    """A picture is drawn without any action; `benchmarks/page.py` measures when."""
-    assert float(wait(lambda: drawn_ms(opened))) > 0.0
-    assert drawn_share(opened) > 0.15
-
-
-@pytest.mark.full
 def test_is_taken_apart_and_put_together(opened: Any) -> None:
     seen = {}
     for preset in ("finger", "closed", "opened", "apart"):

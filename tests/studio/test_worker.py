@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -70,24 +69,3 @@ def test_an_error_goes_to_who_asked_and_the_worker_goes_on() -> None:
     worker.close()
     with pytest.raises(SupersededError):
         worker.run("a", lambda wanted: 2, never)
-
-
-def test_jobs_of_clients_that_have_gone_are_dropped() -> None:
-    """One runs and one waits; both end, and the next client is served, though the waiting one never began."""
-    worker, gates, gone = NewestWinsWorker(), {name: Gate(name) for name in "abc"}, threading.Event()
-    with ThreadPoolExecutor(3) as pool:
-        running = {name: pool.submit(worker.run, name, gates[name], gone.is_set) for name in "ab"}
-        assert gates["a"].started.wait(10)
-        gone.set()
-        with pytest.raises(SupersededError):
-            running["b"].result(10)
-        while not worker._newest["a"].is_dropped:  # whoever waits for it looks now and then
-            time.sleep(0.001)
-        gates["a"].go.set()
-        with pytest.raises(SupersededError):
-            running["a"].result(10)
-        gates["c"].go.set()
-        assert worker.run("c", gates["c"], never) == "c"
-    assert not gates["b"].started.is_set()
-    assert not worker._newest
-    worker.close()

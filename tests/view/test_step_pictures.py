@@ -21,7 +21,7 @@ from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, 
 from fingertip.pictures.raster import Camera, Canvas
 from fingertip.pictures.steps import scene as drawing
 from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.pictures import SCENES, draw_steps
+from fingertip.pictures.steps.pictures import SCENES
 from fingertip.pictures.steps.scene import Arrow, Label, Scene, draw_scene
 from tests.conftest import design_file, run_fingertip, some_of
 
@@ -99,17 +99,6 @@ def test_labels_state_numbers_of_the_sheet(name: str, changes: tuple[str, ...]) 
                 assert number in page, (picture, number)
                 checked += 1
     assert checked > 5
-
-
-@pytest.mark.full
-def test_pictures_are_reproducible_and_show_the_design() -> None:
-    design, data = load("fsr400")
-    again = Design.load(design_file("fsr400"))
-    chosen = ["hold", "fill"]
-    first, second = draw_steps(design, data, chosen), draw_steps(again, data, chosen)
-    assert first == second
-    wider = draw_steps(*load("fsr400", "skin.width_mm=18"), chosen)
-    assert all(wider[name] != png for name, png in first.items())
 
 
 def test_label_points_lie_on_what_is_drawn_or_close_to_it() -> None:

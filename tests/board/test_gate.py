@@ -32,21 +32,17 @@ from fingertip.board.analysis.loads import compute_phase_margins_deg, compute_tw
 from fingertip.board.analysis.thresholds import TOLERANCES
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (
-    RECTIFIER_OHMS,
     choose_amplifier,
     compute_charging_current_a,
     compute_filter_current_a,
     compute_peaking_db,
     compute_phase_margin_deg,
-    divider,
     find_gain_bandwidth_hz,
     first_stage_feedback,
-    select_rectifier_ohm,
 )
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.foundation.errors import DesignError
@@ -126,20 +122,6 @@ def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_oh
 
 
 @pytest.mark.full
-def test_phase_margin_of_two_equal_resistors_agrees_with_the_rectifiers() -> None:
-    for amplifier in list_dual_amplifiers():
-        ohm = select_rectifier_ohm(amplifier)
-        supply = "single" if amplifier.max_supply_v < 10 else "split"
-        design = load(f"precision_{supply}", f"board.amplifier={amplifier.name}")
-        circuit = board_circuit(board_values(design))
-        network = build_network(circuit, find_gain_bandwidth_hz(design.board), conducting=["D1"])
-        expected = compute_phase_margin_deg(amplifier, divider(ohm, 0.0, ohm, amplifier.input_f))
-        assert compute_phase_margins_deg(circuit, network)["U3a"] == pytest.approx(expected, abs=0.5)
-        assert circuit.component("R15").value == circuit.component("R16").value
-        assert expected >= 45 or ohm == RECTIFIER_OHMS[-1]
-
-
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "cutoff", "capacitor"),
     [
@@ -156,20 +138,6 @@ def test_rule_and_circuit_agree_on_the_filters_current(name: str, cutoff: str, c
     allowed = 0.3e-3 if name.startswith("article") else 0.6e-3  # the envelope, or R15
     largest_a = max(found["U1a"], found["U1b"])
     assert largest_a == pytest.approx(compute_filter_current_a(design.board), rel=0.2, abs=allowed)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
-def test_current_of_the_bridges_buffer_is_that_of_both_arms(variant: str) -> None:
-    """VREF is 0.8 and VMID 44.2 / 99.1 of 3.3 V; the sensor at 20 N lies across R11."""
-    values = board_values(load(f"{variant}_single_3v3"))
-    bridge, volts = values.bridge, (0.8 - 44.2 / 99.1) * 3.3
-    sensor_ohm = 1 / (1 / bridge.sensor_shunt_ohm + sensor_conductance_s(20.0))
-    expected = volts / (bridge.sensor_top_ohm + sensor_ohm)
-    expected += volts / (bridge.reference_top_ohm + bridge.reference_bottom_ohm)
-    (found,) = (c for c in values.gate if (c.name, c.subject) == (CURRENT, "U6"))
-    assert found.value == pytest.approx(expected, rel=1e-3)
-    assert found.limit == CATALOGUE["TLV2371DBV"].output_current_a
 
 
 @pytest.mark.parametrize(("f_hz", "peak_v"), [(67.0, 2.0), (201.0, 2.0), (450.0, 3.5), (201.0, 0.5)])
@@ -292,18 +260,6 @@ def test_accepted_random_boards_hold_the_conditions_in_ngspice(tmp_path: Path, c
         return
     assert [c for c in board_values(design).gate if c.level == "required" and not c.passed] == []
     assert check_gate_in_ngspice(program, tmp_path, design).failures == []
-
-
-@pytest.mark.full
-def test_most_random_boards_are_accepted() -> None:
-    accepted = 0
-    for changes in random_changes(seed=3):
-        try:
-            load_article(changes)
-        except DesignError:
-            continue
-        accepted += 1
-    assert accepted >= 0.6 * 300
 
 
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])

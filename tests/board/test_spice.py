@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import math
 from pathlib import Path
 
 import pytest
@@ -16,7 +14,6 @@ from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.tasks.board import write_board
-from tests.board.conftest import BoardFolder
 from tests.board.ngspice import run_ngspice
 from tests.designs import load_article
 from tests.oracles.filter_formulas import filter_transfer
@@ -72,125 +69,6 @@ def test_deck_has_the_tactile_voltage_of_the_bridge(tmp_path: Path, force_n: flo
     deck = deck.replace(line, f"{' '.join(line.split()[:3])} {1 / conductance if conductance else 1e12:.10g}")
     rows = run_ngspice(tmp_path, deck, "op\nwrdata out v(tactile)")
     assert rows[0][-1] == pytest.approx(board_values(design).tactile_response.tactile_v(conductance), abs=1e-4)
-
-
-def test_first_stage_capacitors_remove_offset_gain_and_high_frequency_gain(tmp_path: Path) -> None:
-    design, deck = write_deck(tmp_path, ["board.variant=precision"])
-    values = board_values(design)
-    assert "C14 0 series 22u" in deck  # the first preferred value above 16 uF
-    assert "C20 stage1_out feedback 1.5n" in deck
-    assert values.first_stage_capacitors is not None
-    without, with_capacitors = (
-        (lambda f: filter_transfer(f, values.preferred, 3e6)),
-        (lambda f: filter_transfer(f, values.preferred, 3e6, values.first_stage_capacitors)),
-    )
-    # Both have little effect inside the passband: C14 a decade above its corner, C20 an octave below its own. C14
-    # removes the gain at DC.
-    assert abs(with_capacitors(67.0) / without(67.0)) == pytest.approx(1, abs=5e-3)
-    assert abs(with_capacitors(200.0) / without(200.0)) == pytest.approx(1, abs=0.02)
-    assert abs(with_capacitors(1e-3)) < abs(without(1e-3)) / 60
-    attenuation_db = decibel(with_capacitors(values.first_stage_capacitors.limit_hz) / without(1e3))
-    assert attenuation_db == pytest.approx(-3.0, abs=0.15)
-
-
-TONE_V, TONE_HZ, END_S, START_S, STEP_S = 1.0, 100.0, 0.06, 0.02, 2e-5
-
-
-def tone(t: float) -> float:
-    return TONE_V * math.sin(2 * math.pi * TONE_HZ * t)
-
-
-def simulate_tone(folder: Path, deck: str, removed: tuple[str, ...], ground: str) -> list[tuple[float, float]]:
-    """Times [s] and envelope above the signal ground [V] for a tone at FILTERED, without what drives that net."""
-    isolated = "\n".join(line for line in deck.splitlines() if not line.startswith(removed))
-    isolated = isolated.replace("\n.ac", f"\nVtest filtered {ground} sin(0 {TONE_V} {TONE_HZ})\n.ac") + "\n"
-    vectors = "v(envelope)" if ground == "0" else f"v(envelope) v({ground})"
-    rows = run_ngspice(
-        folder, isolated, f"tran {STEP_S} {END_S} {START_S} 5u\nlinearize {vectors}\nwrdata out {vectors}"
-    )
-    return [(t, v - sum(ground_v)) for t, v, *ground_v in rows]
-
-
-def simulate_peak_detector(until: float) -> list[tuple[float, float]]:
-    """Simulate variant article independently: an exponential diode with series resistance, R_LP parallel to C_LP.
-
-    Implicit Euler in steps of 1 us; bisection solves for the node's voltage. Slow and simple.
-    """
-    R, C, dt = 2000.0, 2.2e-6, 1e-6
-    saturation, series, thermal = 2.52e-9, 0.568, 1.752 * 8.617333e-5 * 300.15
-
-    def current(volt: float) -> float:
-        """Current through the diode and its series resistance."""
-        if volt <= 0:
-            return saturation * (math.exp(volt / thermal) - 1)
-        i = 0.0
-        low, high = 0.0, volt / series
-        for _ in range(40):
-            i = 0.5 * (low + high)
-            low, high = (i, high) if series * i + thermal * math.log1p(i / saturation) < volt else (low, i)
-        return i
-
-    v, samples = 0.0, []
-    for n in range(1, round(until / dt) + 1):
-        u = tone(n * dt)
-        low, high = min(v, u, 0.0), max(v, u)
-        if u - v < 0.2:  # off: 2 uA at most
-            v = (v + dt * current(u - v) / C) / (1 + dt / (R * C))
-        else:
-            for _ in range(25):
-                middle = 0.5 * (low + high)
-                residue = C * (middle - v) / dt + middle / R - current(u - middle)
-                low, high = (middle, high) if residue < 0 else (low, middle)
-            v = high
-        if n % 20 == 0:
-            samples.append((n * dt, v))
-    return samples
-
-
-def simulate_ideal_rectifier(until: float) -> list[tuple[float, float]]:
-    """Simulate variant precision independently: ideal rectifier and one pole, solved exactly in steps of 1 us."""
-    dt = 1e-6
-    keep, v, samples = math.exp(-dt / 4.4e-3), 0.0, []
-    for n in range(1, round(until / dt) + 1):
-        v = keep * v + (1 - keep) * max(tone((n - 0.5) * dt), 0.0)
-        if n % 20 == 0:
-            samples.append((n * dt, v))
-    return samples
-
-
-CASES = [
-    ("article", "split"), ("article", "single"), ("precision", "split"), ("comparator", "single"),
-    ("article", "single_3v3"), ("precision", "single_3v3"), ("comparator", "single_3v3"),
-]  # fmt: skip
-
-
-@functools.cache
-def simulate_envelope(is_article: bool) -> dict[int, float]:
-    """Simulate the envelope independently of ngspice: sample index -> envelope [V]."""
-    return {
-        round(t / STEP_S): v for t, v in (simulate_peak_detector if is_article else simulate_ideal_rectifier)(END_S)
-    }
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(("variant", "supply"), CASES, ids=map(" ".join, CASES))
-def test_transients_equal_an_independent_simulation(
-    board_folder: BoardFolder, tmp_path: Path, variant: str, supply: str
-) -> None:
-    """A tone drives the rectifier. On a single supply the signals are the same, relative to VMID."""
-    changes = BOARD_CONFIGURATIONS[f"{variant}_{supply}"].changes
-    deck = (board_folder(*changes) / "slip_filter.cir").read_text("utf-8")
-    # R7 and C8 load the envelope with 1 % of C_LP. Both simulations leave them out.
-    ngspice = simulate_tone(tmp_path, deck, ("XU1", "R2 ", "R7 "), "0" if supply == "split" else "vmid")
-    simulated = simulate_envelope(variant == "article")
-    pairs = [
-        (v, simulated[round(t / STEP_S)]) for t, v in ngspice if round(t / STEP_S) in simulated and t > START_S + STEP_S
-    ]
-    assert len(pairs) > 1500
-    assert max(abs(a - b) for a, b in pairs) < 5e-3
-    steady = [a for a, _ in pairs][len(pairs) // 2 :]
-    # The mean of an ideal half wave is 1/pi of its peak. The dead zone of the diode removes a quarter of it.
-    assert math.fsum(steady) / len(steady) == pytest.approx(0.24 if variant == "article" else 1 / math.pi, abs=0.01)
 
 
 @pytest.mark.full

@@ -25,7 +25,7 @@ from fingertip.calibration.sensor import (
 )
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.foundation.errors import DesignError, TraceError
+from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
 from fingertip.sim.signal.converter import compute_bridge_v
 from tests.conftest import ROOT
@@ -291,21 +291,6 @@ def test_forces_say_what_they_assume(tmp_path: Path) -> None:
     rows = [re.search(r"^ +3 N +(\d+) ohm", run("board", "article", *w, "--out", tmp_path / "d").stdout, re.MULTILINE)
             for w in ([], words)]  # fmt: skip
     assert int(rows[1][1]) > 2.5 * int(rows[0][1])
-
-
-@pytest.mark.parametrize(
-    ("change", "field"),
-    [
-        ({"turn_on_n": 1.0}, "force_curve.turn_on_n: 1 N is above the smallest force of the calibration; at most 0.5"),
-        (
-            {"max_force_n": 0.4},
-            "force_curve.max_force_n: 0.4 N is below the smallest force of the calibration; at least",
-        ),
-    ],
-)
-def test_forces_of_a_calibration_are_in_order(change: dict[str, float], field: str) -> None:
-    with pytest.raises(DesignError, match=re.escape(field)):
-        Design(force_curve=change)
 
 
 def test_command_warns_of_a_missing_reading_without_load(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
@@ -81,22 +79,6 @@ def test_lengths_and_heights_are_where_the_plan_draws_them(name: str) -> None:
         dx, dy = (0.25, 0.0) if each.axis == "x" else (0.0, 0.25)
         moved = replace(each, ends=((x0 + dx, y0 + dy), (x1 + dx, y1 + dy)))
         assert not is_at_its_place(meshes, moved), each.name
-
-
-@pytest.mark.full
-def test_plan_is_the_same_every_time_and_shows_the_scale() -> None:
-    design = Design.load(design_file("fsr400"))
-    meshes = meshes_of(design)
-    first = draw_plan(design, meshes)
-    assert first == draw_plan(design, meshes)
-    picture = np.asarray(Image.open(io.BytesIO(first)).convert("RGB")).astype(int)
-    assert picture.shape[1] == 1600
-    red = (picture == (150, 30, 20)).all(axis=2)
-    blue = (picture == (20, 60, 150)).all(axis=2)
-    assert red.sum() > 5000
-    assert blue.sum() > 500
-    fewer = draw_plan(design.with_values({"mold.filling": "gravity"}), meshes)  # no tower to measure
-    assert (np.asarray(Image.open(io.BytesIO(fewer)).convert("RGB")) == (150, 30, 20)).all(axis=2).sum() < red.sum()
 
 
 def test_plan_of_a_calibrated_printer_states_the_heights_of_its_files(monkeypatch: pytest.MonkeyPatch) -> None:

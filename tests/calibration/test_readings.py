@@ -47,14 +47,6 @@ def test_nominal_lengths_are_those_of_the_files() -> None:
     assert "is another coupon than that of fsr400" in issue
 
 
-def test_sound_readings_are_taken() -> None:
-    tables = simulate(DESIGN, 0)
-    taken = check_readings(tables, DESIGN, "r.toml")
-    assert {each.length.name for each in taken} == tables.keys() - {"coupon"}
-    tables |= {"slot_mm": []}
-    assert "slot_mm" not in {each.length.name for each in check_readings(tables, DESIGN, "r.toml")}
-
-
 @pytest.mark.parametrize(
     ("readings", "message"),
     [

@@ -1,4 +1,4 @@
-"""Silicone volumes and hardware of a mold, compared with closed forms and identities."""
+"""Silicone volumes, hardware and retention of a mold, compared with closed forms and identities."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import cavity, mold_insert
 from fingertip.cad.shapes.mold import runners
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import (
+    FRICTION,
     SiliconeVolumes,
     compute_batch,
     load_cm3,
     measure_volumes,
+    name_retention,
+    skin_pull_off_n,
     volumes_data,
 )
 from fingertip.catalogues.hardware import THREADS, select_thread
@@ -49,13 +51,6 @@ def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
     longer_vents = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
     added = 1000 * (measure(deep).runners_cm3 - measure(shallow).runners_cm3)
     assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
-
-
-@pytest.mark.full
-def test_without_shrinkage_the_cavity_has_the_volume_of_the_skin() -> None:
-    unshrunk = fsr400("mold.silicone_shrinkage_percent=0")
-    skin = MeshEvaluator(TOLERANCE_MM).manifold(PARTS["skin"].solid(unshrunk)).volume() / 1000
-    assert measure(unshrunk).skin_cm3 == pytest.approx(skin, rel=1e-9)
 
 
 @pytest.mark.full
@@ -168,3 +163,45 @@ def test_bolts_and_nuts_fit_the_printed_holes_and_traps() -> None:
         assert bolt["thread_mm"] == nut["thread_mm"] == thread.diameter_mm
         assert thread.diameter_mm < design.mold.bolt_diameter_mm
         assert thread.nut_flats_mm == nut["across_flats_mm"] < width < 1.1 * thread.nut_flats_mm
+
+
+# Pull-off force of the skin
+
+
+SILICONE = SILICONES["addition_40a"]
+
+
+def pull(*changes: str) -> float:
+    return skin_pull_off_n(Design.load(changes=changes), SILICONE)
+
+
+def test_groove_holds_as_a_stretched_ring() -> None:
+    """E e t / R over the width of a groove of 0.6 mm around a bone of 13 x 8.9 mm."""
+    dims = Design().dimensions
+    radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
+    expected = SILICONE.modulus_mpa.low * (0.6 / radius) * 1.5 / radius * math.tau * radius * 3.0
+    assert pull() == pytest.approx(expected)
+    assert pull("bone.groove_depth_mm=0") == 0.0
+    assert pull("bone.groove_width_mm=6") == pytest.approx(2 * expected)
+
+
+def test_sleeve_is_held_by_friction_along_its_length() -> None:
+    tight, loose = (
+        pull("mold.method=sleeve", "bone.groove_depth_mm=0", f"mold.sleeve_interference_mm={i}") for i in (0.2, 0.0)
+    )
+    assert loose == 0.0
+    dims = Design().dimensions
+    radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
+    force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * 1.5 * math.tau * dims.taper_end_z
+    assert tight == pytest.approx(force)
+
+
+@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("interference_mm", [0.0, 0.2])
+@pytest.mark.parametrize("depth_mm", [0.0, 0.6])
+def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, method: str) -> None:
+    changes = [f"mold.method={method}", f"mold.sleeve_interference_mm={interference_mm}"]
+    held = name_retention(Design.load(changes=[*changes, f"bone.groove_depth_mm={depth_mm}"]))
+    assert ("the groove" in held) == (depth_mm > 0.0)
+    assert ("the tightness of the sleeve" in held) == (method == "sleeve" and interference_mm > 0.0)
+    assert bool(held) == (pull(*changes, f"bone.groove_depth_mm={depth_mm}") > 0.0)

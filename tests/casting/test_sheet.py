@@ -21,11 +21,10 @@ from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
 from fingertip.cad.verification.check import list_warnings
-from fingertip.cad.verification.mold import check_filling
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.casting.consumables import flat_width_mm, uses_adhesive
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg
-from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, slice_plate
+from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty
 from fingertip.design import Design
@@ -36,7 +35,7 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.filling.mold_filling import MAX_AIR_MM3
 from fingertip.filling.vents import find_pose, place_vents
-from fingertip.foundation.errors import DesignError, GeometryError
+from fingertip.foundation.errors import DesignError
 from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, run_fingertip
 from tests.tools import require_tool
@@ -278,18 +277,6 @@ def all_supplies() -> list[dict[str, Any]]:
     return [*found[0], *found[1]]
 
 
-def test_one_pot_life_is_planned_with() -> None:
-    """It is the least of the range, but no less than is asked for when the silicone is bought."""
-    design, filling = fsr400(), sheet_data()["filling"]
-    assert design.silicone.material.planned_pot_life_min == 20.0
-    (limit,) = (check.limit for check in check_filling(design) if check.name == "mold.fill_time")
-    assert limit == 600.0
-    assert (filling["pot_life_min"], filling["prepare_min"], filling["limit_min"]) == (20, 10, 10)
-    own = fsr400("silicone.product=own", "silicone.pot_life_min=8")
-    short = casting_sheet_data(own, VOLUMES, own.silicone.material)["filling"]
-    assert (short["pot_life_min"], short["prepare_min"], short["wanted_pot_life_min"]) == (8, 4, 20)
-
-
 @pytest.mark.full
 def test_command_writes_page_and_data(tmp_path: Path) -> None:
     done = run_fingertip("sheet", FSR400, "--set", "name=mine", "--json", "--quiet", PWD=str(tmp_path))
@@ -344,29 +331,6 @@ def test_option_replaces_the_silicone_of_the_design_in_all_files(tmp_path: Path)
     assert again.silicone.product == "dragon_skin_30", "the same design builds the same sheet again"
 
 
-def test_build_of_some_parts_writes_no_sheet(tmp_path: Path) -> None:
-    result = build(Design(), tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=0.1)
-    assert "casting" not in result.report()
-    assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "design.toml", "manifest.json", "report.json", "skin.stl",
-    ]  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--material", "adition_40a"], "did you mean addition_40a?"),
-        (["--set", "silicone.product=smoothsil_940"], "Did you mean smooth_sil_940?"),
-        (["--set", "skin.width_mm=5"], "skin.width_mm"),
-    ],
-)
-def test_bad_input_exits_2_and_writes_nothing(tmp_path: Path, arguments: list[str], message: str) -> None:
-    done = run_fingertip("sheet", FSR400, *arguments, PWD=str(tmp_path))
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.full
 def test_without_a_slicer_the_sheet_says_how_to_install_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = tmp_path / "casting.md"
@@ -389,9 +353,3 @@ def test_prusa_slicer_gives_plausible_estimates(tmp_path: Path) -> None:
     assert printing["minutes"] == sum(plate["minutes"] for plate in printing["plates"])
     assert f"| plate_fdm | {printing['minutes']} min |" in page.read_text()
     assert HOW_TO_INSTALL not in page.read_text()
-
-
-def test_plate_that_cannot_be_sliced_is_reported() -> None:
-    slicer = require_tool("prusa-slicer", "apt-get install prusa-slicer")
-    with pytest.raises(GeometryError, match="plate_fdm: PrusaSlicer could not slice it"):
-        slice_plate(slicer, "plate_fdm", b"no 3MF at all", fsr400())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -173,27 +171,6 @@ def test_sizes_without_a_surface_stand_in_parentheses_and_are_not_checked() -> N
             assert not [size.name for size in drawing.sizes if size not in references and size.text().startswith("(")]
             if references:
                 assert any("parentheses" in note for note in drawing.notes)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: "-".join((variant[0], *variant[1])))
-def test_lengths_of_bone_and_core_start_at_a_surface(variant: tuple[str, tuple[str, ...]]) -> None:
-    design = load_variant(variant).with_values({"mold.engraving_depth_mm": 0.0})
-    for drawing in part_drawings(design):
-        if drawing.part not in ("bone", "core"):
-            continue
-        corners, normal = normals(MeshEvaluator(0.01).mesh(PARTS[drawing.part].solid(design)))
-        for size in drawing.sizes:
-            if not isinstance(size, Length) or size.is_reference or size.is_diameter:
-                continue
-            if size.name.startswith("spacing"):
-                continue  # from hole to hole
-            assert outward(corners, normal, size, 0) is not None, size.name
-    # The test can fail: a size from the parting plane is found.
-    loose = replace(next(s for s in by_name(part_drawings(design)[0]).values() if s.name == "height of the facet"))
-    assert isinstance(loose, Length)
-    corners, normal = normals(MeshEvaluator(0.01).mesh(PARTS["bone"].solid(design)))
-    assert outward(corners, normal, loose, 0) is None
 
 
 def limits_mm(size: Size | float) -> tuple[float, float, float]:

@@ -13,16 +13,13 @@ import pytest
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import general
-from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Styles, Text, line
-from tests.conftest import design_file, run_fingertip, run_python
-from tests.drawing.conftest import FILES, load_variant
+from tests.conftest import design_file, run_python
 from tests.tools import require_module
 
 Drawn = tuple[Design, dict[str, Sheet]]
 Box = tuple[float, float, float, float]
-ISO_5455 = {"5:1", "2:1", "1:1", "1:2"}
 TOUCHING_MM = 0.02
 
 
@@ -112,17 +109,6 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
 
 
 @pytest.mark.full
-def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
-    design, sheets = drawn
-    for number, (part, sheet) in enumerate(sheets.items(), 1):
-        found = {text.text for text in texts(sheet)}
-        assert {design.name, "mm", f"fingertip {__version__}", f"{number} of {len(sheets)}", "A-A"} <= found
-        assert f"drawing_{part}.svg" in found
-        assert len(found & ISO_5455) == 1
-        assert (sheet.width, sheet.height) in ((297.0, 210.0), (420.0, 297.0))
-
-
-@pytest.mark.full
 def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     require_module("reportlab")
     written = []
@@ -136,27 +122,6 @@ def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     parts = ("bone", "lid", "mold_palmar", "mold_dorsal")
     assert set(written[0]) == {*(f"drawing_{part}.svg" for part in parts), "drawing.pdf", "manifest.json"}
     assert written[0] == written[1]
-
-
-def test_folder_of_another_design_is_refused_before_any_work(tmp_path: Path) -> None:
-    from fingertip.tasks.build import parts_writer
-
-    require_module("reportlab")
-    parts_writer(Design.load(design_file("fsr402")), tmp_path / "out").write({"casting.md": b"sheet"})
-    done = run_fingertip("drawing", design_file("fsr400"), "--out", tmp_path / "out")
-    assert done.returncode == 2
-    assert "holds the parts of another design" in done.stderr
-    assert "projecting" not in done.stderr
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_parts_have_few_sizes_to_check(name: str) -> None:
-    for variant in ((name, ()), (name, ("mold.method=sleeve",))):
-        for drawing in part_drawings(load_variant(variant)):
-            fewest, most = {"lid": 5}.get(drawing.part, 6), {"bone": 9}.get(drawing.part, 8)  # a joint adds two
-            assert fewest <= len(drawing.checked) <= most, drawing.part
-            names = [size.name for size in drawing.sizes]
-            assert len(set(names)) == len(names)
 
 
 @pytest.mark.full

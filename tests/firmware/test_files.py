@@ -100,14 +100,6 @@ def test_tables_hold_the_trees() -> None:
     assert [float(leaf) for leaf in found["slip_leaves"]] == model.leaves.tolist()
 
 
-def test_library_is_one_header_and_one_source() -> None:
-    files = firmware_files(Design())
-    assert set(files) == PLACES
-    assert set(files["src"]) == {HEADER, SOURCE, TIMER, BUFFER}
-    included = re.findall(rb'#include "(.*)"', files["src"][HEADER] + files["src"][SOURCE])
-    assert included == [HEADER.encode()]
-
-
 def test_arduino_and_platformio_know_the_library() -> None:
     design = Design()
     top = firmware_files(design)["."]

@@ -137,10 +137,6 @@ def envelope_pin_transfer(f_hz: float, c: AdcInterface) -> complex:
     return 1.0 / (1.0 + 1j * f_hz / pole_hz(c.envelope_ohm, c.envelope_f))
 
 
-
-
-
-
 def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Gains of the offsets of Sallen-Key stage, rectifier and envelope: with the positive diode on, and off.
 

@@ -7,8 +7,6 @@ import hashlib
 import json
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -42,30 +40,12 @@ def test_is_well_formed_small_and_refers_to_itself_alone(page: Page, folder: Pat
     assert not re.search(r"/(tmp|home|root)/|\b20\d\d-\d\d-\d\d\b", text)
 
 
-def test_a_page_that_is_not_well_formed_is_noticed() -> None:
-    assert Page("<p><b>x</p>").faults
-    assert Page("<p>x").faults
-    assert not Page("<p>x<br></p>").faults
-
-
 def find_missing_targets(page: Page) -> set[str]:
     """Names of elements that a link or a label refers to and that are not there."""
     wanted = {link[1:] for link in page.attributes("href") if link.startswith("#")}
     wanted |= {name for key in ("for", "aria-labelledby") for value in page.attributes(key) for name in value.split()}
     assert len(wanted) > 50
     return wanted - set(page.attributes("id"))
-
-
-@pytest.mark.full
-def test_needs_no_optional_package(folder: Path) -> None:
-    """The page is made by the core installation: plots are drawn without matplotlib."""
-    code = (
-        "import sys; from fingertip import Design; from fingertip.tasks.page import write_page; "
-        f"write_page(Design.load('fsr400'), {str(folder)!r}); "
-        "print(sorted({'matplotlib', 'scipy', 'cadquery', 'numba', 'trimesh'} & set(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 @pytest.mark.full

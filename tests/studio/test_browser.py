@@ -96,16 +96,6 @@ def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
 
 
 @pytest.mark.full
-def test_a_logarithmic_slider_and_a_whole_number(opened: Any) -> None:
-    script = "return [...document.querySelectorAll('[data-log]')].map((e) => e.closest('.field').dataset.path)"
-    (path, *_) = opened.execute_script(script)
-    put(opened, path, 2, by_slider=True)
-    assert float(value_of(opened, path)) == 100.0
-    put(opened, "detector.adc_bits", 12, by_slider=True)
-    assert value_of(opened, "detector.adc_bits") == "12"
-
-
-@pytest.mark.full
 def test_a_choice_brings_other_parts(opened: Any) -> None:
     assert "core" not in opened.find_element("id", "boxes").text
     put(opened, "mold.method", "sleeve")

@@ -10,6 +10,7 @@ import struct
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -17,7 +18,7 @@ import pytest
 from fingertip import Design
 from fingertip.studio import server as server_module
 from fingertip.studio.server import TOKEN_HEADER, StudioServer
-from fingertip.studio.worker import StillWanted
+from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
 
 TABLES = '{"client": "a", "tables": {"skin": %s}}'
 
@@ -165,3 +166,66 @@ def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeyp
     assert reply.headers["Content-Disposition"]
     wait_for_handlers()
     assert not server.worker._newest
+
+
+# Worker: one job at a time, and of each client the newest one
+
+
+class Gate:
+    """Job that runs until it is let go, and asks then whether it is still wanted."""
+
+    def __init__(self, result: str) -> None:
+        self.started, self.go, self.result = threading.Event(), threading.Event(), result
+
+    def __call__(self, still_wanted: StillWanted) -> str:
+        self.started.set()
+        assert self.go.wait(10)
+        still_wanted()
+        return self.result
+
+
+def start(pool: ThreadPoolExecutor, worker: NewestWinsWorker, client: str, gate: Gate) -> Future[str]:
+    newest = worker._newest.get(client)
+    future = pool.submit(worker.run, client, gate, never)
+    while worker._newest.get(client) is newest:  # until it has joined the queue
+        pass
+    return future
+
+
+def never() -> bool:
+    return False
+
+
+def test_newest_of_each_client_wins() -> None:
+    worker, gates = NewestWinsWorker(), {name: Gate(name) for name in ("a1", "b1", "a2", "a3")}
+    with ThreadPoolExecutor(8) as pool:
+        running = {}
+        for name in gates:
+            running[name] = start(pool, worker, name[0], gates[name])
+            if name == "a1":
+                assert gates[name].started.wait(10)
+        with pytest.raises(SupersededError):  # it never began
+            running["a2"].result(10)
+        assert not gates["a2"].started.is_set()
+        for gate in gates.values():
+            gate.go.set()
+        with pytest.raises(SupersededError):  # it learned so between two steps
+            running["a1"].result(10)
+        assert running["b1"].result(10) == "b1"
+        assert running["a3"].result(10) == "a3"
+    assert not worker._newest
+    worker.close()
+
+
+def test_an_error_goes_to_who_asked_and_the_worker_goes_on() -> None:
+    worker = NewestWinsWorker()
+
+    def fail(still_wanted: StillWanted) -> Any:
+        raise ZeroDivisionError("here")
+
+    with pytest.raises(ZeroDivisionError, match="here"):
+        worker.run("a", fail, never)
+    assert worker.run("a", lambda wanted: 2, never) == 2
+    worker.close()
+    with pytest.raises(SupersededError):
+        worker.run("a", lambda wanted: 2, never)

@@ -65,19 +65,6 @@ def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
 
 
-def test_bad_input_reports_all_issues_and_writes_nothing(tmp_path: Path) -> None:
-    (tmp_path / "slip_filter.net").write_text("existing")
-    changes = ("board.capacitor_uf=1000", "board.series=E6", "board.gain=5", "board.supply_v=nan")
-    run = run_fingertip("board", "--out", tmp_path, "--json", *(a for c in changes for a in ("--set", c)))
-    assert run.returncode == 2
-    lines = run.stderr.splitlines()
-    fields = {"board.capacitor_uf", "board.series", "board.gain", "board.supply_v"}
-    assert {line.split(": ")[1] for line in lines} == fields
-    assert len(lines) == 4
-    assert {issue["field"] for issue in json.loads(run.stdout)["issues"]} == fields
-    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("slip_filter.net", "existing")]
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
 def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:

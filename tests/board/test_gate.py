@@ -17,7 +17,6 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
     CURRENT,
-    FLOOR,
     IDLE,
     MARGIN,
     PEAKING,
@@ -180,16 +179,6 @@ def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
     assert {c.name: c.passed for c in conditions if c.name in (IDLE, CLAMP)} == {IDLE: True, CLAMP: False}
     (warning,) = gate_warnings(conditions)
     assert "clamp of the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; the clamps do not" in warning
-
-
-@pytest.mark.full
-def test_a_unipolar_converter_is_warned_of_where_offsets_take_the_envelope_below_ground() -> None:
-    """On a single supply the envelope lies above half of it."""
-    for supply, warned in (("split", True), ("single", False)):
-        for polarity in ("unipolar", "bipolar"):
-            values = board_values(load(f"precision_{supply}", f"detector.adc_polarity={polarity}"))
-            warnings = list(gate_warnings(values.gate))
-            assert any(w.startswith(FLOOR) for w in warnings) == (warned and polarity == "unipolar")
 
 
 def test_a_unipolar_converter_is_warned_of_where_a_press_takes_the_tactile_voltage_below_ground() -> None:

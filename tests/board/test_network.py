@@ -314,14 +314,3 @@ def test_stage_fed_by_two_nets_is_refused() -> None:
     network = build_network(load("article_split")[1])
     with pytest.raises(ValueError, match="is fed by REFERENCE, SENSOR, not by one net"):
         find_stages(network, "VCC", "TACTILE")
-
-
-def test_batched_values_give_the_matrices_of_each_board() -> None:
-    circuit = load("precision_split")[1]
-    path = filter_path(circuit, 3e6)
-    capacitances = np.array([0.9e-6, 1e-6, 1.1e-6])
-    batch = path.with_values({"C2": capacitances}).state_space
-    for i, farad in enumerate(capacitances.tolist()):
-        single = path.with_values({"C2": farad}).state_space
-        assert np.array_equal(batch.A[i], single.A)
-        assert np.array_equal(batch.rows["FILTERED"][i], single.rows["FILTERED"])

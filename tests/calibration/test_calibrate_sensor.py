@@ -301,5 +301,6 @@ def test_command_warns_of_a_missing_reading_without_load(tmp_path: Path) -> None
         done = run("calibrate", "sensor", path, "article", "--json")
         assert done.exit_code == 0
         assert ("holds no reading without load" in done.output) is warns
-    alone = parse_weighings("weight_g,resistance_ohm\n50,9000\n100,6000\n", "w.csv")
+    ohms = "\n".join(f"{weight},{1e5 / weight}" for weight in WEIGHTS_G)
+    alone = parse_weighings(f"weight_g,resistance_ohm\n{ohms}\n", "w.csv")
     assert list_warnings(alone) == [], "no board, no offset"

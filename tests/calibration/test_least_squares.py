@@ -10,7 +10,7 @@ import pytest
 from fingertip.calibration.printer import fit_printer
 from fingertip.design import Design
 from fingertip.foundation.numerics import chi_square_probability, chi_square_quantile, t_probability, t_quantile
-from tests.calibration.simulated import NOISE_MM, OFFSET_MM, SCALE, measured, simulate, true_length
+from tests.calibration.simulated import NOISE_MM, OFFSET_MM, SCALE, measured, simulate
 
 DRAWS = 500
 
@@ -18,17 +18,6 @@ DRAWS = 500
 @pytest.fixture(scope="module")
 def design() -> Design:
     return Design()
-
-
-def test_exact_readings_give_the_exact_model(design: Design) -> None:
-    tables = simulate(design, 0)
-    rows = measured(design, tables)
-    exact = [type(row)(row.length, (true_length(row.length),) * 3) for row in rows]
-    fit = fit_printer(exact)
-    assert fit.scale == pytest.approx(SCALE, abs=1e-12)
-    assert fit.offset_mm == pytest.approx(OFFSET_MM, abs=1e-11)
-    assert fit.scale_uncertainty < 1e-12
-    assert not fit.outliers
 
 
 def test_fit_is_that_of_numpy_over_all_readings(design: Design) -> None:

@@ -15,7 +15,6 @@ from fingertip.design.geometry.sizes import (
     Circle,
     Length,
     Tolerance,
-    size_text,
     symmetric,
 )
 from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
@@ -99,11 +98,6 @@ def test_pdf_has_a_page_for_each_sheet_and_no_date_of_today() -> None:
 )  # fmt: skip
 def test_tolerance_is_never_written_wider_than_it_is(tolerance: Tolerance, text: str) -> None:
     assert tolerance.text() == text
-
-
-@pytest.mark.parametrize(("value", "text"), [(22.0, "22"), (2.655, "2.65"), (17.034, "17.03"), (-1e-9, "0")])
-def test_sizes_are_written_to_a_hundredth(value: float, text: str) -> None:
-    assert size_text(value) == text
 
 
 def test_views_are_in_first_angle_projection() -> None:

@@ -142,14 +142,6 @@ def test_sheets_of_a_calibrated_design_state_the_sizes_that_the_plain_design_int
     assert sizes["width of the base"].text() == "13.12 ±0.1"
 
 
-def test_sheets_say_what_the_files_hold_instead() -> None:
-    notes = " ".join(part_drawings(calibrated("fsr400"))[0].notes)
-    assert "All sizes are those of the print," in notes
-    assert "0.12 mm too thick (printer.offset_mm)" in notes
-    assert "times 100.4 %" in notes
-    assert "printer" not in " ".join(part_drawings(load_variant(("fsr400", ())))[0].notes)
-
-
 @pytest.mark.parametrize("name", FILES)
 def test_no_tolerance_is_narrower_than_calipers_tell(name: str) -> None:
     for design in (load_variant((name, ())), calibrated(name, surface_error_mm=0.011)):

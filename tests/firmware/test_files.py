@@ -217,9 +217,3 @@ def test_command_writes_checks_and_keeps_what_is_somebodys_own(tmp_path: Path) -
     assert missing.returncode == 1
     assert "cannot be read" in missing.stdout
     assert not (tmp_path / "none").exists()
-
-
-def test_default_folder_is_beside_the_design(tmp_path: Path) -> None:
-    done = run_fingertip("firmware", "adult_finger", PWD=str(tmp_path))
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "out/adult_finger/firmware/library.properties").is_file()

@@ -21,7 +21,6 @@ from tools.firmware.toolchain import (
     TargetRun,
     compile_object,
     compile_target,
-    measure_flash,
     run_target,
     tool_version,
 )
@@ -48,21 +47,6 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
     assert np.array_equal(found.on, on)
     assert np.array_equal(found.confidence, confidence)
     assert 0.1 < on.mean() < 0.9
-
-
-@pytest.mark.full
-@by_target
-def test_memory_is_within_the_limits(library: Library, target: Target) -> None:
-    found = run(library, target, slip_recording(library.design, 1.0))
-    assert 64 <= found.stack_bytes <= costs.MAX_STACK_BYTES
-    _, frames = compile_object(library.folder, target)
-    assert {"slip_process", "slip_step", "slip_step_codes", "slip_init"} <= set(frames)
-    assert sum(frames.values()) <= costs.MAX_STACK_BYTES
-    # What the compiler states for the deepest step is what the pattern on the stack shows, apart from its routines.
-    assert found.stack_bytes >= max(frames.values())
-    assert library.detector("float").state_bytes <= costs.MAX_STATE_BYTES
-    for level in ("-Os", "-O2"):
-        assert 15_000 < measure_flash(library.folder, target, level) <= costs.MAX_FLASH_BYTES
 
 
 @pytest.mark.full

@@ -105,17 +105,6 @@ def test_a_choice_brings_other_parts(opened: Any) -> None:
 
 
 @pytest.mark.full
-def test_what_is_hidden_stays_hidden(opened: Any) -> None:
-    boxes = opened.find_elements("css selector", "#boxes input")
-    for box in boxes:
-        opened.execute_script("arguments[0].click()", box)
-    assert (picture(opened)[..., 3] == 0).all()
-    put(opened, "skin.width_mm", 20)
-    assert (picture(opened)[..., 3] == 0).all()
-    assert not [box for box in opened.find_elements("css selector", "#boxes input") if box.is_selected()]
-
-
-@pytest.mark.full
 def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     before = picture(opened)
     verdict = put(opened, "skin.width_mm", 8)

@@ -14,7 +14,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import general
 from fingertip.pictures.drawing.draw import part_drawings
-from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Styles, Text, line
+from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Text
 from tests.conftest import design_file, run_python
 from tests.tools import require_module
 
@@ -83,16 +83,6 @@ def faults(sheet: Sheet) -> list[str]:
 def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
     for part, sheet in drawn[1].items():
         assert not faults(sheet), part
-
-
-def test_faults_are_found() -> None:
-    good = Text("12.5", (100.0, 100.0), 2.5)
-    assert not faults(Sheet("", 297.0, 210.0, (good, line((90.0, 99.5), (120.0, 99.5), Styles.EDGE))))
-    assert len(faults(Sheet("", 297.0, 210.0, (good, Text("3", (101.0, 101.0), 2.5))))) == 1
-    assert faults(Sheet("", 297.0, 210.0, (good, line((90.0, 101.0), (120.0, 101.0), Styles.EDGE))))
-    assert faults(Sheet("", 297.0, 210.0, (good, Arc((100.0, 101.0), 1.0, 0.0, 360.0, Styles.EDGE))))
-    assert faults(Sheet("", 297.0, 210.0, (Text("12.5", (15.0, 100.0), 2.5),)))
-    assert faults(Sheet("", 297.0, 210.0, (line((90.0, 101.0), (300.0, 101.0), Styles.EDGE),)))
 
 
 def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn) -> None:

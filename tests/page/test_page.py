@@ -251,16 +251,6 @@ def test_the_command_on_the_page_makes_what_is_missing(copy: Path, design: Desig
     assert write_page(design, copy)[2] == ()
 
 
-@pytest.mark.full
-def test_a_page_of_somebody_else_stays(copy: Path, design: Design) -> None:
-    (copy / PAGE).write_text("mine")
-    with pytest.raises(OutputError, match="--force"):
-        write_page(design, copy)
-    assert (copy / PAGE).read_text() == "mine"
-    write_page(design, copy, force=True)
-    assert (copy / PAGE).read_bytes().startswith(b"<!DOCTYPE html>")
-
-
 def test_the_library_is_the_version_that_the_tool_states() -> None:
     stated = json.loads((ROOT / "tools/page_libraries/package.json").read_bytes())["dependencies"]["three"]
     bundle = (ROOT / "src/fingertip/page/assets/three.bundle.js").read_text()

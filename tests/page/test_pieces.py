@@ -74,14 +74,11 @@ def test_markdown_keeps_every_cell_and_item() -> None:
     assert "img" not in markdown.render("![x](http://example.org/x.png)"), "a picture that nobody embedded is left out"
 
 
-def test_ticks_are_round_and_within() -> None:
+def test_ticks_are_round_and_points_are_placed_by_their_axes() -> None:
     assert Axis(1.79, 1.96, "").ticks(8) == [1.8, 1.85, 1.9, 1.95]
     assert Axis(10, 1e5, "", True).ticks(8) == [10, 100, 1000, 10_000, 100_000]
     assert Axis(-20, 40, "").ticks(5) == [-20, 0, 20, 40]
     assert [format_tick(value) for value in (500, 2000, -20)] == ["500", "2 k", "-20"]
-
-
-def test_points_are_placed_by_their_axes() -> None:
     frame = Frame(Axis(1, 100, "", True), Axis(0, 2, ""), 10, 20, 200, 100)
     assert frame.point(10, 1) == pytest.approx((110, 70))
     assert frame.point(1000, -1) == pytest.approx((210, 120))  # beyond the axes: on the border

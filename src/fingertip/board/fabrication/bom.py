@@ -9,8 +9,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.board.kicad.footprints import FOOTPRINTS, Point
-from fingertip.board.kicad.placement import Placement, rotate_offset
+from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
 from fingertip.board.parts.table import Part, load_sources, read_rows
@@ -171,11 +170,10 @@ def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:
     """
     rows = []
     for component in filter(is_assembled, purchased_components(circuit)):
-        position = placement.positions[component.reference]
-        x, y = rotate_offset(position.angle, *find_pad_centre(component.footprint))
-        rotation = (position.angle + find_rotation_deg(component.footprint)) % 360
-        mid_x, mid_y = position.x + x, placement.height - position.y - y
-        rows.append((component.reference, f"{mid_x:.4f}mm", f"{mid_y:.4f}mm", "Top", str(rotation)))
+        part = placement.parts[component.reference]
+        x, y = part.pad_centre
+        rotation = (part.angle + find_rotation_deg(component.footprint)) % 360
+        rows.append((component.reference, f"{x:.4f}mm", f"{placement.height - y:.4f}mm", "Top", str(rotation)))
     return format_csv(PLACEMENT_COLUMNS, rows)
 
 
@@ -196,11 +194,3 @@ def find_rotation_deg(footprint: str) -> int:
     """Find the rotation offset of a footprint [degree]; 0 if the table has none."""
     offset = find_rotation(footprint)
     return offset.rotation_deg if offset else 0
-
-
-def find_pad_centre(footprint: str) -> Point:
-    """Find the centre of the box around a footprint's pads [mm], relative to its origin."""
-    pads = FOOTPRINTS[footprint].pads
-    xs = [pad.x + sign * pad.width / 2 for pad in pads for sign in (-1, 1)]
-    ys = [pad.y + sign * pad.height / 2 for pad in pads for sign in (-1, 1)]
-    return round((min(xs) + max(xs)) / 2, 6), round((min(ys) + max(ys)) / 2, 6)

@@ -153,9 +153,9 @@ def placement_file(circuit: Circuit, placement: Placement) -> bytes:
     """
     rows = []
     for component in filter(is_assembled, purchased_components(circuit)):
-        position = placement.positions[component.reference]
-        y = placement.height - position.y
-        rows.append((component.reference, f"{position.x:.4f}mm", f"{y:.4f}mm", "Top", str(position.angle)))
+        part = placement.parts[component.reference]
+        y = placement.height - part.y
+        rows.append((component.reference, f"{part.x:.4f}mm", f"{y:.4f}mm", "Top", str(part.angle)))
     return format_csv(PLACEMENT_COLUMNS, rows)
 
 

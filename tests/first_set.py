@@ -13,7 +13,7 @@ from __future__ import annotations
 import importlib
 import os
 import resource
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -49,6 +49,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Leave out what is not in the first set."""
     if FULL or any("::" in word for word in config.args):
         return
+    kept = select(items)
+    config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+    items[:] = [item for item in items if item in kept]
+
+
+def select(items: Iterable[pytest.Item]) -> set[pytest.Item]:
+    """Select the first set among all tests."""
     families: dict[str, list[pytest.Item]] = {}
     for item in items:
         if not item.get_closest_marker("full"):
@@ -57,8 +64,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for family in families.values():
         step = 1 if family[0].get_closest_marker("every_case") else -(-len(family) // MOST_CASES)
         kept |= set(family[::step])
-    config.hook.pytest_deselected(items=[item for item in items if item not in kept])
-    items[:] = [item for item in items if item in kept]
+    return kept
 
 
 def cpu_s() -> float:
@@ -90,7 +96,7 @@ def _count_calls(owner: Any, name: str, kind: str) -> None:
     setattr(owner, name, counted)
 
 
-_count_calls(importlib._bootstrap, "_find_and_load", "imports")  # type: ignore[attr-defined]
+_count_calls(importlib._bootstrap, "_find_and_load", "imports")
 _count_calls(CompiledLoop, "_run_first", "compilations")
 
 

@@ -39,13 +39,14 @@ def test_a_job_holds_the_tests_that_enter_the_innermost_block() -> None:
     tests = {0: ("t.py::a", "t.py::b", "t.py::c"), 1: ("t.py::a", "t.py::b")}
     cost_s = {"t.py::a": 2.0, "t.py::b": 1.0, "t.py::c": 1.0}
     reach = Reach(blocks, cost_s, tests, dict.fromkeys(cost_s, ()), {})
-    assert plan_job(MUTANT, reach, Counter(), 9.0).tests == ["t.py::b", "t.py::a"]
-    assert plan_job(MUTANT, reach, Counter({"t.py::a": 1}), 9.0).tests == ["t.py::a", "t.py::b"]
-    assert plan_job(MUTANT, reach, Counter(), 1.5).tests == ["t.py::b"]
-    assert plan_job(MUTANT, reach, Counter(), 9.0).is_fresh is False
+    assert plan_job(MUTANT, reach, (), Counter(), 9.0).tests == ["t.py::b", "t.py::a"]
+    assert plan_job(MUTANT, reach, ("t.py::a",), Counter(), 9.0).tests == ["t.py::a", "t.py::b"]
+    assert plan_job(MUTANT, reach, (), Counter({"t.py::a": 1}), 9.0).tests == ["t.py::a", "t.py::b"]
+    assert plan_job(MUTANT, reach, (), Counter(), 1.5).tests == ["t.py::b"]
+    assert plan_job(MUTANT, reach, (), Counter(), 9.0).is_fresh is False
     outside = Mutant(**(MUTANT.__dict__ | {"line": 20}))
-    assert plan_job(outside, reach, Counter(), 9.0).is_fresh is True
-    assert len(plan_job(outside, reach, Counter(), 9.0).tests) == 3
+    assert plan_job(outside, reach, (), Counter(), 9.0).is_fresh is True
+    assert len(plan_job(outside, reach, (), Counter(), 9.0).tests) == 3
 
 
 def test_blocks_are_the_bodies_of_functions_loops_and_branches() -> None:

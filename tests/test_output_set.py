@@ -493,6 +493,14 @@ def test_a_place_that_cannot_be_written_is_refused_before_work_whatever_its_mode
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("name", "in_place"), [(".fingertip-trial", False), (".fingertip-commit", True)])
+def test_what_stands_where_files_are_put_for_a_moment_is_named(tmp_path: Path, name: str, in_place: bool) -> None:
+    (tmp_path / name).write_bytes(b"mine")
+    with pytest.raises(OutputError, match=rf"{name}: stands where files are put for a moment; move it away\."):
+        writer(tmp_path, "new", in_place=in_place).write(NEW)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
 def test_a_manifest_of_another_program_is_refused_before_work(tmp_path: Path) -> None:
     (tmp_path / MANIFEST).write_text('{"icons": []}')
     with pytest.raises(OutputError, match=r"manifest\.json: was not written by fingertip"):

@@ -4,25 +4,29 @@ each solver's start-up, which is part of no point of the diagrams."""
 from __future__ import annotations
 
 import os
+import random
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.peers import spice
 from benchmarks.peers.board import STEP_S, BoardProblem
 from benchmarks.peers.cvode import CvodeLibrary
 from benchmarks.peers.spice import Spice
 from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.motion import FixedGrip
 from fingertip.sim.runs.scene import run_scene
-from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_boards
 from fingertip.sim.simulation import article_manipulations, article_trials
 
@@ -164,3 +168,19 @@ def _time_process(imports: str) -> float:
     code = _PROCESS.format(imports=imports)
     runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(2)]
     return float(runs[-1].stdout)
+
+
+def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
+    """Draw boards with independent components, uniform within their tolerances. Raises TraceError."""
+    if count < 1:
+        raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
+    rng = random.Random(f"{seed}:boards")
+    nominal = board.components
+    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
+    values: dict[str, NDArray[np.float64]] = {
+        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
+        for i, (name, value) in enumerate(nominal.items())
+    }
+    factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
+    saturation = np.asarray(board.diode.saturation_a) * factors
+    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))

@@ -12,15 +12,14 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.fabrication.bom import (
     assembly_bom_file,
-    assembly_placement_file,
     bill_of_materials,
-    find_rotation_deg,
+    find_rotation,
     is_assembled,
     load_rotations,
     missing_numbers_note,
+    placement_file,
     purchased_components,
 )
-from fingertip.board.fabrication.fabrication_files import placement_file
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
@@ -94,7 +93,7 @@ def test_independent_parser_accepts_both_files(name: str) -> None:
     circuit = board_circuit(board_values(load_article(configuration.changes)))
     bom, placed = (
         parse_bom(assembly_bom_file(circuit)),
-        parse_placement(assembly_placement_file(circuit, configuration.placement)),
+        parse_placement(placement_file(circuit, configuration.placement, for_house=True)),
     )
     assert {d for row in bom for d in row.designators} == set(placed), "each fitted part stands in both files"
     assert set(placed) == {c.reference for c in purchased_components(circuit) if is_assembled(c)}
@@ -131,8 +130,8 @@ def test_parser_refuses_a_broken_bill_of_materials(data: bytes) -> None:
 def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
     configuration = BOARD_CONFIGURATIONS[name]
     circuit = board_circuit(board_values(load_article(configuration.changes)))
-    house = parse_placement(assembly_placement_file(circuit, configuration.placement))
-    kicad = parse_placement(placement_file(circuit, configuration.placement))
+    house = parse_placement(placement_file(circuit, configuration.placement, for_house=True))
+    kicad = parse_placement(placement_file(circuit, configuration.placement, for_house=False))
     assert set(house) == set(kicad)
     for reference, placed in house.items():
         package = circuit.component(reference).footprint.split(":")[1]
@@ -146,16 +145,16 @@ def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
 
 def test_table_of_rotations_has_the_packages_that_need_it() -> None:
     assert {r.pattern.removeprefix("^"): r.rotation_deg for r in load_rotations()} == TABLE
-    assert find_rotation_deg(symbols.SOT_23_5) == find_rotation_deg(symbols.SOT_23) == 180
-    assert find_rotation_deg(symbols.SOD_123) == find_rotation_deg(symbols.R_0603) == 0
+    found = [find_rotation(name) for name in (symbols.SOT_23_5, symbols.SOT_23, symbols.SOD_123, symbols.R_0603)]
+    assert [offset.rotation_deg if offset else None for offset in found] == [180, 180, None, None]
 
 
 def test_through_hole_connector_is_placed_by_its_middle() -> None:
     """The origin of KiCad's footprint is pin 1; both pins are 2 mm apart."""
     configuration = BOARD_CONFIGURATIONS["precision_single_3v3"]
     circuit = board_circuit(board_values(load_article(configuration.changes)))
-    house = parse_placement(assembly_placement_file(circuit, configuration.placement))["J2"]
-    kicad = parse_placement(placement_file(circuit, configuration.placement))["J2"]
+    house = parse_placement(placement_file(circuit, configuration.placement, for_house=True))["J2"]
+    kicad = parse_placement(placement_file(circuit, configuration.placement, for_house=False))["J2"]
     turned = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}[int(kicad.rotation_deg)]  # y points up in both files
     assert (house.x_mm - kicad.x_mm, house.y_mm - kicad.y_mm) == pytest.approx(turned)
 

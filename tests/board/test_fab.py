@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.fabrication.bom import placement_file
 from fingertip.board.fabrication.fabrication_files import (
     export_gerbers,
     find_outdated_files,
     kicad_session,
-    placement_file,
     provenance_record,
 )
 from fingertip.board.kicad.project import load_project
@@ -90,7 +90,7 @@ def test_placement_file_equals_kicads(tmp_path: Path) -> None:
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
     kicad_rows = {r["Ref"]: r for r in parse_csv((tmp_path / "pcb" / "pos.csv").read_bytes())}
-    own_rows = parse_csv(placement_file(CIRCUIT, ARTICLE_PLACEMENT))
+    own_rows = parse_csv(placement_file(CIRCUIT, ARTICLE_PLACEMENT, for_house=False))
     assert {r["Designator"] for r in own_rows} == {ref for ref in kicad_rows if ref[0] != "J"}
     for row in own_rows:
         kicad_row = kicad_rows[row["Designator"]]

@@ -215,7 +215,7 @@ def test_polynomials_and_states_have_the_response_of_the_equations(
     power = np.array([rational.power_gain()(math.tau * f) for f in FREQUENCIES.tolist()])
     assert np.abs(power / np.abs(expected) ** 2 - 1).max() < 1e-9
     quiet = {"VMID", *path.inputs} - {"TACTILE"}
-    system = path.ground(*quiet).restrict("FILTERED").state_space()
+    system = path.ground(*quiet).restrict("FILTERED").state_space
     assert np.linalg.eigvals(system.A).real.max() < 0
     # The states' rounding errors are those of the largest gain; eq. (9) falls with the third power of the frequency.
     assert np.abs(state_response(system, "FILTERED") - expected).max() < 1e-9 * np.abs(expected).max()
@@ -419,7 +419,7 @@ def test_steady_state_is_that_of_the_operating_point() -> None:
     circuit = passive_circuit(R1=("1k", "VCC", "OUT"), R2=("3k", "OUT", "GND"), C1=("1u", "OUT", "GND"))
     network = build_network(circuit)
     assert network.operating_point({"VCC": 4.0})["OUT"] == pytest.approx(3.0, rel=1e-12)
-    system, vcc = network.state_space(), network.inputs.index("VCC")
+    system, vcc = network.state_space, network.inputs.index("VCC")
     assert network.steady_state()[0, vcc] == pytest.approx(0.75, rel=1e-12)
     assert system.A[0, 0] == pytest.approx(-1 / (750 * 1e-6), rel=1e-12)
     assert -system.B[0, vcc] / system.A[0, 0] == pytest.approx(0.75, rel=1e-12)
@@ -429,7 +429,7 @@ def test_charges_that_determine_each_other_are_refused() -> None:
     """The charges of a capacitor's two nets are equal and opposite if no other capacitor is connected to them."""
     circuit = passive_circuit(R1=("1k", "VCC", "A"), C1=("1u", "A", "B"), R2=("1k", "B", "GND"))
     with pytest.raises(np.linalg.LinAlgError):
-        build_network(circuit).state_space()
+        assert build_network(circuit).state_space
 
 
 def test_polynomials_have_no_more_coefficients_than_their_degree() -> None:
@@ -460,8 +460,8 @@ def test_batched_values_give_the_matrices_of_each_board() -> None:
     circuit = load("precision_split")[1]
     path = filter_path(circuit, 3e6)
     capacitances = np.array([0.9e-6, 1e-6, 1.1e-6])
-    batch = path.with_values({"C2": capacitances}).state_space()
+    batch = path.with_values({"C2": capacitances}).state_space
     for i, farad in enumerate(capacitances.tolist()):
-        single = path.with_values({"C2": farad}).state_space()
+        single = path.with_values({"C2": farad}).state_space
         assert np.array_equal(batch.A[i], single.A)
         assert np.array_equal(batch.rows["FILTERED"][i], single.rows["FILTERED"])

@@ -10,7 +10,6 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.limits import (
     adc_range_warnings,
-    compute_output_swing,
     compute_voltage_limits,
     describe_adc_range,
     describe_filter_swing,
@@ -99,8 +98,8 @@ def test_a_bridge_at_ground_violates_the_amplifiers_limits_on_a_single_supply() 
     circuit = board_circuit(board_values(ARTICLE))  # of a split supply: its bridge refers to ground
     for negative_rail, minimum, maximum in (("VEE", 0.0, 5.0), ("GND", -5.0, -1.0)):
         supply = replace(SUPPLIES["split"], negative_rail=negative_rail)
-        swing = compute_output_swing(AMPLIFIERS[RAIL_TO_RAIL_AMPLIFIER], supply, 5.0)
-        limits = compute_voltage_limits(circuit, supply, 5.0, swing, 67.7, True, Detector())
+        amplifier = AMPLIFIERS[RAIL_TO_RAIL_AMPLIFIER]
+        limits = compute_voltage_limits(circuit, supply, 5.0, amplifier, 67.7, True, Detector())
         assert minimum < limits.bridge_amplifier_margin_v < maximum
 
 

@@ -438,7 +438,7 @@ def test_command_writes_page_and_data(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
     page = (tmp_path / "out" / "mine" / "casting.md").read_text()
-    assert data.pop("page") == str(Path("out/mine/casting.md"))
+    assert (data.pop("page"), data.pop("pictures")) == (str(Path("out/mine/casting.md")), [])
     assert page == render_sheet(data)
     assert sorted(path.name for path in tmp_path.rglob("*") if path.is_file()) == ["casting.md", "manifest.json"]
     other = tmp_path / "other.md"

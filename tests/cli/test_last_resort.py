@@ -135,7 +135,7 @@ def test_exit_codes_are_documented() -> None:
 def test_too_little_memory_is_a_fault_with_a_sentence(tmp_path: Path) -> None:
     code = (
         "import resource, sys; from fingertip.cli import main; import numpy; from pathlib import Path\n"
-        "from fingertip import detect_trace\n"
+        "from fingertip import detect\n"
         "size = int(Path('/proc/self/statm').read_text().split()[0]) * 4096 + 40 * 2**20\n"
         "resource.setrlimit(resource.RLIMIT_AS, (size, size))\n"
         "sys.argv[1:] = ['detect', 'a.npy', '--rate-hz', '2000']; main()"

@@ -16,7 +16,7 @@ from fingertip.cad.shapes.insert import cavity
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.filling.hele_shaw import fill
-from fingertip.filling.mouth import RectangularDuct, RoundDuct, mouth_resistance, open_mouth
+from fingertip.filling.mouth import mouth_resistance, open_mouth, rectangular_duct, round_duct
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
     FillingPrediction,
@@ -33,7 +33,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pictures.filling import _summarise, draw_filling
 from tests.conftest import design_file
 
-DUCTS = (RoundDuct(2.1, 10.0), RectangularDuct(3.0, 2.5, 12.0))
+DUCTS = (round_duct(2.1, 10.0), rectangular_duct(3.0, 2.5, 12.0))
 PRESSURE_PA = syringe_pressure_pa(30.0, 12.06)
 CASES = [(name, method) for name in ("fsr400", "adult_finger", "fsr402") for method in ("overmold", "sleeve")]
 

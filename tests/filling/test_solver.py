@@ -9,12 +9,12 @@ import pytest
 
 from fingertip.filling.hele_shaw import ClosingVent, Filling, LastPoint, TrappedAir, fill, find_air
 from fingertip.filling.mouth import (
-    ConicalDuct,
-    RectangularDuct,
-    RoundDuct,
+    conical_duct,
     fill_in_series,
     mouth_resistance,
     open_mouth,
+    rectangular_duct,
+    round_duct,
 )
 from fingertip.filling.network import RowElimination
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
@@ -194,7 +194,7 @@ def test_rows_that_stay_wet_give_the_same_solution_as_a_fresh_elimination() -> N
 
 
 def test_round_duct() -> None:
-    duct = RoundDuct(2.1, 10.0)
+    duct = round_duct(2.1, 10.0)
     assert duct.resistance == pytest.approx(8 * 10 / (math.pi * 1.05**4), rel=1e-12)
     assert duct.resistance == pytest.approx(20.95, abs=0.01)
     assert duct.resistance_integral == pytest.approx(0.5 * duct.resistance * duct.volume_mm3)
@@ -202,7 +202,7 @@ def test_round_duct() -> None:
 
 @pytest.mark.parametrize("outlet", [1.0, 2.9, 3.0, 3.0 + 1e-7, 3.001, 6.0])
 def test_conical_duct_against_quadrature(outlet: float) -> None:
-    duct = ConicalDuct(3.0, outlet, 12.0)
+    duct = conical_duct(3.0, outlet, 12.0)
     x = np.linspace(0.0, 12.0, 100_001)
     d = 3.0 + (outlet - 3.0) * x / 12.0
     per_length, area = 128.0 / (math.pi * d**4), math.pi / 4 * d**2
@@ -214,15 +214,15 @@ def test_conical_duct_against_quadrature(outlet: float) -> None:
 
 def test_square_and_wide_rectangles() -> None:
     # White, Viscous Fluid Flow, table 3-1: f Re = 14.227 in a square, 24 between plates; R = 2 f Re L / (A D_h^2).
-    assert RectangularDuct(1.0, 1.0, 1.0).resistance == pytest.approx(2 * 14.2271, rel=1e-4)
-    wide = RectangularDuct(1000.0, 1.0, 1.0)
+    assert rectangular_duct(1.0, 1.0, 1.0).resistance == pytest.approx(2 * 14.2271, rel=1e-4)
+    wide = rectangular_duct(1000.0, 1.0, 1.0)
     assert wide.resistance == pytest.approx(12.0 / 1000.0 / (1 - 0.630 / 1000), rel=1e-5)
-    assert RectangularDuct(3.0, 2.5, 12.0).resistance == pytest.approx(RectangularDuct(2.5, 3.0, 12.0).resistance)
+    assert rectangular_duct(3.0, 2.5, 12.0).resistance == pytest.approx(rectangular_duct(2.5, 3.0, 12.0).resistance)
 
 
 def test_ducts_in_series_fill_one_after_the_other() -> None:
-    whole = RoundDuct(2.0, 10.0)
-    resistance, volume, integral = fill_in_series((RoundDuct(2.0, 4.0), RoundDuct(2.0, 6.0)))
+    whole = round_duct(2.0, 10.0)
+    resistance, volume, integral = fill_in_series((round_duct(2.0, 4.0), round_duct(2.0, 6.0)))
     assert (resistance, volume, integral) == pytest.approx(
         (whole.resistance, whole.volume_mm3, whole.resistance_integral)
     )

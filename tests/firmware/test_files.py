@@ -21,7 +21,7 @@ from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.firmware.sources import HEADER, SOURCE, library_sources
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fast_coefficients import NODES, load_model
+from fingertip.slip.detectors.fast_coefficients import NODES, FastCoefficients, load_model
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
@@ -40,13 +40,23 @@ def defined(header: str) -> dict[str, float]:
     return {name: float(value) for name, value in [*found, *whole]}
 
 
+def _list_constants(coefficients: FastCoefficients) -> dict[str, float]:
+    constants = dict[str, float]()
+    for name, value in coefficients._asdict().items():
+        terms = value._asdict() if isinstance(value, tuple) else {}
+        constants |= {f"{name}_{key}": term for key, term in terms.items()} or {name: value}
+    constants["board_1_b"] = constants.pop("board_1_b0")
+    assert constants.pop("board_1_b1") == -constants["board_1_b"]
+    return constants
+
+
 def test_constants_are_those_of_the_detector() -> None:
     design = Design(detector={"sample_rate_hz": 3000.0})
     values = defined(library_sources(design)[HEADER].decode())
     alone, both = (FastDetector(FastSettings.from_design(design)) for _ in range(2))
     alone.step(1.0)
     both.step(1.0, 1.0)
-    coefficients, with_filtered = alone.coefficients._asdict(), both.coefficients._asdict()
+    coefficients, with_filtered = _list_constants(alone.coefficients), _list_constants(both.coefficients)
     names = {"sample_rate_hz", "short_smoothing", "long_smoothing", "threshold", "stay_threshold", "statistic_gain"}
     for name, value in coefficients.items():
         if name in ("filtered_gain", "filtered_limit"):

@@ -21,7 +21,7 @@ from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
 from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim.signal.analog_circuit import AnalogBoard, draw_boards
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board, simulate_boards
 from fingertip.sim.simulation import article_trials
 from tests.conftest import run_fingertip
@@ -331,7 +331,7 @@ def test_boards_are_measured_on_a_trial_in_which_the_diode_conducts():
 @pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 15)])
 def test_drawn_boards_lie_within_their_tolerances(variant, count):
     nominal = AnalogBoard.from_design(article_design(board={"variant": variant}))
-    many, few = draw_boards(nominal, 500, 3).components, draw_boards(nominal, 20, 3).components
+    many, few = throughput.draw_boards(nominal, 500, 3).components, throughput.draw_boards(nominal, 20, 3).components
     assert len(many) == count
     for name, value in nominal.components.items():
         share = 0.01 if name.startswith("R") else 0.05
@@ -340,13 +340,13 @@ def test_drawn_boards_lie_within_their_tolerances(variant, count):
         assert 1 + 0.95 * share < ratio.max() <= 1 + share * (1 + 1e-9)
         assert np.array_equal(few[name], many[name][:20])
     assert not np.array_equal(many["C1"], many["C2"])
-    assert not np.array_equal(draw_boards(nominal, 20, 4).components["C1"], few["C1"])
+    assert not np.array_equal(throughput.draw_boards(nominal, 20, 4).components["C1"], few["C1"])
     with pytest.raises(TraceError, match="count: 0 is too few; give at least 1 board"):
-        draw_boards(nominal, 0)
+        throughput.draw_boards(nominal, 0)
 
 
 def test_boards_in_chunks_equal_boards_at_once():
-    boards, voltage = draw_boards(AnalogBoard.from_design(DESIGN), 300), 4 + 0.01 * np.sin(np.arange(40.0))
+    boards, voltage = throughput.draw_boards(AnalogBoard.from_design(DESIGN), 300), 4 + 0.01 * np.sin(np.arange(40.0))
     whole = simulate_board(boards, 5e-4, voltage)
     chunks = list(simulate_boards(boards, 5e-4, voltage))
     assert [len(chunk.envelope_v) for chunk in chunks] == [256, 44]

@@ -15,7 +15,7 @@ from fingertip.detection.adaptation import equivalent_noise_v
 from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
 from fingertip.slip import DETECTORS, ChainSettings, SlipChain, make_detector
-from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, tail_probability
+from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, tail_probability
 from fingertip.slip.detectors.noise import input_noise_v, quantised_noise_v
 
 DESIGN = Design()
@@ -117,20 +117,19 @@ def test_false_alarms_in_noise_match_the_predicted_rate(name):
     on = make_detector(name, DESIGN, None, scale).process(noise).on
     starts = np.flatnonzero(np.diff(on.astype(np.int8)) > 0)
     counted = 60 / minutes * float(np.sum(np.diff(starts, prepend=-999) > 200))
-    predicted = sum(
-        alarms_per_hour(*threshold) for threshold in make_detector(name, DESIGN, None, scale).noise_thresholds()
-    )
+    predicted = predict_alarms_per_hour(make_detector(name, DESIGN, None, scale))
     assert counted == pytest.approx(predicted, rel=0.7), (counted, predicted)
 
 
-def alarms_per_hour(weights: np.ndarray, excursion_s: float, threshold_v: float) -> float:
+def predict_alarms_per_hour(detector: FftDetector) -> float:
     """Predict the alarms per hour from noise alone."""
-    return 3600 / excursion_s * tail_probability(weights, threshold_v**2)
+    weights = detector.noise_weights() * detector.settings.noise_v**2
+    return 3600 / EXCURSION_S * tail_probability(weights, detector.threshold_v**2)
 
 
 @pytest.mark.parametrize("name", ["fft"])
 def test_all_thresholds_together_permit_the_stated_alarm_rate(name):
-    predicted = sum(alarms_per_hour(*threshold) for threshold in make_detector(name, DESIGN).noise_thresholds())
+    predicted = predict_alarms_per_hour(make_detector(name, DESIGN))
     assert predicted == pytest.approx(ALARMS_PER_HOUR, rel=1e-3)
 
 

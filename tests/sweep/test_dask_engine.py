@@ -56,13 +56,14 @@ class DaskCluster:
     def start(self, *arguments: str, path: Path = ROOT) -> subprocess.Popen[bytes]:
         """Start `dask ARGUMENTS` in a process group of its own."""
         log = (self.folder / f"{len(self.processes)}.log").open("wb")
+        paths = os.pathsep.join(filter(None, [str(path), os.environ.get("PYTHONPATH")]))
         self.processes.append(
             subprocess.Popen(
                 [sys.executable, "-m", "dask", *arguments, "--no-dashboard"],
                 stdout=log,
                 stderr=log,
                 cwd=self.folder,
-                env=os.environ | {"PYTHONPATH": str(path)},  # so that workers find the tests' own functions
+                env=os.environ | {"PYTHONPATH": paths},  # so that workers find the tests' own functions
                 start_new_session=True,
             )
         )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shutil
-import sqlite3
 from pathlib import Path
 
 import pytest
 
 from fingertip.foundation.errors import OutputError, SweepError
+from fingertip.sweep import database
 from fingertip.sweep.database import FILE, SweepDatabase
 from tests.sweep.examples import make_plan
 
@@ -81,11 +81,8 @@ def test_folder_that_cannot_be_created_is_refused(tmp_path: Path, below: str) ->
 
 
 def test_a_sweep_that_cannot_begin_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(database: SweepDatabase, plan: object) -> None:
-        raise sqlite3.OperationalError("database or disk is full")
-
-    monkeypatch.setattr(SweepDatabase, "_create_tables", fail)
-    with pytest.raises(OutputError, match="disk is full"):
+    monkeypatch.setattr(database, "_ROWS_TABLE", "CREATE TABLE rows (")
+    with pytest.raises(OutputError, match="syntax error"):
         SweepDatabase.create(tmp_path / "sweeps" / "board", make_plan())
     assert list(tmp_path.iterdir()) == []
 

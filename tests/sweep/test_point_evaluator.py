@@ -177,15 +177,20 @@ def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:
 
 def test_cache_evicts_the_least_recently_used_entries() -> None:
     cache: LruCache[str, int] = LruCache(10)
-    cache.put("a", 1, 4)
-    cache.put("b", 2, 4)
-    assert cache.get("a") == 1
-    cache.put("c", 3, 4)
-    assert (cache.get("a"), cache.get("b"), cache.get("c")) == (1, None, 3)
-    cache.put("d", 4, 99)
-    assert (len(cache), cache.get("d"), cache.weight) == (1, 4, 99)
-    cache.put("d", 5, 1)
-    assert (cache.get("d"), cache.weight) == (5, 1)
+    made: list[str] = []
+
+    def get(key: str, value: int, weight: float = 4) -> int:
+        def make() -> int:
+            made.append(key)
+            return value
+
+        return cache.get(key, make, lambda _: weight)
+
+    assert [get("a", 1), get("b", 2), get("a", 0), get("c", 3)] == [1, 2, 1, 3]
+    assert (len(cache), cache.weight, made) == (2, 8, ["a", "b", "c"])
+    assert [get("c", 0), get("a", 0), get("b", 4)] == [3, 1, 4]  # b was evicted
+    assert [get("d", 5, 99), get("d", 0)] == [5, 5]
+    assert (len(cache), cache.weight, made) == (1, 99, ["a", "b", "c", "b", "d"])
 
 
 @pytest.mark.full

@@ -188,7 +188,7 @@ def test_point_classes_and_ranges_of_limiting_rules() -> None:
     assert (width.points, width.share, width.example) == (30, 0.3, "skin.width_mm with its reason")
     assert width.axes[0].axis == "skin.width_mm"
     axes = {axis.axis: axis for axis in width.axes}
-    assert axes["skin.width_mm"].explained == pytest.approx(1.0)
+    assert axes["skin.width_mm"].explained_variance == pytest.approx(1.0)
     assert axes["skin.width_mm"].limiting_ranges == ((0.0, 2.0),)
     assert axes["skin.length_mm"].limiting_ranges == ((0.0, 7.0),)
     axes = {axis.axis: axis for axis in length.axes}

@@ -144,9 +144,8 @@ def test_arrow_points_along_its_motion() -> None:
     """The head of an arrow lies at its end: more of its colour there than at its beginning."""
     bench = Bench(load("fsr400")[0])
     bone = bench.part("bone")
-    scene = Scene(
-        (bone,), Camera.from_angles(0, 0), (Label("x", (0.0, 0.0, 0.0)),), (Arrow((0.0, 0.0, -40.0), (0.0, 0.0, 40.0)),)
-    )
+    arrow = Arrow((0.0, 0.0, -40.0), (0.0, 0.0, 40.0))
+    scene = Scene((bone,), Camera.from_angles(0, 0), Label("x", (0.0, 0.0, 0.0)), arrow)
     picture = np.asarray(Image.open(io.BytesIO(draw_scene(scene))).convert("RGB")).astype(int)
     red = (picture[..., 0] > 140) & (picture[..., 1] < 90) & (picture[..., 2] < 90)
     columns = red.sum(axis=0)

@@ -15,8 +15,8 @@ from pathlib import Path
 from tools.fuzz import promises
 from tools.fuzz.cases import Case
 
-WAIT_LIMIT_S = 60.0
-"""Time of a case that waits for something other than a processor [s]."""
+WAIT_LIMIT_S = 300.0
+"""Time of a case that waits for something other than a processor, which a process of its own may wait for [s]."""
 MEMORY_LIMIT_BYTES = 2**30
 EXIT_CODES = frozenset({0, 1, 2})
 """Documented exit codes, but those of faults of the program and of interruptions."""

@@ -20,7 +20,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import CodeType, FunctionType
@@ -66,8 +66,8 @@ class Outcome:
     """Test that failed; empty if none did, or the process was ended."""
 
 
-Make = Callable[[Counter[str]], Iterator[Job]]
-"""Generator of jobs, which reads how many mutants each test has noticed so far."""
+Make = Callable[[Collection[str], Counter[str]], Iterator[Job]]
+"""Generator of jobs. It gets the first set of tests, and reads how many mutants each test has noticed so far."""
 
 
 class Server:
@@ -84,16 +84,18 @@ class Server:
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: Any) -> bool:
         """Run the jobs, several at once."""
+        from tests.first_set import select
+
         items = {item.nodeid: item for item in session.items}
         gc.collect()
         gc.freeze()  # what the forks share stays shared
-        jobs, first = self._make(self._kills), list[Job]()
+        jobs, urgent = self._make({item.nodeid for item in select(session.items)}, self._kills), list[Job]()
         while True:
-            while len(self._running) < self._at_once and (job := first.pop() if first else next(jobs, None)):
+            while len(self._running) < self._at_once and (job := urgent.pop() if urgent else next(jobs, None)):
                 self._start(session, [items[test] for test in job.tests if test in items], job)
             if not self._running:
                 return True
-            first += self._judge(*self._wait())
+            urgent += self._judge(*self._wait())
 
     def _start(self, session: Any, items: Sequence[Any], job: Job) -> None:
         answer = tempfile.TemporaryFile()  # noqa: SIM115 (closed when the job has ended)

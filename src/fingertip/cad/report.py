@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 FORMATS = ("stl", "3mf", "step")
 DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
 ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
-"""Names of all files that a build may write."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,6 @@ class BuiltPart:
     part: Part
     mesh: Mesh
     files: Mapping[str, str]
-    """Format -> file name."""
     brep: BrepMeasurements | None
     """Measurements of the B-rep solid; None unless STEP files were made."""
 
@@ -55,7 +53,6 @@ class Build:
     """Files for the printer, in a folder of their own."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
-    """Strength of the bone; None unless it was built."""
     casting: Mapping[str, Any] | None
     """Data of the casting sheet, from `casting.sheet.casting_sheet_data`; None unless all parts were built."""
     removed: tuple[str, ...] = ()
@@ -63,7 +60,6 @@ class Build:
 
     @property
     def passed(self) -> bool:
-        """True if every check passed."""
         return all(check.passed for check in self.checks)
 
     def __repr__(self) -> str:
@@ -104,15 +100,9 @@ class Build:
         MissingLibraryError
             If pandas is not installed.
         """
-        columns = {
-            "check": [check.name for check in self.checks],
-            "value": [check.value for check in self.checks],
-            "sign": [check.sign for check in self.checks],
-            "limit": [check.limit for check in self.checks],
-            "unit": [check.unit for check in self.checks],
-            "passed": [check.passed for check in self.checks],
-            "state": [check.state for check in self.checks],
-        }
+        columns: dict[str, list[Any]] = {"check": [check.name for check in self.checks]}
+        for key in ("value", "sign", "limit", "unit", "passed", "state"):
+            columns[key] = [getattr(check, key) for check in self.checks]
         return to_dataframe(columns, "Build.to_dataframe")
 
     def report(self) -> dict[str, Any]:
@@ -123,25 +113,28 @@ class Build:
             "tolerance_mm": self.tolerance_mm,
             "passed": self.passed,
             "parts": {built.part.name: self._part_entry(built) for built in self.parts},
-            "print": self._print_entries(),
+            "print": {
+                f"{PRINT_FOLDER}/{file}": {
+                    "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
+                    "sha256": hashlib.sha256(data).hexdigest(),
+                }
+                for file, data in self.prints.contents.items()
+            },
             "warnings": list_warnings(self.checks),
             "checks": [check.to_dict() for check in self.checks],
         }
         if ASSEMBLY in self.contents:
-            report["assembly"] = self._assembly_entry()
+            names = [built.part.name for built in self.parts]
+            bought = hardware(self.design, names)
+            report["assembly"] = {
+                "file": ASSEMBLY,
+                "parts": names,
+                "hardware": [item.name for item in bought],
+                "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
+            }
         if self.strength:
             report["strength"] = strength_data(self.strength)
         return report | ({"casting": self.casting} if self.casting else {})
-
-    def _assembly_entry(self) -> dict[str, Any]:
-        names = [built.part.name for built in self.parts]
-        bought = hardware(self.design, names)
-        return {
-            "file": ASSEMBLY,
-            "parts": names,
-            "hardware": [item.name for item in bought],
-            "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
-        }
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
         entry: dict[str, Any] = {
@@ -157,13 +150,3 @@ class Build:
         if built.brep:
             entry["brep_volume_mm3"] = round_for_output(built.brep.volume_mm3)
         return entry
-
-    def _print_entries(self) -> dict[str, Any]:
-        """Hash of each file for the printer, and the parts on each plate."""
-        return {
-            f"{PRINT_FOLDER}/{file}": {
-                "parts": list(self.prints.plates.get(file, (file.partition(".")[0],))),
-                "sha256": hashlib.sha256(data).hexdigest(),
-            }
-            for file, data in self.prints.contents.items()
-        }

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from fingertip.cad.shapes.coupon_layout import WALLS_MM
-from fingertip.calibration.readings import Measured
+from fingertip.calibration.readings import Length, Measured
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import chi_square_quantile, t_quantile
@@ -35,8 +35,6 @@ _SIGN = {"outer": 1.0, "inner": -1.0}
 
 @dataclass(frozen=True)
 class Outlier:
-    """Reading that does not fit the others."""
-
     name: str
     number: int
     """Position among the readings of its length, from 1."""
@@ -64,8 +62,6 @@ class Residual:
 
 @dataclass(frozen=True)
 class PrinterFit:
-    """Scale and offset of a printer."""
-
     scale: float
     """Printed length over nominal length."""
     scale_uncertainty: float
@@ -103,6 +99,15 @@ def fit_printer(measured: Sequence[Measured]) -> PrinterFit:
     scale, offset = (count * ny - ns * sy) / determinant, (nn * sy - ns * ny) / determinant
     degrees = len(rows) - 2
     variance = math.fsum(w * (y - scale * n - offset * s) ** 2 for w, n, s, y in rows) / degrees
+
+    def predict(length: Length) -> float:
+        return scale * length.nominal_mm + offset * _SIGN[length.kind]
+
+    def find_leverage(length: Length) -> float:
+        """Leverage of one reading of a length: the share of it in the value that is fitted there."""
+        n, s = length.nominal_mm, _SIGN[length.kind]
+        return (count * n * n - 2.0 * ns * n * s + nn) / determinant
+
     return PrinterFit(
         scale,
         math.sqrt(variance * count / determinant),
@@ -111,22 +116,19 @@ def fit_printer(measured: Sequence[Measured]) -> PrinterFit:
         math.sqrt(variance * len(rows) / count),
         degrees,
         count,
-        tuple(_find_outliers(used, scale, offset, (nn, ns, float(count)))),
-        tuple(_compare_lengths(used, scale, offset, (nn, ns, float(count)))),
+        tuple(_find_outliers(used, predict, find_leverage)),
+        tuple(_compare_lengths(used, predict, find_leverage)),
     )
 
 
 def _compare_lengths(
-    used: Sequence[Measured], scale: float, offset: float, normal: tuple[float, float, float]
+    used: Sequence[Measured], predict: Callable[[Length], float], find_leverage: Callable[[Length], float]
 ) -> Iterator[Residual]:
     """Compare the mean of each length with the fit, by its externally studentised residual (Bonferroni's bound)."""
-    nn, ns, count = normal
-    determinant = nn * count - ns * ns
     rows = []
     for each in used:
-        n, s, weight = each.length.nominal_mm, _SIGN[each.length.kind], len(each.readings_mm)
-        predicted = scale * n + offset * s
-        kept = 1.0 - weight * (count * n * n - 2 * ns * n * s + nn) / determinant
+        predicted, weight = predict(each.length), len(each.readings_mm)
+        kept = 1.0 - weight * find_leverage(each.length)
         rows.append((each, predicted, weight * (each.mean_mm - predicted) ** 2, kept))
     total, degrees = math.fsum(square for _, _, square, _ in rows), len(rows) - 3
     limit = t_quantile(1.0 - _OUTLIER_RISK / len(rows), degrees) if degrees > 0 else math.inf
@@ -139,28 +141,25 @@ def _compare_lengths(
 
 
 def _find_outliers(
-    used: Sequence[Measured], scale: float, offset: float, normal: tuple[float, float, float]
+    used: Sequence[Measured], predict: Callable[[Length], float], find_leverage: Callable[[Length], float]
 ) -> Iterator[Outlier]:
     """Find readings whose externally studentised residual is too large (Bonferroni's bound over all readings).
 
     Reference: Draper and Smith, sections 8.1 and 8.4.
     """
-    nn, ns, count = normal
-    determinant = nn * count - ns * ns
     residuals = [
-        (each, number, reading, reading - scale * each.length.nominal_mm - offset * _SIGN[each.length.kind])
+        (each.length, number, reading, reading - predict(each.length))
         for each in used
         for number, reading in enumerate(each.readings_mm, 1)
     ]
     degrees = len(residuals) - 3
     total = math.fsum(r * r for _, _, _, r in residuals)
     limit = t_quantile(1.0 - _OUTLIER_RISK / len(residuals), degrees)
-    for each, number, reading, residual in residuals:
-        n, s = each.length.nominal_mm, _SIGN[each.length.kind]
-        kept = 1.0 - (count * n * n - 2.0 * ns * n * s + nn) / determinant  # one less the leverage
+    for length, number, reading, residual in residuals:
+        kept = 1.0 - find_leverage(length)
         others = max(total - residual * residual / kept, 0.0) / degrees
         if residual * residual > limit * limit * others * kept and abs(residual) > 1e-9:
-            yield Outlier(each.length.name, number, reading, residual)
+            yield Outlier(length.name, number, reading, residual)
 
 
 CLEARANCES = {
@@ -185,8 +184,6 @@ _DECIMALS = {"%": 2, "mm": 3}
 
 @dataclass(frozen=True)
 class CalibratedValue:
-    """Parameter with its calibrated value."""
-
     path: str
     unit: str
     before: float
@@ -200,8 +197,6 @@ class CalibratedValue:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Calibrated parameters, and the fit that they follow from."""
-
     fit: PrinterFit
     values: tuple[CalibratedValue, ...]
     kept: tuple[str, ...]
@@ -221,9 +216,12 @@ def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collec
     values = [
         _value(_SCALE, "%", printer.scale_percent, scale, uncertainty, fit),
         _value(_OFFSET, "mm", printer.offset_mm, fit.offset_mm, fit.offset_uncertainty_mm, fit),
-        *_clearances(design, fit),
-        _surface_error(printer.surface_error_mm, fit),
     ]
+    for path, surfaces in CLEARANCES.items():
+        # The printed gap is that of the design at half the offset more for each printed surface.
+        before, added = float(design.value(path)), surfaces / 2 * (fit.offset_mm - printer.offset_mm)
+        values.append(_value(path, "mm", before, before + added, surfaces / 2 * fit.offset_uncertainty_mm, fit))
+    values.append(_surface_error(printer.surface_error_mm, fit))
     kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
     wall = _min_wall(printer.min_wall_mm, measured)
     if isinstance(wall, CalibratedValue):
@@ -244,7 +242,6 @@ def apply_calibration(design: Design, calibration: Calibration, name: str | None
 
 
 def list_calibrated() -> tuple[str, ...]:
-    """List every parameter that a calibration may change."""
     return (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
 
 
@@ -257,15 +254,6 @@ def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str
             Design.without_remedies(**tables)
             return path
     return None
-
-
-def _clearances(design: Design, fit: PrinterFit) -> Iterator[CalibratedValue]:
-    """Clearances at which the printed gap is that of the design: half the offset more for each printed surface."""
-    for path, surfaces in CLEARANCES.items():
-        before = float(design.value(path))
-        added = surfaces / 2 * (fit.offset_mm - design.printer.offset_mm)
-        uncertainty = surfaces / 2 * fit.offset_uncertainty_mm
-        yield _value(path, "mm", before, before + added, uncertainty, fit)
 
 
 def _surface_error(before: float, fit: PrinterFit) -> CalibratedValue:

@@ -129,19 +129,15 @@ _FACTORS = {"inches": 25.4, "centimetres": 10.0}
 
 @dataclass(frozen=True)
 class Measured:
-    """Length with its readings."""
-
     length: Length
     readings_mm: tuple[float, ...]
 
     @property
     def mean_mm(self) -> float:
-        """Mean of the readings."""
         return math.fsum(self.readings_mm) / len(self.readings_mm)
 
 
 def identify_coupon(design: Design) -> str:
-    """Identify the coupon of a design by its nominal lengths."""
     return hash_parameters({length.name: length.nominal_mm for length in list_lengths(design)})[:8]
 
 

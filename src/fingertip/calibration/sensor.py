@@ -7,7 +7,7 @@ A CSV file names one column of loads, `weight_g` or `force_n`, and one of readin
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import t_quantile
-from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ConductanceCurve, fit_conductance_curve
+from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, fit_conductance_curve
 from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
 
 LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
@@ -39,18 +39,13 @@ MAX_FORCE_N = 1000.0
 
 @dataclass(frozen=True)
 class Weighing:
-    """Known force, and the reading of the sensor under it."""
-
     force_n: float
     reading: float
     line: int
-    """Line in the file."""
 
 
 @dataclass(frozen=True)
 class Weighings:
-    """Content of a file of weighings."""
-
     source: str
     """Name of the file in messages."""
     kind: str
@@ -111,38 +106,29 @@ def parse_weighings(text: str, source: str) -> Weighings:
             )
             continue
         rows.append(Weighing(force * LOADS[load], reading, number))
-    issues += (Issue(f"{source}, line {row.line}", problem) for row in rows for problem in _find_problems(row, kind))
-    if not issues:
-        issues += _find_missing(source, [row for row in rows if row.force_n > 0.0])
+    for row in rows:
+        field = f"{source}, line {row.line}"
+        if not 0.0 <= row.force_n <= MAX_FORCE_N:
+            issues.append(Issue(field, f"{row.force_n:g} N is not a load; give 0 to {MAX_FORCE_N:g} N."))
+        if not math.isfinite(row.reading):
+            issues.append(Issue(field, f"{row.reading} is not a reading; weigh again, or delete the line."))
+        elif kind == "resistance_ohm" and row.reading <= 0.0:
+            issues.append(Issue(field, f"{row.reading:g} ohm is not a resistance; give a value above 0."))
+    loaded, unloaded = (tuple(row for row in rows if (row.force_n > 0.0) is under) for under in (True, False))
+    loads = len({row.force_n for row in loaded})
+    if not issues and (len(loaded) < MIN_WEIGHINGS or loads < MIN_LOADS):
+        message = (
+            f"holds {len(loaded)} weighings under {loads} different loads; at least {MIN_WEIGHINGS} under {MIN_LOADS} "
+            "are needed for a curve and its interval."
+        )
+        issues.append(Issue(source, message))
     if issues:
         raise TraceError(issues)
-    loaded, unloaded = ([row for row in rows if (row.force_n > 0.0) is under] for under in (True, False))
-    return Weighings(source, kind, tuple(loaded), tuple(unloaded))
+    return Weighings(source, kind, loaded, unloaded)
 
 
 def _plain(cell: str, delimiter: str) -> str:
     return unquote(cell) if delimiter == "," else unquote(cell).replace(",", ".")
-
-
-def _find_problems(row: Weighing, kind: str) -> Iterator[str]:
-    """Find values that no weighing gives."""
-    if not 0.0 <= row.force_n <= MAX_FORCE_N:
-        yield f"{row.force_n:g} N is not a load; give 0 to {MAX_FORCE_N:g} N."
-    if not math.isfinite(row.reading):
-        yield f"{row.reading} is not a reading; weigh again, or delete the line."
-    elif kind == "resistance_ohm" and row.reading <= 0.0:
-        yield f"{row.reading:g} ohm is not a resistance; give a value above 0."
-
-
-def _find_missing(source: str, loaded: Sequence[Weighing]) -> Iterator[Issue]:
-    """Find too few weighings, or too few different loads."""
-    loads = len({row.force_n for row in loaded})
-    if len(loaded) < MIN_WEIGHINGS or loads < MIN_LOADS:
-        yield Issue(
-            source,
-            f"holds {len(loaded)} weighings under {loads} different loads; at least {MIN_WEIGHINGS} under {MIN_LOADS} "
-            "are needed for a curve and its interval.",
-        )
 
 
 # Power law fitted to weighings, with the interval of a force that is read off it. The conductance G under a force F
@@ -161,8 +147,6 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """Fitted curve."""
-
     turn_on_n: float
     """Force at which the sensor begins to conduct [N], which is not fitted."""
     exponent: float
@@ -171,7 +155,6 @@ class PowerLaw:
     scatter: float
     """Relative standard deviation of a conductance about the curve."""
     count: int
-    """Number of weighings."""
     mean_log_force: float
     """Mean of ln(F - F0)."""
     squares: float
@@ -221,9 +204,7 @@ def fit_power_law(forces_n: Sequence[float], conductances_s: Sequence[float], tu
     exponent = math.fsum((xi - x_mean) * (yi - y_mean) for xi, yi in zip(x, y, strict=True)) / squares
     residuals = (yi - y_mean - exponent * (xi - x_mean) for xi, yi in zip(x, y, strict=True))
     scatter = math.sqrt(math.fsum(r * r for r in residuals) / (count - 2))
-    return PowerLaw(
-        turn_on_n, exponent, math.exp(y_mean - exponent * x_mean), scatter, count, x_mean, squares
-    )  # fmt: skip
+    return PowerLaw(turn_on_n, exponent, math.exp(y_mean - exponent * x_mean), scatter, count, x_mean, squares)
 
 
 MAX_OFFSET_V = 0.5
@@ -247,8 +228,6 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class SensorCalibration:
-    """Calibrated force curve, and the fit that it follows from."""
-
     law: PowerLaw
     points: tuple[CurvePoint, ...]
     """Curve under each weight of the file, in the order of the weights."""
@@ -306,15 +285,17 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
     if issues:
         raise TraceError(issues)
     law = fit_power_law(forces, conductances, turn_on)
-    curve = ConductanceCurve(turn_on, law.conductance_s, law.exponent)
     if law.exponent <= 0.0:
         message = "the readings do not grow with the load; check the order of the columns, and the wiring."
         raise TraceError(Issue(weighings.source, message))
-    bridge = Bridge(curve, response)
-    points = tuple(_list_points(law, bridge, sorted(set(forces))))
+    points = []
+    for force_n in sorted(set(forces)):
+        conductance_s = law.conductance_at(force_n)
+        voltage_v, (low_n, high_n) = response.tactile_v(conductance_s), law.interval_n(conductance_s)
+        points.append(CurvePoint(force_n, conductance_s, voltage_v, low_n, high_n))
     middle = points[len(points) // 2]
     typical_s = fit_conductance_curve().conductance_s(middle.force_n)
-    calibration = SensorCalibration(law, points, offset_v, middle.conductance_s / typical_s)
+    calibration = SensorCalibration(law, tuple(points), offset_v, middle.conductance_s / typical_s)
     if not math.isfinite(calibration.interval_factor):
         message = "the readings scatter so much that a force has no upper bound; weigh more often, or over more loads."
         raise TraceError(Issue(weighings.source, message))
@@ -368,14 +349,6 @@ def _find_conductance(
         f"{volts:.4g} V is not between {low:.3g} and {response.open_v:.3g} V, the design's board with a shorted and "
         "with an open sensor; check design, unit and wiring."
     )
-
-
-def _list_points(law: PowerLaw, bridge: Bridge, forces_n: list[float]) -> Iterator[CurvePoint]:
-    """Yield the curve at some forces [N]."""
-    for force in forces_n:
-        conductance = law.conductance_at(force)
-        low, high = law.interval_n(conductance)
-        yield CurvePoint(force, conductance, bridge.response.tactile_v(conductance), low, high)
 
 
 def _round(value: float) -> float:

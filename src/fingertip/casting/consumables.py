@@ -34,7 +34,9 @@ def cover_tape_data(design: Design) -> dict[str, Any]:
     narrowest = min(flat_width_mm(design, design.dimensions.sensor_z * i / _STATIONS) for i in range(1, _STATIONS + 1))
     width = _round_up(wanted)
     trim = narrowest < width
-    flat_end = _flat_end_mm(design)
+    # The height at which the flat ends at the tip.
+    low, high = design.dimensions.sensor_z, design.skin.length_mm
+    flat_end = _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
     width_mm = [width, max(width, min(width + _RANGE_MM, _round_down((flat if trim else narrowest) - _EDGE_MM)))]
     return {
         "width_mm": [round(limit, 1) for limit in width_mm],
@@ -55,12 +57,6 @@ def _tape_length_mm(end: float, flat_end: float) -> list[float]:
     if least + _RANGE_MM > longest:
         least = min(_round_up(end + _LAID_OFF_MM), max(_round_up(end), longest))
     return [round(limit, 1) for limit in (least, max(least, min(least + _RANGE_MM, longest)))]
-
-
-def _flat_end_mm(design: Design) -> float:
-    """Height at which the flat of the bone ends at the tip [mm]."""
-    low, high = design.dimensions.sensor_z, design.skin.length_mm
-    return _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
 
 
 def _round_up(size_mm: float) -> float:

@@ -29,8 +29,6 @@ _AWG_36_MM = 0.127
 
 @dataclass(frozen=True)
 class Wires:
-    """Wires of a sensor."""
-
     max_diameter_mm: float
     """Largest diameter of one wire over its insulation."""
     conductor_awg: int
@@ -63,19 +61,12 @@ def describe_bought_wires(design: Design) -> dict[str, Any]:
     if plug is None or wires.max_diameter_mm < plug.min_insulation_mm:
         return bought | {"thinner_than_mm": wires.max_diameter_mm}
     bought["insulation_mm"] = [plug.min_insulation_mm, min(plug.max_insulation_mm, wires.max_diameter_mm)]
-    all_fit = wires.conductor_awg == plug.min_awg and wires.max_diameter_mm >= plug.max_insulation_mm
-    if all_fit and (lead := _find_lead(design)):
-        bought["or_lead"] = lead
+    if wires.conductor_awg == plug.min_awg and wires.max_diameter_mm >= plug.max_insulation_mm:
+        connector = board_circuit(select_components(design)).component(SENSOR_CONNECTOR)
+        matings = (mating for mating in list_mating_parts(connector) if mating.item.startswith("or leads"))
+        if lead := next((mating.part for mating in matings if mating.part), None):
+            bought["or_lead"] = f"{lead.manufacturer} {lead.number}, one for each wire, its second contact cut off"
     return bought
-
-
-def _find_lead(design: Design) -> str:
-    """Find the lead with contacts that the plug takes; empty without one."""
-    connector = board_circuit(select_components(design)).component(SENSOR_CONNECTOR)
-    for mating in list_mating_parts(connector):
-        if mating.part and mating.item.startswith("or leads"):
-            return f"{mating.part.manufacturer} {mating.part.number}, one for each wire, its second contact cut off"
-    return ""
 
 
 def size_wires(design: Design) -> Wires:

@@ -45,7 +45,6 @@ class SiliconeVolumes:
 
     @property
     def total_cm3(self) -> float:
-        """Total volume [cm3]."""
         return self.skin_cm3 + self.runners_cm3 + self.gap_cm3
 
 
@@ -54,7 +53,6 @@ class Batch:
     """Quantities for one mixing cup [g]."""
 
     in_mold_g: float
-    """Mass of silicone that fills the mold."""
     with_waste_g: float
     """Mass with the extra silicone that stays on cup, stirrer and syringe or funnel."""
     total_g: float
@@ -64,7 +62,6 @@ class Batch:
 
     @property
     def waste_g(self) -> float:
-        """Mass that does not go into the mold [g]."""
         return self.total_g - self.in_mold_g
 
 

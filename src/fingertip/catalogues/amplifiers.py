@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 AmplifierName = Literal["auto", "TL082", "TLV2372", "MCP6022", "OPA2376", "OPA2197"]
@@ -29,10 +30,12 @@ SOURCES = {
 }
 
 
+_DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
+_SINGLE = {"": ("3", "4", "1")}
+
+
 @dataclass(frozen=True)
 class Amplifier:
-    """Type of operational amplifier."""
-
     name: str
     symbol: str
     """Name of its symbol in KiCad's library: its own, or a dual amplifier's whose pins are drawn at the same places."""
@@ -45,7 +48,6 @@ class Amplifier:
     noise_v: float
     """White noise density at the input [V/sqrt(Hz)]."""
     offset_v: float
-    """Typical input offset voltage [V]."""
     max_offset_v: float
     """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
     drift_v_per_k: float
@@ -61,10 +63,10 @@ class Amplifier:
     """Supply current of each unit [A], typical; the maximum where only that is stated."""
     input_f: float
     """Capacitance of each input to ground [F]: common-mode and differential together."""
-    units: dict[str, tuple[str, str, str]]
-    """Unit letter -> pins of non-inverting input, inverting input and output."""
     unverified: tuple[str, ...]
     """Names of the figures that no document read confirms."""
+    units: Mapping[str, tuple[str, str, str]] = field(default_factory=lambda: _DUAL)
+    """Unit letter -> pins of non-inverting input, inverting input and output."""
     input_from_lower_v: tuple[float, float] = (0.0, 0.0)
     """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
 
@@ -80,10 +82,7 @@ class Amplifier:
 
     @functools.cached_property
     def second_pole_hz(self) -> float:
-        """Frequency of the second pole [Hz] that gives a follower its phase margin.
-
-        Where |GBW / f| / sqrt(1 + (f / f2)^2) = 1, the second pole lags by atan(f / f2) = 90 degrees - margin.
-        """
+        """Frequency f2 of the second pole [Hz]: at unity gain it lags by 90 degrees less the phase margin."""
         lag = math.tan(math.radians(90.0 - self.phase_margin_deg))
         return self.bandwidth_hz / (lag * math.hypot(1.0, lag))
 
@@ -94,9 +93,6 @@ class Amplifier:
 
 OPEN_LOOP_GAIN = 2e5
 """Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. More, as the others have, changes no result."""
-
-_DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
-_SINGLE = {"": ("3", "4", "1")}
 
 _TLV237X = Amplifier(
     name="TLV2372",
@@ -114,7 +110,6 @@ _TLV237X = Amplifier(
     max_supply_v=16.0,
     supply_current_a=0.55e-3,
     input_f=8e-12,
-    units=_DUAL,
     unverified=("phase_margin_deg", "drift_v_per_k", "output_from_rail_v", "output_current_a", "input_f"),
 )
 
@@ -139,7 +134,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=36.0,
             supply_current_a=1.4e-3,
             input_f=8e-12,
-            units=_DUAL,
             unverified=("phase_margin_deg", "output_current_a", "min_supply_v", "input_f"),
             input_from_lower_v=(3.0, 4.0),
         ),
@@ -160,7 +154,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=5.5,
             supply_current_a=1e-3,
             input_f=9e-12,
-            units=_DUAL,
             unverified=("phase_margin_deg", "offset_v", "output_from_rail_v", "output_current_a", "input_f"),
         ),
         Amplifier(
@@ -179,7 +172,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=5.5,
             supply_current_a=0.95e-3,
             input_f=19.5e-12,
-            units=_DUAL,
             unverified=(
                 "phase_margin_deg",
                 "offset_v",
@@ -205,7 +197,6 @@ CATALOGUE: dict[str, Amplifier] = {
             max_supply_v=36.0,
             supply_current_a=1e-3,
             input_f=8e-12,
-            units=_DUAL,
             unverified=("phase_margin_deg", "output_from_rail_v", "input_f"),
         ),
         replace(_TLV237X, name="TLV2371DBV", symbol="TLV2371DBV", order_name="TLV2371DBV", units=_SINGLE),

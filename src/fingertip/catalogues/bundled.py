@@ -9,16 +9,15 @@ from __future__ import annotations
 import difflib
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from fingertip.catalogues.file_kinds import FileKind, identify_kind
-from fingertip.foundation.errors import Issue, TomlFileError
+from fingertip.foundation.errors import Issue, TomlFileError, join_words
 
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"
 PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
-"""Folder of the bundled files."""
 _FOLDERS = ("", "scenes", "sweeps")
 _BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _MAX_SUGGESTIONS = 3
@@ -35,12 +34,11 @@ def find_file(given: str | Path, *kinds: FileKind, folder: Path | None = None) -
     name, path = str(given), (folder or Path()) / given
     if not _BARE_NAME.fullmatch(name):
         return path
-    bundled = list_bundled_files().get(name)
+    bundled, wanted = list_bundled_files().get(name), join_words((kind.describe() for kind in kinds), "or")
     if os.path.exists(path):  # false for a name that is too long to be one, where Path.exists raises
         if bundled and path.is_dir():
             problem = "is a folder, which comes before the bundled file of the same name"
-            remedy = f"run this in another folder, or give the path of {_join(kind.describe() for kind in kinds)}"
-            raise TomlFileError(Issue(name, f"{problem}; {remedy}."))
+            raise TomlFileError(Issue(name, f"{problem}; run this in another folder, or give the path of {wanted}."))
         return path
     kind = identify_kind(bundled) if bundled else None
     if bundled and kind in kinds:
@@ -48,7 +46,6 @@ def find_file(given: str | Path, *kinds: FileKind, folder: Path | None = None) -
     known = list(list_bundled_files(*kinds))
     if kind is None:
         raise TomlFileError(Issue(name, _describe_unknown(name, path, kinds, known)))
-    wanted = _join(kind.describe() for kind in kinds)
     remedy = f"known names: {', '.join(known)} ({kind.use})"
     raise TomlFileError(Issue(name, f"is {kind.describe()}, not {wanted}; {remedy}."))
 
@@ -61,11 +58,6 @@ def _describe_unknown(name: str, path: Path, kinds: Sequence[FileKind], known: S
         similar.insert(0, f"{name}.toml")
     remedy = f"known names: {', '.join(known)}; or give the path of a file." if known else "give the path of a file."
     if similar:
-        remedy = f"did you mean {_join(similar)}?"
-    return f"is neither a file nor the name of a bundled {_join(kind.name for kind in kinds)}; {remedy}"
-
-
-def _join(words: Iterable[str]) -> str:
-    """Join words as "a, b or c"."""
-    *first, last = words
-    return f"{', '.join(first)} or {last}" if first else last
+        remedy = f"did you mean {join_words(similar, 'or')}?"
+    wanted = join_words((kind.name for kind in kinds), "or")
+    return f"is neither a file nor the name of a bundled {wanted}; {remedy}"

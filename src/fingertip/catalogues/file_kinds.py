@@ -18,8 +18,6 @@ from fingertip.foundation.toml_files import read_toml
 
 @dataclass(frozen=True)
 class FileKind:
-    """A kind of TOML file."""
-
     name: str
     names: frozenset[str]
     """Names that may stand at the top level of the file. A test compares them with the models of the files."""
@@ -35,54 +33,36 @@ class FileKind:
 
 DESIGN = FileKind(
     "design",
-    frozenset(
-        {
-            "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
-            "force_curve", "board", "detector",
-        }
-    ),
+    frozenset({
+        "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
+        "force_curve", "board", "detector",
+    }),
     "fsr400",
     "`fingertip build` takes a design file, and so does design = in a sweep file",
 )  # fmt: skip
 SCENE = FileKind(
     "scene",
-    frozenset(
-        {
-            "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "noise",
-            "sensing", "converter",
-        }
-    ),
+    frozenset({
+        "scene", "outputs", "contact", "hold", "slide", "load_change", "tap", "motor", "drift", "cable", "noise",
+        "sensing", "converter",
+    }),
     "hard_tap",
     "`fingertip simulate` takes a scene file as its first argument",
 )  # fmt: skip
 MANIPULATION = FileKind(
     "manipulation",
-    frozenset(
-        {
-            "scene",
-            "outputs",
-            "object",
-            "grasp",
-            "knock",
-            "hand",
-            "drift",
-            "cable",
-            "noise",
-            "sensing",
-            "converter",
-        }
-    ),
+    frozenset({
+        "scene", "outputs", "object", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing", "converter",
+    }),
     "real_manipulation",
     "`fingertip simulate` takes a manipulation file as its first argument",
-)
+)  # fmt: skip
 SWEEP = FileKind(
     "sweep",
-    frozenset(
-        {
-            "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
-            "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
-        }
-    ),
+    frozenset({
+        "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
+        "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
+    }),
     "board",
     "`fingertip sweep` takes a sweep file",
 )  # fmt: skip
@@ -91,17 +71,13 @@ KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
 
 
 def read_file(path: Path, kind: FileKind) -> dict[str, Any]:
-    """Read a file of a kind. Raises TomlFileError."""
     tables = read_toml(path, kind.describe())
     _require_kind(path, tables, kind)
     return tables
 
 
 def identify_kind(path: Path) -> FileKind | None:
-    """Identify the kind of a file by its names; None if the file cannot be read or none of its names is known.
-
-    Raises TomlFileError.
-    """
+    """Identify the kind of a file by its names; None if it cannot be read or no name is known. Raises TomlFileError."""
     try:
         tables = read_toml(path)
     except TomlFileError:

@@ -24,7 +24,6 @@ class Thread:
 
     @property
     def label(self) -> str:
-        """Trade name, such as M3."""
         return f"M{self.diameter_mm:g}"
 
 
@@ -38,7 +37,6 @@ THREADS = (
     Thread(6.0, 6.4, 10.0, 5.2),
     Thread(8.0, 8.4, 13.0, 6.8),
 )
-"""Metric threads, from the thinnest to the thickest."""
 MIN_HOLE_MM = THREADS[0].hole_mm
 """Smallest clearance hole [mm] that a bolt of the table passes."""
 NUT_TRAP_CLEARANCE_MM = 0.2
@@ -49,7 +47,6 @@ apart as its flats (ISO 4032 gives both)."""
 
 
 def find_thread(diameter_mm: float) -> Thread:
-    """Find the thread of a nominal diameter [mm], such as 2 for M2."""
     return next(thread for thread in THREADS if thread.diameter_mm == diameter_mm)
 
 
@@ -60,8 +57,6 @@ def select_thread(hole_mm: float) -> Thread:
 
 @dataclass(frozen=True)
 class Syringe:
-    """Disposable syringe with a Luer slip tip."""
-
     name: str
     volume_ml: float
     bore_mm: float
@@ -80,7 +75,6 @@ SYRINGES: dict[str, Syringe] = {
         Syringe("10ml", 10.0, 14.5, 16.2, "no document found; barrels of 14.4 and 16.2 mm in koendv/paste_dispenser"),
     )
 }
-"""Every syringe, by name."""
 
 LUER_MOUTH_MM = 4.3
 """Diameter of a female Luer cone at its mouth [mm] (unverified: the standard, ISO 80369-7, was not at hand)."""

@@ -15,8 +15,6 @@ Process = Literal["sla", "fdm", "powder"]
 
 @dataclass(frozen=True)
 class PrintMaterial:
-    """Material of a printed part."""
-
     name: str
     label: str
     process: Process
@@ -24,9 +22,7 @@ class PrintMaterial:
     strength_mpa: float
     """Tensile strength within a layer [MPa]; the lower end where the source gives a range."""
     across_mpa: float
-    """Tensile strength across the layers [MPa]."""
     modulus_mpa: float
-    """Young's modulus [MPa]."""
     source: str
     verified: tuple[str, ...] = ()
     """Names of the figures that the source confirms."""
@@ -61,4 +57,3 @@ PRINT_MATERIALS: dict[str, PrintMaterial] = {
         ),
     )
 }  # fmt: skip
-"""Materials by name."""

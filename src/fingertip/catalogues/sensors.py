@@ -15,18 +15,13 @@ from typing import Literal
 SensorName = Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short"]
 """Names of the catalogue, for the parameter sensor.model. A test holds them and `CATALOGUE` together."""
 PART_TO_PART = (2.0, 8.0)
-"""Factors by which the readings of real sensors of one model differ at the same force, from usual to bad.
-
-Source: three sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54.
-"""
+"""Factors by which the readings of real sensors of one model differ at the same force, from usual to bad. Source: three
+sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54."""
 
 
 @dataclass(frozen=True)
 class ForceSensor:
-    """Outline of a flat force-sensing resistor as bought.
-
-    The head is the round end. The tail is the strip that leads from the head to the two solder tabs.
-    """
+    """Outline of a flat force-sensing resistor as bought: round head, and tail that leads to the two solder tabs."""
 
     model: str
     label: str
@@ -37,12 +32,10 @@ class ForceSensor:
     """Length from the far edge of the head to the end of the tail [mm]."""
     tail_width_mm: float
     tab_pitch_mm: float
-    """Distance between the solder tabs [mm]."""
     source: str
     unverified: tuple[str, ...]
     """Names of the dimensions that no Interlink document confirms."""
     bundled_design: str = "fsr400"
-    """Bundled design that it fits."""
     changes: tuple[str, ...] = ()
     """Changes of that design which the sensor needs."""
 
@@ -66,4 +59,3 @@ CATALOGUE: dict[str, ForceSensor] = {
         ),
     )
 }  # fmt: skip
-"""Catalogue sensors by model name."""

@@ -16,10 +16,8 @@ SiliconeName = Literal[
 ]  # fmt: skip
 """Names of the catalogue, for the parameter silicone.product. A test holds them and `SILICONES` together."""
 Cure = Literal["addition", "condensation"]
-"""Cure system: addition (platinum) or condensation (tin).
-
-Addition cure shrinks least, but uncured resin inhibits it. Condensation cure is not inhibited.
-"""
+"""Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured resin inhibits it.
+Condensation cure is not inhibited."""
 RatioBasis = Literal["weight", "volume", "weight or volume"]
 """Basis on which the maker states the mix ratio; "weight or volume" if both are allowed."""
 
@@ -72,13 +70,10 @@ class MaterialProperty:
 
 @dataclass(frozen=True)
 class Silicone:
-    """Two-part silicone rubber."""
-
     name: str
     label: str
     cure: Cure
     components: tuple[str, str]
-    """Names of both components, as on their containers."""
     ratio_by: RatioBasis
     parts_a: MaterialProperty
     """Parts of the first component in the mix ratio, by what `ratio_by` says."""
@@ -86,19 +81,16 @@ class Silicone:
     viscosity_pa_s: MaterialProperty
     """Viscosity of the mixture at room temperature, right after stirring."""
     density_g_cm3: MaterialProperty
-    """Density of the mixture."""
     shore_a: MaterialProperty | None
     """Hardness, Shore A; None if it is stated on another scale."""
     modulus_mpa: MaterialProperty
     """Young's modulus at small strain."""
     shrinkage_percent: MaterialProperty
-    """Linear shrinkage."""
     pot_life_min: MaterialProperty
     """Pot life at room temperature, from the start of stirring, as the card or the container states it."""
     cure_h: MaterialProperty
     """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
-    """Elongation at break."""
     shore_00: MaterialProperty | None = None
     """Hardness, Shore 00; None if it is stated on another scale."""
     tensile_strength_mpa: MaterialProperty | None = None
@@ -252,7 +244,6 @@ SILICONES: dict[str, Silicone] = {
         ),
     )
 }  # fmt: skip
-"""Silicones by name."""
 
 
 def find_example(silicone: Silicone) -> dict[str, str] | None:

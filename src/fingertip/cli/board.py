@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
-"""Forces for which the tactile voltage is printed."""
 
 
 @command
@@ -96,7 +95,11 @@ def board(
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes, console)
     if readings:
-        _assess(console, loaded, readings)
+        from fingertip.board.bringup.readings import format_assessment
+        from fingertip.tasks.board import assess_board
+
+        assessment = assess_board(loaded, readings)
+        console.result(assessment, format_assessment(assessment), assessment["passed"])
         return
     if check:
         _compare(console, loaded, out, fab)
@@ -136,14 +139,6 @@ def board(
         data["analysis"] = analysis_result.as_data()
         lines += ["", analysis_text(analysis_result)]
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
-
-
-def _assess(console: Console, design: Design, readings: Path) -> None:
-    from fingertip.board.bringup.readings import format_assessment
-    from fingertip.tasks.board import assess_board
-
-    assessment = assess_board(design, readings)
-    console.result(assessment, format_assessment(assessment), assessment["passed"])
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:
@@ -247,11 +242,9 @@ def _table_lines(design: Design, values: BoardValues) -> list[str]:
 def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     """Verdict on the board: its conditions, and in the same breath what is doubtful all the same."""
     failed = sum(not condition.passed for condition in values.gate)
-    verdict = (
-        f"{failed} of its {len(values.gate)} conditions FAIL"
-        if failed
-        else f"all {len(values.gate)} conditions of a working board are met"
-    )
+    verdict = f"all {len(values.gate)} conditions of a working board are met"
+    if failed:
+        verdict = f"{failed} of its {len(values.gate)} conditions FAIL"
     said = [f"variant {values.variant}, {values.supply} supply: {verdict}"]
     if warnings:
         said[0] += ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:"

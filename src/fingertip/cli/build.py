@@ -61,7 +61,6 @@ def build(
 
 
 def format_build(result: Build) -> list[str]:
-    """Format the result of a build: volume and files of each part, failed checks, and a summary."""
     lines = [
         f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
         for built in result.parts
@@ -93,8 +92,7 @@ def make(
     design: DesignArgument,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
     formats: Annotated[
-        str | None,
-        typer.Option(help="File formats of the parts (stl, 3mf, step), separated by commas; as for build."),
+        str | None, typer.Option(help="File formats of the parts (stl, 3mf, step), separated by commas; as for build.")
     ] = None,
     force: ForceOption = False,
     changes: SetOption = None,

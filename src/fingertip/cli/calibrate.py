@@ -50,8 +50,7 @@ def printer(
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
     keep: Annotated[
-        list[str] | None,
-        typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
+        list[str] | None, typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
     ] = None,
     changes: SetOption = None,
 ) -> None:
@@ -89,12 +88,10 @@ def printer(
         calibrated = fit.apply_calibration(loaded, calibration, out.stem if out else None)
     except DesignError as error:
         found = fit.find_kept(loaded, calibration, fit.CLEARANCES)
-        note = (
-            f"the calibrated design is refused; --keep {found} passes, at a printed gap smaller than the design's."
-            if found
-            else "the calibrated design is refused; change the design as the other messages say, and print its coupon."
-        )
-        refused = DesignError([*error.issues, Issue("calibration", note)])
+        remedy = "change the design as the other messages say, and print its coupon."
+        if found:
+            remedy = f"--keep {found} passes, at a printed gap smaller than the design's."
+        refused = DesignError([*error.issues, Issue("calibration", f"the calibrated design is refused; {remedy}")])
         if not console.as_json:
             console.write("\n".join(lines))
         console.print_issues(refused, data)
@@ -205,8 +202,7 @@ def sensor(
         ),
     ],
     design: Annotated[
-        Path | None,
-        typer.Argument(help="Design of the board that took the readings; the default design if left out."),
+        Path | None, typer.Argument(help="Design of the board that took the readings; the default design if left out.")
     ] = None,
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
@@ -260,18 +256,13 @@ def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[s
     if calibration.offset_v:
         lines.append(f"offset of the board without load: {1000 * calibration.offset_v:+.1f} mV, taken off the readings")
     lines.append(f"{'force':>8} {'sensor':>12} {'tactile voltage':>16}   95 % interval of a force read off it")
-    lines += (
-        f"{point.force_n:6.2f} N {_format_ohm(1 / point.conductance_s):>8} ohm {point.voltage_v:14.3f} V   "
-        f"{point.low_n:.2f} to {point.high_n:.2f} N"
-        for point in calibration.points
-    )
+    for point in calibration.points:
+        ohm = float(f"{1 / point.conductance_s:.4g}")  # four digits, and no power of ten
+        interval = f"{point.low_n:.2f} to {point.high_n:.2f} N"
+        resistance = f"{ohm:.0f}" if ohm >= 1000.0 else f"{ohm:.4g}"
+        lines.append(f"{point.force_n:6.2f} N {resistance:>8} ohm {point.voltage_v:14.3f} V   {interval}")
     lines.append(calibrated.force_curve.describe())
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
-
-
-def _format_ohm(resistance_ohm: float) -> str:
-    """Format a resistance with four digits, and without a power of ten."""
-    return f"{float(f'{resistance_ohm:.4g}'):.0f}" if resistance_ohm >= 1000.0 else f"{resistance_ohm:.4g}"
 
 
 def _sensor_data(calibration: SensorCalibration) -> dict[str, Any]:

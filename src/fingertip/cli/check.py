@@ -72,13 +72,11 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
     results, texts = [], []
     for folder in folders:
         count, differences = verify_sets(folder)
-        results.append(
-            {"folder": folder.as_posix(), "passed": not differences, "files": count, "differences": differences}
-        )
+        result = {"passed": not differences, "files": count, "differences": differences}
+        results.append({"folder": folder.as_posix(), **result})
         number = len(differences)
         verdict = f"{number} difference{'s' if number > 1 else ''}" if differences else "all are as written"
-        summary = f"{folder}: {count} files compared, {verdict}"
-        texts.append("\n".join([*differences, summary]))
+        texts.append("\n".join([*differences, f"{folder}: {count} files compared, {verdict}"]))
     return results, texts
 
 
@@ -100,27 +98,17 @@ def _check_designs(
     checks_by_design: dict[str, tuple[Check, ...]] = {}
     for label, design in loaded.items():
         console.progress(f"checking {label}")
-        checks_by_design[label] = verify(
-            design, parts_by_name(design), ("stl",), MeshEvaluator(tolerance_mm), console.progress
-        ).checks
+        parts, evaluator = parts_by_name(design), MeshEvaluator(tolerance_mm)
+        checks_by_design[label] = verify(design, parts, ("stl",), evaluator, console.progress).checks
     if junit is not None:
         from fingertip.foundation.files import write_file
 
         write_file(junit, to_bytes(checks_by_design), "--junit")
-    passed = all(c.passed for checks in checks_by_design.values() for c in checks)
-    data: dict[str, Any] = {
-        "passed": passed,
-        "tolerance_mm": tolerance_mm,
-        "designs": [
-            {
-                "design": label,
-                "passed": all(c.passed for c in checks),
-                "warnings": list_warnings(checks),
-                "checks": [c.to_dict() for c in checks],
-            }
-            for label, checks in checks_by_design.items()
-        ],
-    }
+    found: list[dict[str, Any]] = []
+    for label, checks in checks_by_design.items():
+        passed, dicts = all(c.passed for c in checks), [c.to_dict() for c in checks]
+        found.append({"design": label, "passed": passed, "warnings": list_warnings(checks), "checks": dicts})
+    data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
     return data, [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
 
 

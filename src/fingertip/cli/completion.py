@@ -70,7 +70,6 @@ def answer_shell(root: Any) -> None:
 
 
 def first_sentence(text: str) -> str:
-    """First sentence of a description."""
     first = text.split("\n\n")[0]
     end = first.find(". ")
     return first if end < 0 else first[: end + 1]

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 LINE_INTERVAL_S = 10.0
 """Smallest time between two lines of a log that report shares [s]."""
 MIN_ROWS_FOR_ESTIMATE = 10
-"""Number of rows from which the remaining time is estimated."""
 BAR_WIDTH = 20
 CLEAR_LINE = "\r\x1b[2K"
 
@@ -63,7 +62,6 @@ class ProgressDisplay:
             print(message, file=sys.stderr, flush=True)
 
     def clear(self) -> None:
-        """Remove the bar."""
         if ProgressDisplay.has_bar:
             print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
             ProgressDisplay.has_bar = False
@@ -134,21 +132,16 @@ def describe_fault(error: BaseException) -> FingertipError:
 
 
 def describe_path_error(error: OSError) -> FingertipError | None:
-    """Describe an error of the operating system that blames a path; None if it is another one.
-
-    A path that is too long, or a folder that may not be read, is no fault of the program, wherever it is met.
-    """
+    """Describe an error of the system that blames a path, which is no fault of the program; None for others."""
     if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
         return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
+    reason = error.strerror or type(error).__name__
     if error.errno in _FULL_DISK:
-        reason = error.strerror or type(error).__name__
-        place = str(error.filename or "disk")
         message = f"cannot be written ({reason}); free some space there, and in TMPDIR."
-        return FingertipError(Issue(place, message))
+        return FingertipError(Issue(str(error.filename or "disk"), message))
     if error.filename is None or error.errno in _MACHINE_ERRORS:
         return None
     path = os.fsdecode(error.filename) if isinstance(error.filename, str | bytes) else str(error.filename)
-    reason = error.strerror or type(error).__name__
     return FingertipError(Issue(path, f"cannot be used ({reason}); give another path, or change its mode."))
 
 
@@ -184,12 +177,9 @@ def _write_details(error: BaseException) -> str | None:
 CHECK_FAILED = 1
 BAD_INPUT = 2
 _MAX_PRINTED = 200
-"""Maximum number of issues that are printed to stderr."""
 
 
 class Console:
-    """Output of a command."""
-
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self.as_json = as_json
         self.quiet = quiet
@@ -202,11 +192,9 @@ class Console:
             self._display.show(ShareText(text, message.share) if isinstance(message, ShareText) else text)
 
     def end_progress(self) -> None:
-        """Remove the bar of a terminal."""
         self._display.clear()
 
     def warn(self, warnings: Iterable[str]) -> None:
-        """Print warnings to stderr."""
         for warning in warnings:
             self.progress(f"warning: {warning}")
 
@@ -232,16 +220,11 @@ class Console:
             raise
         except OSError as error:
             discard_stdout()
-            reason = error.strerror or str(error)
-            raise OutputError(
-                Issue("standard output", f"cannot be written ({reason}); redirect it elsewhere.")
-            ) from error
+            message = f"cannot be written ({error.strerror or error}); redirect it elsewhere."
+            raise OutputError(Issue("standard output", message)) from error
 
     def print_issues(self, error: FingertipError, partial_result: Mapping[str, Any] | None = None) -> None:
-        """Print the issues of an error to stderr, one per line.
-
-        With --json also print them to stdout as one object, together with the result found before the error.
-        """
+        """Print the issues of an error to stderr; with --json also to stdout, with what was found before."""
         self._display.clear()
         for issue in error.issues[:_MAX_PRINTED]:
             print(f"error: {issue}", file=sys.stderr)
@@ -259,10 +242,7 @@ _LAST_COLUMN = re.compile(r"^(.*\S {2,})\S")
 
 
 def fit_width(text: str, width: int) -> str:
-    """Break the lines of a text that are longer than a width between words.
-
-    The rest of a table's row stands below its last column if that leaves room for words, else two columns further in.
-    """
+    """Break long lines between words; the rest of a table's row stands below its last column."""
     lines = []
     for line in text.split("\n"):
         if len(line) <= width or width < MIN_WIDTH:
@@ -270,15 +250,8 @@ def fit_width(text: str, width: int) -> str:
             continue
         begin = _LAST_COLUMN.match(line[: width // 2])
         start = len(begin[1]) if begin else len(line) - len(line.lstrip()) + 2
-        lines += textwrap.wrap(
-            line,
-            width,
-            subsequent_indent=" " * start,
-            break_long_words=False,
-            break_on_hyphens=False,
-            drop_whitespace=True,
-            replace_whitespace=False,
-        )
+        whole: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "replace_whitespace": False}
+        lines += textwrap.wrap(line, width, subsequent_indent=" " * start, **whole)
     return "\n".join(lines)
 
 

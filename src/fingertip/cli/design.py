@@ -34,10 +34,7 @@ def new(
     name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
     sensor: Annotated[
         str | None,
-        typer.Option(
-            "--sensor",
-            help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default.",
-        ),
+        typer.Option("--sensor", help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default."),
     ] = None,
     preset: Annotated[
         str | None,
@@ -163,8 +160,7 @@ KINDS = ("design", "scene", "manipulation", "sweep")
 
 @command
 def schema(
-    kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")],
-    quiet: QuietOption = False,
+    kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")], quiet: QuietOption = False
 ) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
     Console(False, quiet).write(format_schema(kind))
@@ -218,8 +214,7 @@ def _normalise(value: Any) -> Any:
 
 @command
 def completion(
-    shell: Annotated[str, typer.Argument(help="Shell: bash, zsh or fish.")],
-    quiet: QuietOption = False,
+    shell: Annotated[str, typer.Argument(help="Shell: bash, zsh or fish.")], quiet: QuietOption = False
 ) -> None:
     """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
 

@@ -32,13 +32,7 @@ def detect(
     design: Annotated[
         Path | None, typer.Option("--design", help="Design file or bundled name; the default design if left out.")
     ] = None,
-    detector: Annotated[
-        str,
-        typer.Option(
-            "--detector",
-            help=describe_detectors(),
-        ),
-    ] = DEFAULT,
+    detector: Annotated[str, typer.Option("--detector", help=describe_detectors())] = DEFAULT,
     rate_hz: Annotated[
         float | None,
         typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),

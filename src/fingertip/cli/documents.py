@@ -171,8 +171,7 @@ def picture(
         Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png or filling.png by default.")
     ] = None,
     filling: Annotated[
-        bool,
-        typer.Option("--filling", help="Draw when the silicone arrives where, with vents and last points."),
+        bool, typer.Option("--filling", help="Draw when the silicone arrives where, with vents and last points.")
     ] = False,
     width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
     force: ForceOption = False,

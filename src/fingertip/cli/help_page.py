@@ -85,7 +85,6 @@ class HelpCommand(TyperCommand):
     """Command whose help page this module writes."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help page: usage, description, arguments, options and examples."""
         arguments: list[tuple[str, str]] = []
         groups: dict[str, list[tuple[str, str]]] = {"Arguments": arguments, "Options": []}
         common: list[tuple[str, str]] = []
@@ -107,7 +106,6 @@ class HelpGroup(TyperGroup):
     """Group of commands whose help page this module writes."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help page: usage, description, its commands by subject, options and examples."""
         subjects: dict[str, list[tuple[str, str]]] = {}
         for name in self.list_commands(ctx):
             command: Any = self.get_command(ctx, name)

@@ -59,8 +59,7 @@ OptionalDesignArgument = Annotated[
     Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
 ]
 MaterialOption = Annotated[
-    str | None,
-    typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted."),
+    str | None, typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted.")
 ]
 CalibratedDesignOption = Annotated[
     Path | None,
@@ -155,7 +154,6 @@ def refuse(*issues: Iterable[Issue]) -> None:
 
 
 def find_range_issues(option: str, value: float | None, low: float, high: float, remedy: str = "") -> Iterator[Issue]:
-    """Find that a number is out of its range."""
     if value is not None and not low <= value <= high:
         yield Issue(option, f"{value} is out of range; choose {low} to {high}{remedy}.")
 

@@ -69,9 +69,8 @@ def simulate(
     from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation
     from fingertip.sim import report as summary
-    from fingertip.sim.report import SUFFIXES, write_trace
 
-    issues = [*find_file_issues("--out", out, *SUFFIXES), *find_file_issues("--plot", plot, ".png")]
+    issues = [*find_file_issues("--out", out, *summary.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
         issues += find_idle_issues("--parameters", {"--out": out, "--plot": plot})
     simulation: Simulation | None = None
@@ -101,10 +100,8 @@ def simulate(
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
             record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)
-        if out is None:
-            removed = write_trace(simulation.design, path, finished, force)
-            if removed:
-                console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
+        if out is None and (removed := summary.write_trace(simulation.design, path, finished, force)):
+            console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.progress(f"wrote {path}")
     if simulation.scene.sensing.bridge == "board":
         console.progress(simulation.design.force_curve.describe())
@@ -116,17 +113,11 @@ def simulate(
 
 
 def _simulate(
-    simulation: Simulation,
-    file: BinaryIO,
-    path: Path,
-    grip: str | None,
-    plotted: bool,
-    progress: Callable[[str], None],
+    simulation: Simulation, file: BinaryIO, path: Path, grip: str | None, plotted: bool, progress: Callable[[str], None]
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
     from fingertip.sim import ManipulationResult
     from fingertip.sim import report as summary
-    from fingertip.sim.report import open_trace
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None
@@ -136,16 +127,11 @@ def _simulate(
     else:
         from fingertip.lab.campaign.closed_loop import run_with_grip
 
-        gripped = run_with_grip(simulation, grip, progress)
-        result, grips_s = gripped.result, gripped.grips_s
+        result, grips_s = run_with_grip(simulation, grip, progress)
     record = result if isinstance(result, ManipulationResult) else result.record
-    writer = open_trace(file, path, [*result.columns])
-    writer.write(result.time_s, result.columns)
-    writer.close()
+    summary.write_columns(file, path, result.time_s, result.columns)
     picture = None
     if plotted:
-        from fingertip.sim.report import draw
-
         progress("drawing the plot")
-        picture = draw(result, summary.as_text(record, grips_s)[0])
+        picture = summary.draw(result, summary.as_text(record, grips_s)[0])
     return record, grips_s, picture

@@ -34,8 +34,7 @@ def sweep(
     ] = None,
     jobs: Annotated[int | None, typer.Option(help="Number of worker processes. Default: one per processor.")] = None,
     cluster: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."),
+        str | None, typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786.")
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a sweep that was interrupted.")] = False,
     show: Annotated[
@@ -47,8 +46,7 @@ def sweep(
     ] = False,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the rows as CSV.")] = None,
     parquet: Annotated[
-        Path | None,
-        typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow."),
+        Path | None, typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
     ] = None,
     outputs: Annotated[
         bool, typer.Option("--outputs", help="List the outputs that can be computed, and exit.")
@@ -74,7 +72,12 @@ def sweep(
     idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
     refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
     if outputs:
-        _list_outputs(console)
+        from fingertip.sweep.outputs import OUTPUTS
+
+        listed = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
+        lines = [f"{'output':24} {'group':10} description"]
+        lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
+        console.result({"outputs": listed}, "\n".join(lines))
         return
     if parquet is not None:
         load_pyarrow()  # a missing package is reported before the sweep, not after it
@@ -85,9 +88,8 @@ def sweep(
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
     refuse(find_range_issues("--jobs", jobs, 1, MAX_JOBS, ", or leave it out"))
     if jobs is not None and cluster:
-        raise SweepError(
-            Issue("--jobs", "cannot be combined with --cluster, which has its own workers; leave one of them out.")
-        )
+        message = "cannot be combined with --cluster, which has its own workers; leave one of them out."
+        raise SweepError(Issue("--jobs", message))
     plan = SweepPlan.load(file, changes or ())
     folder = out or _default_folder(plan)
     engine = DaskEngine(cluster) if cluster else ProcessEngine(jobs or count_processors())
@@ -183,12 +185,3 @@ def _export(console: Console, database: SweepDatabase, csv: Path | None, parquet
         if path is not None:
             write(database, path)
             console.progress(f"wrote {path}")
-
-
-def _list_outputs(console: Console) -> None:
-    from fingertip.sweep.outputs import OUTPUTS
-
-    data = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
-    lines = [f"{'output':24} {'group':10} description"]
-    lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
-    console.result({"outputs": data}, "\n".join(lines))

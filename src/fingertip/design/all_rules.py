@@ -19,4 +19,3 @@ PART_RULES = (
 ELECTRONIC_RULES = (*board.RULES, *amplifiers.RULES, *board.SIGNAL_RULES, *skin.FORCE_CURVE_RULES)
 """Rules of the board and of slip detection. They read only the electronic tables."""
 RULES = (*PART_RULES, *ELECTRONIC_RULES)
-"""All rules, in the order in which they are checked."""

@@ -23,20 +23,14 @@ from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_
 
 @dataclass(frozen=True)
 class LoadedTables:
-    """Contents of files, merged with changes."""
-
     tables: dict[str, Any]
     before: dict[str, Any]
-    """The tables without the changes."""
     changed: tuple[str, ...]
     """Names of the changed parameters, such as "mold.draft_deg"."""
 
 
 def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN) -> LoadedTables:
-    """Merge TOML files, and then changes of the form `table.key=value`, into nested tables; later values win.
-
-    Raises DesignError.
-    """
+    """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError."""
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
     before: dict[str, Any] = {}
@@ -89,7 +83,6 @@ def parse_change(change: str) -> dict[str, Any]:
 
 
 def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
-    """Merge nested tables in place."""
     for key, value in new.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
             _merge(into[key], value)
@@ -98,7 +91,6 @@ def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
 
 
 def _flatten(tables: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the dotted names of nested tables."""
     for name, value in tables.items():
         if isinstance(value, Mapping):
             yield from (f"{name}.{inner}" for inner in _flatten(value))
@@ -112,8 +104,6 @@ _MAX_COLUMN_WIDTH = 60
 
 @dataclass(frozen=True)
 class Parameter:
-    """Entry of one parameter in the list of all parameters."""
-
     path: str
     """Dotted name, such as "mold.draft_deg"."""
     default: Any
@@ -124,7 +114,6 @@ class Parameter:
 
 
 def list_parameters() -> Iterator[Parameter]:
-    """Yield every parameter of a design file, in its order."""
     for path, field in PARAMETERS.items():
         yield Parameter(path, field.default, find_unit(field), _format_bounds(field), field.description or "")
 
@@ -153,10 +142,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def to_toml(design: Tables, heading: str = "") -> str:
-    """Write a whole design as TOML, each parameter with its description and bounds in a comment.
-
-    Reading the text gives an equal design.
-    """
+    """Write a whole design as TOML that reads back as equal, with descriptions and bounds as comments."""
     import tomlkit  # noqa: PLC0415
 
     described = {parameter.path: parameter for parameter in list_parameters()}

@@ -19,6 +19,7 @@ from fingertip.design.refusal import cheapest_first
 from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, find_violations
 from fingertip.foundation.errors import DesignError
+from fingertip.foundation.numerics import bisect
 
 FREE: Mapping[str, tuple[float, float]] = {
     "sensor.distance_from_tip_mm": (6.5, 15.0),
@@ -72,7 +73,6 @@ class Fit:
 
     tables: DesignTables
     changes: Mapping[str, tuple[float, float]]
-    """Parameter -> value before and after."""
     reasons: Mapping[str, str]
     """Changed parameter of the hand -> what its measured value would break."""
 
@@ -84,7 +84,9 @@ def fit_design(
     # Rules that take long, such as the play of the bone, are asked where all others pass.
     ordered = cheapest_first(PART_RULES)
     quick, slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
-    free = {name: ends for name, ends in FREE.items() if name not in given and _is_used(tables, name)}
+    joined = tables.dimensions.joint is not None
+    unused = {name for name in FREE if name.startswith("hand.") and not (joined and tables.value(name))}
+    free = {name: ends for name, ends in FREE.items() if name not in given and name not in unused}
     begin = {name: float(tables.value(name)) for name in free}
 
     def broken(values: Mapping[str, float]) -> list[BrokenRule]:
@@ -123,7 +125,6 @@ def _search(
     begin: Mapping[str, float],
     broken: Callable[[Mapping[str, float]], list[BrokenRule]],
 ) -> tuple[float, dict[str, float]]:
-    """Change values, and keep what does not raise the score. Return score and values."""
     rng, values = random.Random(seed), dict(begin)
     found = broken(values)
     best, improved = _score(found), 0
@@ -174,13 +175,6 @@ def _list_repairs(
     return repairs
 
 
-def _is_used(tables: DesignTables, name: str) -> bool:
-    """Return whether a free parameter matters: those of the joint do so in a clevis with tendon and stops only."""
-    if name.startswith("hand."):
-        return tables.dimensions.joint is not None and bool(tables.value(name))
-    return True
-
-
 def _score(found: Sequence[BrokenRule]) -> float:
     """Measure how far a design is from passing: one for each broken rule, and more if it is far from repaired."""
     # A design that fails a quick rule is not asked the slow ones, and counts as if it failed one.
@@ -205,11 +199,8 @@ def _move_back(
     here = values[name]
     if passes({**values, name: begin}):
         return begin
-    low, high = 0.0, 1.0  # shares of the way back that pass and fail
-    for _ in range(_BACK_STEPS):
-        middle = (low + high) / 2
-        if passes({**values, name: round(here + middle * (begin - here), 2)}):
-            low = middle
-        else:
-            high = middle
-    return round(here + low * (begin - here), 2)
+
+    def between(share: float) -> float:
+        return round(here + share * (begin - here), 2)
+
+    return between(bisect(lambda share: passes({**values, name: between(share)}), 0.0, 1.0, halvings=_BACK_STEPS)[0])

@@ -138,17 +138,13 @@ class Design(DesignTables):
         columns = {
             "name": [p.path for p in listed],
             "value": [self.value(p.path) for p in listed],
-            "default": [p.default for p in listed],
-            "unit": [p.unit for p in listed],
-            "bounds": [p.bounds for p in listed],
-            "description": [p.description for p in listed],
+            **{key: [getattr(p, key) for p in listed] for key in ("default", "unit", "bounds", "description")},
         }
         return to_dataframe(columns, "Design.to_dataframe")
 
     def _validate(
         self, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()
     ) -> None:
-        """Fill in the tables, or raise `DesignError`."""
         try:
             super().__init__(**tables)
         except ValidationError as error:

@@ -10,7 +10,6 @@ import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -30,7 +29,6 @@ _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
 
 
 def list_hands() -> dict[str, Path]:
-    """List the bundled hands by name."""
     return {path.stem: path for path in sorted((PARAMS / "hands").glob("*.toml"))}
 
 
@@ -62,7 +60,6 @@ def _find_fault(path: Path, example: str) -> str:
 
 
 _SENSORS = (*CATALOGUE, "custom")
-"""Values of sensor.model."""
 _MAIN_PARAMETERS = (
     "sensor.model",
     "skin.width_mm",
@@ -78,17 +75,7 @@ _MAIN_PARAMETERS = (
 )
 """Parameters that a user changes first. They stand at the top."""
 
-_JOINT_PARAMETERS = (
-    "hand.knuckle",
-    "hand.width_mm",
-    "hand.axis_height_mm",
-    "hand.pin_diameter_mm",
-    "hand.clearance_radius_mm",
-    "hand.tendon_distance_mm",
-    "hand.tendon_diameter_mm",
-    "hand.travel_deg",
-    "hand.length_limit_mm",
-)
+_JOINT_PARAMETERS = tuple(f"hand.{name}" for name in Hand.model_fields)
 """Parameters that stand at the top of a design with a clevis: what is measured on the hand."""
 PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
 """Bundled designs of anatomical size, each with a clevis."""
@@ -102,13 +89,11 @@ class NewDesign:
 
     text: str
     base: str
-    """Bundled design that it began from."""
     fitted: Mapping[str, tuple[float, float]]
     """Parameter -> value in the base and in the new design."""
     reasons: Mapping[str, str]
     """Fitted parameter of the hand -> what its measured value would break."""
     design: Design
-    """The design."""
 
 
 def write_new_design(
@@ -140,7 +125,7 @@ def write_new_design(
         fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
         base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
         design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
-        return NewDesign(_write(design, base), base, {}, {}, design)
+        return NewDesign("\n".join([*_list_lines(design, base), ""]), base, {}, {}, design)
     start = preset or "adult_finger"
     files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
@@ -150,16 +135,10 @@ def write_new_design(
         raise DesignError(issues_from_pydantic(error, Design)) from None
     fit = fit_design(begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
     design = Design(**fit.tables.model_dump())
-    return NewDesign(_write(design, start), start, fit.changes, fit.reasons, design)
-
-
-def _write(design: Design, base: str) -> str:
-    """Write the text of the file."""
-    return "\n".join(_list_lines(design, base)) + "\n"
+    return NewDesign("\n".join([*_list_lines(design, start), ""]), start, fit.changes, fit.reasons, design)
 
 
 def _list_lines(design: Design, base: str) -> Iterator[str]:
-    """Yield the lines of the file."""
     parameters = {parameter.path: parameter for parameter in list_parameters()}
     name = parameters.pop("name")
     joint = _JOINT_PARAMETERS if design.dimensions.joint else ()
@@ -186,7 +165,7 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
         rest = [p for p in parameters.values() if p.path.startswith(f"{table}.") and p not in changed]
         if rest:
             yield ""
-            yield f"# {_summarise(info.annotation)}"
+            yield f"# {' '.join((inspect.getdoc(info.annotation) or '').split())}"
             yield from _format_block(design, rest, prefix="#")
 
 
@@ -199,8 +178,3 @@ def _format_block(design: Design, parameters: Iterable[Parameter], prefix: str =
     for setting, parameter in rows:
         limits = ", ".join(text for text in (parameter.unit, parameter.bounds) if text)
         yield f"{setting:{width}}  # {parameter.description}" + (f" [{limits}]" if limits else "")
-
-
-def _summarise(table: Any) -> str:
-    """Return the docstring of a table in one line."""
-    return " ".join((inspect.getdoc(table) or "").split())

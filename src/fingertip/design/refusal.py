@@ -11,9 +11,9 @@ from typing import Any
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
-from fingertip.design.parameters.declaration import Bounds, find_bounds, find_unit, format_unit
+from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
 from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, find_violations
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, join_words
 from fingertip.foundation.numerics import bisect
 
 SMALLEST = 1e-300
@@ -32,10 +32,7 @@ _DIGITS = (3, 4, 5)
 
 @dataclass(frozen=True)
 class Search:
-    """Search for passing values near a design.
-
-    Every value it returns was checked with all rules, or with the one rule that is asked for.
-    """
+    """Search for values near a design that pass all rules, or the one rule that is asked for; each was checked."""
 
     rules: tuple[Rule, ...]
     """Rules to pass, those that take long last."""
@@ -47,7 +44,6 @@ class Search:
     """Design whose values are tried too."""
 
     def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
-        """Return whether tables pass all rules, or the one rule and its prerequisites."""
         if only is not None:
             return RuleChecker(tables, self.invalid).passes(only)
         return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
@@ -92,17 +88,17 @@ class Search:
         for digits in _SHORT_DIGITS:
             short = as_typed(name, round_digits(best, digits, up=best < failing))
             is_between = min(last_failing, best) <= short <= max(last_failing, best)
-            if is_between and find_parameter_bounds(name).contain(short) and passes(short):
+            if is_between and find_bounds(PARAMETERS[name]).contain(short) and passes(short):
                 return short
         for digits in _DIGITS:
             rounded = as_typed(name, round_digits(best, digits, up=best > failing))
-            if find_parameter_bounds(name).contain(rounded) and passes(rounded):
+            if find_bounds(PARAMETERS[name]).contain(rounded) and passes(rounded):
                 return rounded
         return best
 
     def _grid(self, name: str, present: float) -> Sequence[float]:
         """Values between the parameter's bounds, the nearest to the present one first."""
-        bounds = find_parameter_bounds(name)
+        bounds = find_bounds(PARAMETERS[name])
         high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
         low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
         is_wide = low > 0.0 and high / low > 300.0
@@ -129,18 +125,11 @@ def _blend(first: float, last: float, share: float) -> float:
     return math.exp((1.0 - share) * math.log(first) + share * math.log(last))
 
 
-def find_parameter_bounds(name: str) -> Bounds:
-    """Return the bounds of a numeric parameter."""
-    return find_bounds(PARAMETERS[name])
-
-
 def is_number(name: str) -> bool:
-    """Return whether a parameter is numeric."""
     return PARAMETERS[name].annotation in (float, int)
 
 
 def as_typed(name: str, value: float) -> float:
-    """Return a value with the parameter's type: rounded if it is a whole number."""
     return round(value) if PARAMETERS[name].annotation is int else value
 
 
@@ -154,7 +143,6 @@ def round_inwards(name: str, value: float, up: bool) -> float:
 
 
 def round_digits(value: float, digits: int, up: bool) -> float:
-    """Round a number up or down to a number of significant digits."""
     if value == 0.0 or math.isinf(value):
         return value
     if abs(value) < SMALLEST:  # has no more digits to round
@@ -175,8 +163,7 @@ def format_value(name: str, value: Any) -> str:
 
 def join_assignments(values: Mapping[str, Any]) -> str:
     """Write values as they are typed after --set, such as "skin.width_mm=18 and bone.wall_mm=1"."""
-    texts = [f"{name}={format_value(name, value)}" for name, value in values.items()]
-    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"
+    return join_words(f"{name}={format_value(name, value)}" for name, value in values.items())
 
 
 def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
@@ -189,13 +176,11 @@ def _is_electronic(name: str) -> bool:
 
 
 _MAX_ALTERNATIVES = 2
-"""Maximum number of alternatives of a message."""
 _MAX_CHANGED = 3
 """Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
 which none stands out."""
 
 Values = dict[str, Any]
-"""Values of parameters by their dotted names."""
 
 
 @dataclass(frozen=True)
@@ -210,32 +195,26 @@ class PassingRange:
 
 @dataclass
 class Refusal:
-    """A design that breaks rules."""
-
     tables: DesignTables
     broken: tuple[BrokenRule, ...]
     before: DesignTables
     """The design before the changes that may have caused the refusal."""
     changed: tuple[str, ...]
-    """Parameters that were changed."""
     search: Search
     ranges: dict[str, PassingRange] = field(default_factory=dict)
     """Ranges of blamed fields, computed from their rules, whose bounds are part of the remedy."""
 
     @cached_property
     def blamed(self) -> dict[str, list[BrokenRule]]:
-        """Broken rules by the field they blame."""
         found: dict[str, list[BrokenRule]] = {}
         for broken in self.broken:
             found.setdefault(broken.rule.field, []).append(broken)
         return found
 
     def reads(self, name: str) -> frozenset[str]:
-        """Return the parameters that the broken rules which blame a field read."""
         return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
 
     def resolves(self, values: Mapping[str, Any]) -> bool:
-        """Return whether the design passes all rules with these values."""
         return self.search.passes(self.tables.with_values(values))
 
 
@@ -271,7 +250,10 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
     value = values[name]
     if not is_number(name):
         return f"set {join_assignments({name: value})}{_suggest_bundled_design(refusal, name)}"
-    unit = f"{format_unit(find_unit(PARAMETERS[name]))}{_note(refusal, name)}"
+    unit = format_unit(find_unit(PARAMETERS[name]))
+    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
+    if notes and len(refusal.blamed) == 1:
+        unit += f" {notes[0]}"
     texts = [f"{'at least' if value > refusal.tables.value(name) else 'at most'} {format_value(name, value)}"]
     passing = refusal.ranges.get(name)
     if passing and len(refusal.blamed) == 1:
@@ -298,12 +280,6 @@ def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     if name != "sensor.model" or present is None or (before and before.bundled_design == present.bundled_design):
         return ""
     return f", or start from the bundled design {present.bundled_design}"
-
-
-def _note(refusal: Refusal, name: str) -> str:
-    """Return the condition of a bound, if only one field is blamed."""
-    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
-    return f" {notes[0]}" if notes and len(refusal.blamed) == 1 else ""
 
 
 def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:

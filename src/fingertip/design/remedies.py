@@ -17,6 +17,7 @@ Rules that read a parameter which is not valid by itself are not checked. They m
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -34,10 +35,8 @@ from fingertip.design.refusal import (
     Values,
     cheapest_first,
     describe_refusal,
-    find_parameter_bounds,
     format_value,
     is_number,
-    round_digits,
     round_inwards,
 )
 from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
@@ -70,10 +69,7 @@ def find_remedies(
 
 
 def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Sequence[BrokenRule]) -> Any:
-    """Find the value of a parameter that passes all rules and is nearest to its present one; None if there is none.
-
-    The bounds of the broken rules are tried first, because they are exact.
-    """
+    """Find the passing value nearest to the present one, exact bounds of rules first; None if there is none."""
     own = [one for one in broken if one.rule.field == name]
     passing = _round_range(tables, name, _intersect_intervals(own)) if own else None
     if passing and search.passes(tables.with_values({name: passing.value})):
@@ -122,11 +118,9 @@ def _return_blamed_choice(refusal: Refusal) -> Values:
 
 
 def _move_to_bounds(refusal: Refusal) -> Values:
-    """Move every blamed field to the bound of its own rules."""
-    ranges = {name: _find_range(refusal, name) for name in refusal.blamed}
-    known = {name: passing for name, passing in ranges.items() if passing is not None}
+    known = {name: passing for name in refusal.blamed if (passing := _find_range(refusal, name))}
     values = {name: passing.value for name, passing in known.items()}
-    if len(known) < len(ranges) or not refusal.resolves(values):
+    if len(known) < len(refusal.blamed) or not refusal.resolves(values):
         return {}
     refusal.ranges |= known
     return values
@@ -141,8 +135,10 @@ def _move_step_by_step(refusal: Refusal) -> Values:
             return _use_bounds(refusal, _leave_out_needless(refusal, values))
         # Repair the first broken rule. The first field that reduces the number of broken rules is good enough.
         best: tuple[int, Values, tuple[BrokenRule, ...]] | None = None
-        for name in _candidates(refusal, broken[0]):
-            value = None if name in values else _repair(refusal, tables, broken[0], name)
+        changed = [name for name in refusal.changed if is_number(name)]
+        for name in dict.fromkeys((broken[0].rule.field, *(changed or PARAMETERS))):
+            may_repair = name in broken[0].own_reads and name not in values
+            value = _repair(refusal, tables, broken[0], name) if may_repair else None
             if value is None:
                 continue
             moved = tables.with_values({name: value})
@@ -167,19 +163,8 @@ def _repair(refusal: Refusal, tables: DesignTables, broken: BrokenRule, name: st
     return refusal.search.nearest(tables, name, broken.rule)
 
 
-def _candidates(refusal: Refusal, broken: BrokenRule) -> Iterator[str]:
-    """Yield the fields that may repair a rule: the blamed and the changed ones; all it reads if none was changed."""
-    changed = [name for name in refusal.changed if is_number(name)]
-    for name in dict.fromkeys((broken.rule.field, *(changed or PARAMETERS))):
-        if name in broken.own_reads:
-            yield name
-
-
 def _return_towards_before(refusal: Refusal) -> Values:
-    """Find the changed parameters that must return towards their values before the change, and how far.
-
-    The defaults pass all rules, so that this succeeds for every design.
-    """
+    """Return changed parameters towards their values before; the defaults pass all rules, so this succeeds always."""
     before = refusal.before
     if not refusal.search.passes(before):
         before = DesignTables()
@@ -201,7 +186,6 @@ def _return_towards_before(refusal: Refusal) -> Values:
 
 
 def _leave_out_needless(refusal: Refusal, values: Values) -> Values:
-    """Leave out values without which the rest still resolves the refusal."""
     for name in list(values):
         fewer = {other: value for other, value in values.items() if other != name}
         if fewer and refusal.resolves(fewer):
@@ -210,7 +194,6 @@ def _leave_out_needless(refusal: Refusal, values: Values) -> Values:
 
 
 def _use_bounds(refusal: Refusal, values: Values) -> Values:
-    """Replace values of blamed fields by the bounds of their rules, where that passes too."""
     for name in values:
         if name in refusal.blamed and (passing := _find_range(refusal, name)):
             exact = {**values, name: passing.value}
@@ -253,11 +236,10 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
     if not math.isfinite(end):
         return None
     rounded = round_inwards(name, end, up)
-    return rounded if find_parameter_bounds(name).contain(rounded) else None
+    return rounded if find_bounds(PARAMETERS[name]).contain(rounded) else None
 
 
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
-    """Yield the first problem of each field that a broken rule blames, without a remedy."""
     blamed: set[str] = set()
     for broken in find_violations(rules, tables):
         if broken.rule.field not in blamed:
@@ -269,20 +251,15 @@ def explain_violations(
     tables: DesignTables, broken: Sequence[BrokenRule], before: Mapping[str, Any] | None, changed: Sequence[str]
 ) -> list[Issue]:
     """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
-
-    try:
-        valid_before = None if before is None else DesignTables(**before)
-    except ValidationError:
-        valid_before = None
+    valid_before = None
+    if before is not None:
+        with contextlib.suppress(ValidationError):
+            valid_before = DesignTables(**before)
     return find_remedies(tables, broken, valid_before, changed)
 
 
 def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]) -> list[Issue]:
-    """Describe all that is wrong with tables of which some parameters are not valid by themselves.
-
-    The rules between the other parameters are checked too, so that one run reports everything.
-    """
-
+    """Describe what is wrong with tables of which some parameters are not valid; rules check the others at once."""
     issues = issues_from_pydantic(error, DesignTables)
     invalid = frozenset(issue.field for issue in issues)
     valid = _keep_valid(tables, invalid)
@@ -326,10 +303,10 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
         return issue
     others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
     if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
-        default = round_digits(PARAMETERS[name].default, 3, up=True)
+        default = PARAMETERS[name].default
         if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
-            more = f", such as {format_value(name, default)}{unit}."
-            return Issue(name, issue.message.removesuffix(".") + more)
+            return issue  # which names it as an example
+        issue = Issue(name, issue.message.partition(", such as")[0])
     at_bound = valid.with_values({name: bound})
     violations = list(find_violations(RULES, at_bound, others))
     broken = [one for one in violations if name in one.reads]

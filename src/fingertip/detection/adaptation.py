@@ -26,8 +26,6 @@ _ENERGY_S = 0.015
 """Window of that energy [s]."""
 MIN_S = 0.3
 """Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
-
-
 NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace instead of its force"
 """Remedy for a quiet part without noise, such as that of a simulated force before contact."""
 
@@ -47,9 +45,8 @@ def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -
         raise TraceError(Issue("--calibrate", f"{message} during which nothing happens."))
     if trace.slip is not None and trace.slip[part].any():
         onset_s = trace.time_s[part][trace.slip[part]][0] - trace.time_s[0]
-        raise TraceError(
-            Issue("--calibrate", f"{text} covers slip, which begins at {onset_s:.4g} s; choose another part.")
-        )
+        message = f"{text} covers slip, which begins at {onset_s:.4g} s; choose another part."
+        raise TraceError(Issue("--calibrate", message))
     return part
 
 
@@ -134,10 +131,7 @@ def adapt_detector(
     rate_hz: float,
     prefix: str = "",
 ) -> Design:
-    """Adapt a design to another sampling rate for one detector, and report what changes.
-
-    Raises TraceError for NaN and infinity, with which no design can be computed, and DesignError for other wrong rates.
-    """
+    """Adapt a design to a rate for one detector, and report it. Raises TraceError or DesignError."""
     if not math.isfinite(rate_hz):
         message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
         raise TraceError(Issue("--rate-hz", message))

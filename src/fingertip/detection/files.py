@@ -177,9 +177,8 @@ def detect_file(
             trace = _simulate_board(trace, design, column_map, path.name, report)
         level = _board_noise(trace, design, is_replayed, quiet, path.name)
         if calibrate_s is not None:
-            tables = design.model_dump()
-            tables["detector"]["threshold_v"] = level.rounded_threshold_v
-            design = Design(**tables)
+            calibrated = design.with_values({"detector.threshold_v": level.rounded_threshold_v})
+            design = Design(**calibrated.model_dump())
     elif calibrate_s is not None:
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
         if column_map.in_volts:
@@ -241,10 +240,8 @@ def detect_stream(
         design = adapt_detector(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
-        message = (
-            "names a force, whose thresholds require --calibrate and the whole recording; save the lines in a file."
-        )
-        raise TraceError(Issue("--column", message))
+        problem = "names a force, whose thresholds require --calibrate and the whole recording"
+        raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
     stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
     voltage = voltage.with_simulated_names(stream.header.names)
     envelope = _map_envelope(voltage)
@@ -290,10 +287,8 @@ def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str,
     if not columns.in_volts:
         voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
         progress(design.force_curve.describe())
-    progress(
-        f"{name} has no column {columns.name_in_file('envelope_v')}: simulating {circuits} for the column "
-        f"{columns.name_in_file('voltage_v')}"
-    )
+    missing, given = columns.name_in_file("envelope_v"), columns.name_in_file("voltage_v")
+    progress(f"{name} has no column {missing}: simulating {circuits} for the column {given}")
     return replace(trace, voltage_v=voltage_v, envelope_v=simulate_envelope_v(design, voltage_v))
 
 
@@ -304,8 +299,7 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
         return measure_noise_level(trace.envelope_v[quiet], design, name)
     from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level  # noqa: PLC0415
 
-    simulate_level = simulate_replay_level if is_replayed else simulate_quiescent_level
-    return simulate_level(design)
+    return simulate_replay_level(design) if is_replayed else simulate_quiescent_level(design)
 
 
 def _select_stream_detector(

@@ -31,8 +31,6 @@ _RATE_WINDOWS = 100
 
 @dataclass(frozen=True)
 class Transition:
-    """Transition between OFF and ON."""
-
     on: bool
     time_s: float
     """Time of the first sample in that state [s]."""
@@ -117,7 +115,6 @@ class _SampleClock:
         self._has_valid_step = False
 
     def check(self, time_s: float, line: int) -> None:
-        """Check the time of the next sample [s]."""
         previous_s, self._previous_s = self._previous_s, time_s
         if previous_s == -math.inf:
             self._start_s = time_s

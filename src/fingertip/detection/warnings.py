@@ -72,7 +72,6 @@ class StepWatch:
         self._count, self._next = 0, _FIRST_LOOK
 
     def add(self, volts: float) -> str | None:
-        """Add one voltage [V], and return the warning if it is time for it."""
         if not self._next:
             return None
         self._levels.add(volts)
@@ -172,8 +171,7 @@ def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool
 
 
 MIN_CUTOFF_HZ = 45.0
-"""Cutoff below which every detector reports contacts as slip in the negative tuning scenes [Hz] (article, section
-III.A: contacts lie below 30 Hz)."""
+"""Cutoff below which detectors report contacts as slip [Hz] (article, III.A: they lie below 30 Hz)."""
 MIN_WINDOW_S = 0.02
 """Window length below which contacts are reported as slip [s] (article, section III.C)."""
 COARSE_RATIO = 2.0

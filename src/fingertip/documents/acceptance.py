@@ -28,8 +28,6 @@ _GRAVITY = 9.81
 
 @dataclass(frozen=True)
 class WeightReading:
-    """Expected reading of a weight on the pad."""
-
     mass_g: float
     sensor_ohm: float
     tactile_v: float
@@ -48,7 +46,6 @@ class DropRatio:
 
 
 def expect_open_v(design: Design) -> float:
-    """Expect the tactile voltage of an untouched finger [V]."""
     return Bridge.of_board(design).response.open_v
 
 
@@ -63,10 +60,7 @@ def expect_pressed_v(design: Design) -> float:
 
 
 def expect_readings(design: Design) -> tuple[WeightReading, ...]:
-    """Expect the readings of `WEIGHTS_G`, with limits that cover sensors within `find_spread` of the curve.
-
-    No limit is below `expect_pressed_v`, so that a short circuit fails.
-    """
+    """Expect the readings of `WEIGHTS_G`. No limit is below `expect_pressed_v`, so that a short circuit fails."""
     pressed_v = expect_pressed_v(design)
     return tuple(
         replace(reading, limits_v=(max(pressed_v, reading.limits_v[0]), reading.limits_v[1]))
@@ -75,11 +69,18 @@ def expect_readings(design: Design) -> tuple[WeightReading, ...]:
 
 
 def _spread_readings(design: Design) -> Iterator[WeightReading]:
-    """Compute the readings with the limits that follow from the spread alone."""
-    bridge, lowest_v = Bridge.of_board(design), _find_lowest_v(design)
+    """Compute the readings with the limits that follow from the spread alone: from the factor by which the conductance
+    of a good sensor may differ from the curve of the design.
+
+    A calibrated curve is as uncertain as its calibration, in the range of its forces. Beyond it, and without a
+    calibration, the factor is that of single sensors.
+    """
+    bridge, lowest_v, stated = Bridge.of_board(design), _find_lowest_v(design), design.force_curve
     for mass in WEIGHTS_G:
         force_n = mass / 1000.0 * _GRAVITY
-        conductance, spread = bridge.curve.conductance_s(force_n), find_spread(design, force_n)
+        is_calibrated = stated.curve == "calibrated" and stated.min_force_n <= force_n <= stated.max_force_n
+        spread = min(stated.interval_factor, SPREAD) if is_calibrated else SPREAD
+        conductance = bridge.curve.conductance_s(force_n)
         low, high = (
             max(lowest_v, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
         )
@@ -90,18 +91,6 @@ def _spread_readings(design: Design) -> Iterator[WeightReading]:
 def _find_lowest_v(design: Design) -> float:
     """Find the lowest voltage of a board [V]: on a single supply, none below its ground."""
     return 0.0 if signal_ground_ratio(design.board.supply) else -math.inf
-
-
-def find_spread(design: Design, force_n: float) -> float:
-    """Find the factor by which the conductance of a good sensor may differ from the curve of the design at a force.
-
-    A calibrated curve is as uncertain as its calibration, in the range of its forces. Beyond it, and without a
-    calibration, the factor is that of single sensors.
-    """
-    curve = design.force_curve
-    if curve.curve == "calibrated" and curve.min_force_n <= force_n <= curve.max_force_n:
-        return min(curve.interval_factor, SPREAD)
-    return SPREAD
 
 
 def expect_drop_ratio(design: Design) -> DropRatio:
@@ -128,15 +117,18 @@ _STILL_S = 60
 
 
 def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
-    """Collect the figures of the acceptance sheet."""
     wires, idle, ratio = size_wires(design), expect_open_v(design), expect_drop_ratio(design)
+    # The longest delay of the detector in the simulated trial; None if it missed a slip, or none is known.
+    delays = detection.score.delays_s if detection.score else ()
+    found = [delay for delay in delays if delay is not None]
+    delay_ms = round(1000 * max(found), 1) if found and len(found) == len(delays) else None
     return {
         "design": design.name,
         "sensor": design.dimensions.sensor.label,
         "tail": design.sensor.tail,
         "method": design.mold.method,
         "detector": detection.detector,
-        "slide": {"delay_ms": _find_delay_ms(detection), "ends_after_ms": round(1000 * detection.memory_s)},
+        "slide": {"delay_ms": delay_ms, "ends_after_ms": round(1000 * detection.memory_s)},
         "wires": {
             "max_diameter_mm": round(wires.max_diameter_mm, 2),
             "conductor_awg": [wires.conductor_awg, wires.thinnest_awg],
@@ -149,10 +141,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "pressed": {"force_n": MAX_FORCE_N, "tactile_v": round(expect_pressed_v(design), 2)},
         "curve": design.force_curve.curve,
         "board": design.board.variant,
-        "drop_ratio": {
-            "expected": round(ratio.expected, 2),
-            "limits": [round(limit, 1) for limit in ratio.limits],
-        },
+        "drop_ratio": {"expected": round(ratio.expected, 2), "limits": [round(limit, 1) for limit in ratio.limits]},
         "weights": [
             {
                 "mass_g": reading.mass_g,
@@ -167,15 +156,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
     }
 
 
-def _find_delay_ms(detection: Detection) -> float | None:
-    """Longest delay of the detector in the simulated trial [ms]; None if it missed a slip, or none is known."""
-    delays = detection.score.delays_s if detection.score else ()
-    found = [delay for delay in delays if delay is not None]
-    return round(1000 * max(found), 1) if found and len(found) == len(delays) else None
-
-
 def render_acceptance(data: dict[str, Any]) -> str:
-    """Render the data as a Markdown page."""
     masses = [f"{weight['mass_g']:g} g" for weight in data["weights"]]
     # What `fingertip detect` prints.
     slip_line = f"{DETECTED} {INTERVAL.format(onset='...', end='...')}"

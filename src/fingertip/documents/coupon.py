@@ -20,7 +20,6 @@ COUPON_MINUTES = 20
 
 
 def render_instructions(design: Design, readings_file: str) -> str:
-    """Render the page as Markdown."""
     layout, lengths = lay_out(design), list_lengths(design)
     width_mm, depth_mm = layout.size
     data = {

@@ -48,7 +48,6 @@ def find_load(board: ControllerBoard, sample_rate_hz: float) -> Load:
 
 
 def render_readme(design: Design) -> str:
-    """Render the README of a design's library, in Markdown."""
     circuit, detector = board_circuit(select_components(design)), design.detector
     pins = list_pins(circuit, circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)

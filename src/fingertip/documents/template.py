@@ -53,34 +53,21 @@ def _environment() -> Environment:
         "wrap": lambda text: lay_out_page(text, WIDTH),
         "paragraphs": lay_out_page,
         "listed": join_words,
-        "span": _span,
+        # The lower and the upper limit of a size; one figure if they agree.
+        "span": lambda limits: " to ".join(dict.fromkeys(f"{limit:g}" for limit in limits)),
         "figure": format_figure,
         "fixed": _fixed,
-        "digits": _digits,
-        "milli": _milli,
+        "digits": lambda value, digits: f"{value:.{digits}g}",
+        # In thousandths of the unit.
+        "milli": lambda value, decimals=None: f"{1e3 * value:g}" if decimals is None else _fixed(1e3 * value, decimals),
         "ohm": format_ohm,
     }
     return environment
 
 
-def _span(limits: Sequence[float]) -> str:
-    """Write the lower and the upper limit of a size; one figure if they agree."""
-    low, high = limits
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
 def _fixed(value: float, decimals: int) -> str:
     # 0 has no sign.
     return f"{round(value, decimals) + 0.0:.{decimals}f}"
-
-
-def _digits(value: float, digits: int) -> str:
-    return f"{value:.{digits}g}"
-
-
-def _milli(value: float, decimals: int | None = None) -> str:
-    """Write a value in thousandths of its unit."""
-    return f"{1e3 * value:g}" if decimals is None else _fixed(1e3 * value, decimals)
 
 
 def format_ohm(value: float) -> str:

@@ -12,26 +12,18 @@ from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAP
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
-from fingertip.filling.mouth import ConicalDuct, Duct, RectangularDuct, RoundDuct
-from fingertip.filling.predict import (
-    Course,
-    Opening,
-    follow_front,
-    head_pressure_pa,
-    syringe_pressure_pa,
-)
+from fingertip.filling.mouth import Duct, conical_duct, rectangular_duct, round_duct
+from fingertip.filling.predict import Course, Opening, follow_front, head_pressure_pa, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 
 
 @lru_cache(maxsize=32)
 def follow_design_front(design: Design) -> Course:
-    """Compute the way of the front through the cavity of a design."""
     return follow_front(build_grid(design), gate_opening(design))
 
 
 def gate_opening(design: Design) -> Opening:
-    """Return the mouth of the gate in the cavity."""
     layout, dims = design.mold_layout, design.dimensions
     inlet = layout.inlet
     if inlet is None:
@@ -42,16 +34,15 @@ def gate_opening(design: Design) -> Opening:
 
 
 def list_ducts(design: Design) -> tuple[Duct, ...]:
-    """List the ducts from the plunger, or from the funnel, to the gate."""
     layout, mold = design.mold_layout, design.mold
     inlet = layout.inlet
     if inlet is None:
         above = layout.distal_z - mold.funnel_depth_mm - design.skin.length_mm * design.dimensions.shrinkage
         mouth, throat = mold.funnel_diameter_mm, mold.gate_diameter_mm
-        funnel = ConicalDuct(mouth, throat, mold.funnel_depth_mm) if mouth > throat else None
-        gate = RoundDuct(throat, max(above, throat))
+        funnel = conical_duct(mouth, throat, mold.funnel_depth_mm) if mouth > throat else None
+        gate = round_duct(throat, max(above, throat))
         return (funnel, gate) if funnel else (gate,)
-    return (RoundDuct(mold.nozzle_bore_mm, NOZZLE_LENGTH_MM), *_inlet_ducts(design, inlet))
+    return (round_duct(mold.nozzle_bore_mm, NOZZLE_LENGTH_MM), *_inlet_ducts(design, inlet))
 
 
 def _inlet_ducts(design: Design, inlet: Inlet) -> tuple[Duct, ...]:
@@ -61,9 +52,9 @@ def _inlet_ducts(design: Design, inlet: Inlet) -> tuple[Duct, ...]:
     sprue = design.mold_layout.dorsal_height - LUER_DEPTH_MM
     side = gate_opening(design).point_mm[0]
     return (
-        ConicalDuct(at_nozzle, at_end, LUER_DEPTH_MM - NOZZLE_DEPTH_MM),
-        RoundDuct(at_end, sprue),
-        RectangularDuct(inlet.width, inlet.depth, inlet.z - inlet.gate_z + inlet.x - side),
+        conical_duct(at_nozzle, at_end, LUER_DEPTH_MM - NOZZLE_DEPTH_MM),
+        round_duct(at_end, sprue),
+        rectangular_duct(inlet.width, inlet.depth, inlet.z - inlet.gate_z + inlet.x - side),
     )
 
 
@@ -77,7 +68,6 @@ def pressure_pa(design: Design, silicone: Silicone) -> float:
 
 
 def build_grid(design: Design) -> SkinGrid:
-    """Build the grid of the cavity, closed where the chaplet's boss stands."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return build_skin_grid(design)

@@ -74,23 +74,16 @@ class Filling:
 
 
 def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
-    """Compute how a network fills through its gate."""
     solver = RowElimination(network, np.stack((gate, network.volume_mm3), axis=1))
     fronts = [_full_front(network, solver)]
-    for injected in _volumes(network.total_mm3, levels)[::-1]:
+    # The front is a small circle at first, and closes around a small spot at last. Its area is quadratic in its radius,
+    # and so are these volumes at both ends.
+    angle = np.pi * np.arange(1, levels) / levels
+    volumes_mm3 = network.total_mm3 * 0.5 * (1.0 - np.cos(angle))
+    for injected in volumes_mm3[::-1]:
         guess = _guess(network, fronts[-1], float(injected))
         fronts.append(_solve_front(network, solver, gate, float(injected), guess))
     return Filling(network, gate, tuple(fronts[::-1]), _conserve(network, _arrival(network, fronts[::-1]), levels))
-
-
-def _volumes(total_mm3: float, levels: int) -> Array:
-    """Choose injected volumes, in rising order and without the full one.
-
-    The front is a small circle at first, and closes around a small spot at last. Its area is quadratic in its radius,
-    and so are these volumes at both ends.
-    """
-    angle = np.pi * np.arange(1, levels) / levels
-    return total_mm3 * 0.5 * (1.0 - np.cos(angle))
 
 
 def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
@@ -110,10 +103,7 @@ def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
 
 
 def _full_front(network: FlowNetwork, solver: RowElimination) -> Front:
-    """Solve the full cavity: a Neumann problem with one node held at zero, then shifted to the minimum zero.
-
-    The pressure is that of the moment before the last node fills.
-    """
+    """Solve the full cavity as the last node fills: a Neumann problem, shifted to the minimum zero."""
     total = network.total_mm3
     wet = network.is_open.copy()
     last = int(np.flatnonzero(wet)[0])
@@ -271,7 +261,6 @@ class _Field:
 def find_air(
     network: FlowNetwork, arrival_mm3: Array, vents: tuple[ClosingVent, ...]
 ) -> tuple[tuple[LastPoint, ...], tuple[TrappedAir, ...]]:
-    """Find last points, the last first, and trapped air, the largest first."""
     arrival = np.where(network.is_open, arrival_mm3, -np.inf)
     a, b, _ = network.links
     basin = _climb(arrival, a, b)

@@ -7,15 +7,10 @@ from functools import lru_cache
 
 from fingertip.design import Design
 from fingertip.filling.gate import follow_design_front, list_ducts, pressure_pa
-from fingertip.filling.predict import (
-    AirPocket,
-    FillingPrediction,
-    predict_filling,
-)
+from fingertip.filling.predict import AirPocket, FillingPrediction, predict_filling
 from fingertip.filling.vents import is_at_collar, list_openings, vent_cavity
 
 MAX_AIR_MM3 = 1.0
-"""Volume of an air pocket from which on it is a fault [mm3]."""
 
 
 @lru_cache(maxsize=32)
@@ -32,7 +27,6 @@ def predict_mold_filling(design: Design) -> FillingPrediction:
 
 
 def largest_pocket(prediction: FillingPrediction) -> AirPocket | None:
-    """Return the largest air pocket; None if there is none."""
     return max(prediction.air_pockets, key=lambda pocket: pocket.volume_mm3, default=None)
 
 

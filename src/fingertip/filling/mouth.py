@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,6 @@ class Mouth:
     """Share of the mouth's area that each sample stands for, with the sum 1."""
 
     def shares(self, count: int) -> Array:
-        """Compute the share of a unit inflow that enters each of `count` nodes."""
         shares: Array = np.bincount(self.nodes.ravel(), (self.weights * self.areas[:, None]).ravel(), count).astype(
             float
         )
@@ -67,7 +66,9 @@ def open_mouth(layer: Layer, point_mm: tuple[float, float, float], diameter_mm: 
     centre, nodes, weights = min(candidates, key=lambda found: float(np.linalg.norm(found[0] - target)))
 
     chosen = np.linalg.norm(centres - centre, axis=1) <= reach + diameter_mm / 2
-    bilinear = _sample_weights()
+    at = (np.arange(_PARTS) + 0.5) / _PARTS
+    s, t = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
+    bilinear = np.stack(((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t), axis=1)
     samples = np.einsum("sk,qkx->qsx", bilinear, corners[chosen])
     inside = np.linalg.norm(samples - centre, axis=2) <= diameter_mm / 2
     if not inside.any():  # the mouth is smaller than the distance of the samples
@@ -110,18 +111,8 @@ def _open_quads(layer: Layer) -> NDArray[np.intp]:
     return quads[layer.network.is_open[quads].all(axis=1)]
 
 
-def _sample_weights() -> Array:
-    """Compute the bilinear weights of the points that sample a quad, shape (samples, 4)."""
-    at = (np.arange(_PARTS) + 0.5) / _PARTS
-    s, t = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
-    return np.stack(((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t), axis=1)
-
-
 def _project(quad: NDArray[np.intp], corners: Array, target: Array) -> tuple[Array, NDArray[np.intp], Array]:
-    """Find the point of a bilinear quad nearest to a target, by Gauss-Newton steps kept within the quad.
-
-    Returns the point, the quad and the weights of its corners.
-    """
+    """Find the point of a bilinear quad nearest to a target, by Gauss-Newton steps within it: point, quad, weights."""
     p00, p10, p01, p11 = corners
     s, t = 0.5, 0.5
     for _ in range(4):
@@ -142,110 +133,45 @@ _TERMS = 12
 """Terms of the rectangle's series, whose terms fall with the fifth power of odd numbers."""
 
 
-class Duct(Protocol):
-    """Duct that fills from its inlet."""
-
-    @property
-    def volume_mm3(self) -> float:
-        """Volume."""
-        ...
-
-    @property
-    def resistance(self) -> float:
-        """Resistance of the full duct [1/mm3]."""
-        ...
-
-    @property
-    def resistance_integral(self) -> float:
-        """Integral of the duct's resistance over the volume that has entered it, until it is full [1]."""
-        ...
+class Duct(NamedTuple):
+    volume_mm3: float
+    resistance: float
+    """Resistance of the full duct [1/mm3]."""
+    resistance_integral: float
+    """Integral of the resistance over the volume that has entered the duct, until it is full [1]."""
 
 
-@dataclass(frozen=True)
-class RoundDuct:
-    """Duct of circular section."""
-
-    diameter_mm: float
-    length_mm: float
-
-    @property
-    def volume_mm3(self) -> float:
-        """Volume."""
-        return math.pi / 4.0 * self.diameter_mm**2 * self.length_mm
-
-    @property
-    def resistance(self) -> float:
-        """Resistance, 128 L / (pi d^4) [1/mm3] (Hagen-Poiseuille)."""
-        return 128.0 * self.length_mm / (math.pi * self.diameter_mm**4)
-
-    @property
-    def resistance_integral(self) -> float:
-        """Integral of the resistance while the duct fills [1]: it grows linearly."""
-        return 0.5 * self.resistance * self.volume_mm3
+def round_duct(diameter_mm: float, length_mm: float) -> Duct:
+    """Measure a duct of circular section: its resistance is 128 L / (pi d^4) (Hagen-Poiseuille)."""
+    volume, resistance = math.pi / 4.0 * diameter_mm**2 * length_mm, 128.0 * length_mm / (math.pi * diameter_mm**4)
+    return Duct(volume, resistance, 0.5 * resistance * volume)
 
 
-@dataclass(frozen=True)
-class ConicalDuct:
-    """Duct of circular section whose diameter changes linearly from inlet to outlet."""
+def conical_duct(inlet_diameter_mm: float, outlet_diameter_mm: float, length_mm: float) -> Duct:
+    """Measure a duct of circular section whose diameter changes linearly from inlet to outlet.
 
-    inlet_diameter_mm: float
-    outlet_diameter_mm: float
-    length_mm: float
-
-    @property
-    def volume_mm3(self) -> float:
-        """Volume."""
-        a, b = self.inlet_diameter_mm, self.outlet_diameter_mm
-        return math.pi / 12.0 * (a * a + a * b + b * b) * self.length_mm
-
-    @property
-    def resistance(self) -> float:
-        """Resistance [1/mm3]: the integral of 128 / (pi d^4) along the cone."""
-        a, b = self.inlet_diameter_mm, self.outlet_diameter_mm
-        return 128.0 * self.length_mm * (a * a + a * b + b * b) / (3.0 * math.pi * a**3 * b**3)
-
-    @property
-    def resistance_integral(self) -> float:
-        """Integral of the resistance while the cone fills [1].
-
-        With q = ln(b / a): 32 L^2 / (3 a^2) ((e^3q - 1) / 3 - q) / (e^q - 1)^2, where the last factor tends to 3/2.
-        """
-        a, q = self.inlet_diameter_mm, math.log(self.outlet_diameter_mm / self.inlet_diameter_mm)
-        factor = 1.5 if abs(q) < 1e-5 else (math.expm1(3.0 * q) / 3.0 - q) / math.expm1(q) ** 2
-        return 32.0 * self.length_mm**2 / (3.0 * a * a) * factor
+    Its resistance is the integral of 128 / (pi d^4) along the cone. With q = ln(b / a), the integral while it fills is
+    32 L^2 / (3 a^2) ((e^3q - 1) / 3 - q) / (e^q - 1)^2, where the last factor tends to 3/2.
+    """
+    a, b = inlet_diameter_mm, outlet_diameter_mm
+    volume = math.pi / 12.0 * (a * a + a * b + b * b) * length_mm
+    resistance = 128.0 * length_mm * (a * a + a * b + b * b) / (3.0 * math.pi * a**3 * b**3)
+    q = math.log(b / a)
+    factor = 1.5 if abs(q) < 1e-5 else (math.expm1(3.0 * q) / 3.0 - q) / math.expm1(q) ** 2
+    return Duct(volume, resistance, 32.0 * length_mm**2 / (3.0 * a * a) * factor)
 
 
-@dataclass(frozen=True)
-class RectangularDuct:
-    """Duct of rectangular section."""
-
-    width_mm: float
-    height_mm: float
-    length_mm: float
-
-    @property
-    def volume_mm3(self) -> float:
-        """Volume."""
-        return self.width_mm * self.height_mm * self.length_mm
-
-    @property
-    def resistance(self) -> float:
-        """Resistance [1/mm3]: 12 L / (w h^3), divided by the series for walls at a finite distance."""
-        w, h = max(self.width_mm, self.height_mm), min(self.width_mm, self.height_mm)
-        series = sum(math.tanh(n * math.pi * w / (2.0 * h)) / n**5 for n in range(1, 2 * _TERMS, 2))
-        return 12.0 * self.length_mm / (w * h**3 * (1.0 - 192.0 * h / (math.pi**5 * w) * series))
-
-    @property
-    def resistance_integral(self) -> float:
-        """Integral of the resistance while the duct fills [1]: it grows linearly."""
-        return 0.5 * self.resistance * self.volume_mm3
+def rectangular_duct(width_mm: float, height_mm: float, length_mm: float) -> Duct:
+    """Measure a duct: its resistance is 12 L / (w h^3), divided by the series for walls at a finite distance."""
+    w, h = max(width_mm, height_mm), min(width_mm, height_mm)
+    series = sum(math.tanh(n * math.pi * w / (2.0 * h)) / n**5 for n in range(1, 2 * _TERMS, 2))
+    resistance = 12.0 * length_mm / (w * h**3 * (1.0 - 192.0 * h / (math.pi**5 * w) * series))
+    volume = width_mm * height_mm * length_mm
+    return Duct(volume, resistance, 0.5 * resistance * volume)
 
 
 def fill_in_series(ducts: Iterable[Duct]) -> tuple[float, float, float]:
-    """Fill ducts one after the other.
-
-    Returns their resistance [1/mm3], their volume [mm3], and the integral of the growing resistance over volume [1].
-    """
+    """Fill ducts in turn: their resistance [1/mm3], volume [mm3], and the integral of the growing resistance [1]."""
     resistance = volume = integral = 0.0
     for duct in ducts:
         integral += resistance * duct.volume_mm3 + duct.resistance_integral

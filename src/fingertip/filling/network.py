@@ -30,7 +30,6 @@ class FlowNetwork:
     """
 
     volume_mm3: Array
-    """Volume of each node, a vector."""
     along_mm3: Array
     """Conductances (i, j) to (i + 1, j), shape (rows - 1, columns)."""
     around_mm3: Array
@@ -44,18 +43,15 @@ class FlowNetwork:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns."""
         rows, columns = self.around_mm3.shape
         return rows, columns
 
     @property
     def total_mm3(self) -> float:
-        """Volume of all nodes."""
         return float(self.volume_mm3.sum())
 
     @cached_property
     def is_open(self) -> Mask:
-        """Nodes that hold silicone, a vector."""
         return self.volume_mm3 > 0.0
 
     @cached_property
@@ -73,7 +69,6 @@ class FlowNetwork:
         return a[linked], b[linked], k[linked]
 
     def inflow(self, potential: Array) -> Array:
-        """Compute the flow into each node, sum_j K_ij (u_j - u_i)."""
         a, b, k = self.links
         flow = k * (potential[a] - potential[b])
         count = len(potential)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.filling.hele_shaw import LEVELS, ClosingVent, Filling, TrappedAir, fill, find_air
+from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
 from fingertip.filling.hele_shaw import LastPoint as Last
 from fingertip.filling.mouth import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
 from fingertip.filling.surface_links import Layer, SkinGrid
@@ -64,8 +64,6 @@ class Opening:
 
 @dataclass(frozen=True)
 class LastPoint:
-    """Point that fills later than all points around it."""
-
     point_mm: Point3
     arrival_mm3: float
     arrival_s: float
@@ -89,9 +87,7 @@ class FillingPrediction:
     """Filling of a mold at constant pressure. Times count from the moment the silicone enters the first duct."""
 
     volume_mm3: float
-    """Volume of the cavity."""
     ducts_mm3: float
-    """Volume of the ducts."""
     viscosity_pa_s: float
     pressure_pa: float
     """Pressure at the inlet of the first duct."""
@@ -100,17 +96,14 @@ class FillingPrediction:
     fill_s: float
     """Time at which the cavity is full."""
     ducts_resistance: float
-    """Resistance of the full ducts [1/mm3]."""
     cavity_integral: float
     """Integral of the cavity's resistance over its volume [1]; divided by the volume, its mean resistance."""
     total_integral: float
     """Integral of all resistance over all injected volume [1]."""
     gate_pressure_pa: float
-    """Largest pressure at the gate's mouth while the front moves.
-
-    This pressure and the forces are taken up to the last front before the cavity is full, at some 98 % of its volume.
-    Then the pressure rises to that of the inlet everywhere, if the vents are closed.
-    """
+    """Largest pressure at the gate's mouth while the front moves. This pressure and the forces are taken up to the last
+    front before the cavity is full, at some 98 % of its volume. Then the pressure rises to that of the inlet
+    everywhere, if the vents are closed."""
     side_force_n: float
     """Largest force across the finger on the insert during the filling."""
     side_force_direction: tuple[float, float]
@@ -143,7 +136,6 @@ def syringe_pressure_pa(force_n: float, bore_mm: float) -> float:
 
 
 def head_pressure_pa(density_g_cm3: float, height_mm: float) -> float:
-    """Compute the pressure of a column of silicone."""
     return density_g_cm3 * _GRAVITY_M_S2 * height_mm
 
 
@@ -161,14 +153,14 @@ class Course:
     """Resistance at the gate's mouth that the grid does not show [1/mm3]."""
 
 
-def follow_front(grid: SkinGrid, gate: Opening, levels: int = LEVELS) -> Course:
+def follow_front(grid: SkinGrid, gate: Opening) -> Course:
     """Compute the way of the front, which takes most of the time of a prediction."""
     layer, network = grid.layer, grid.layer.network
     mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
     source = mouth.shares(len(network.volume_mm3))
     if not network.is_open.all():
         network = network.keep(network.reach(source > 0.0))
-    return Course(grid, fill(network, source, levels), mouth_resistance(layer, mouth, gate.diameter_mm))
+    return Course(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
 
 
 def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[Last, ...], tuple[TrappedAir, ...]]:
@@ -178,7 +170,13 @@ def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[La
         sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
     )
     points, pockets = find_air(course.filling.network, arrival, closing)
-    return tuple(points), (*pockets, *_not_reached(course.grid, course.filling))
+    # What closed quads cut off from the gate is one more pocket.
+    network = course.grid.layer.network
+    cut_off = network.is_open & ~course.filling.network.is_open
+    if cut_off.any():
+        volume = float(network.volume_mm3[cut_off].sum())
+        pockets = (*pockets, TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume))
+    return tuple(points), pockets
 
 
 def place_of(course: Course, node: int) -> Point3:
@@ -189,7 +187,6 @@ def place_of(course: Course, node: int) -> Point3:
 def predict_filling(
     course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
 ) -> FillingPrediction:
-    """Predict how a cavity fills."""
     grid, filling = course.grid, course.filling
     clock = _Clock.of(filling, course.mouth_resistance, ducts, viscosity_pa_s / pressure_pa)
     volume, arrival = filling.network.total_mm3, filling.arrival_mm3
@@ -255,15 +252,6 @@ def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
     return [ClosingVent(node, volume) for node, volume in latest.items()]
 
 
-def _not_reached(grid: SkinGrid, filling: Filling) -> tuple[TrappedAir, ...]:
-    """List the silicone's region that closed quads cut off from the gate, as one pocket."""
-    cut_off = grid.layer.network.is_open & ~filling.network.is_open
-    if not cut_off.any():
-        return ()
-    volume = float(grid.layer.network.volume_mm3[cut_off].sum())
-    return (TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume),)
-
-
 @dataclass(frozen=True, eq=False)
 class _Clock:
     """Resistance of ducts and cavity over the injected volume, and the time that follows from it."""
@@ -272,7 +260,6 @@ class _Clock:
     ducts_mm3: float
     ducts_integral: float
     injected_mm3: Array
-    """Volumes of the fronts."""
     resistance: Array
     """Resistance of the cavity at each front [1/mm3]."""
     integral: Array
@@ -290,10 +277,7 @@ class _Clock:
         return cls(*fill_in_series(ducts), injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
 
     def time_s(self, volume_mm3: Array) -> Array:
-        """Compute the times at which volumes have entered the cavity.
-
-        Between fronts the integral is interpolated as cubic in the volume, with the resistance as its slope.
-        """
+        """Compute the times of injected volumes: between fronts the integral is cubic, with the resistance as slope."""
         v = np.concatenate(([0.0], self.injected_mm3))
         integral = np.concatenate(([0.0], self.integral))
         slope = np.concatenate(([0.0], self.resistance))

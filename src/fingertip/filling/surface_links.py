@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.conic import ConicBody, CrossSection, arc_point
 from fingertip.filling.network import FlowNetwork, Mask
 from fingertip.foundation.numerics import Array
 
@@ -46,7 +46,6 @@ class Layer:
 def link_layer(
     inner: Array, outer: Array, *, has_pole: bool, is_periodic: bool, is_closed: Callable[[Array], Mask] | None = None
 ) -> Layer:
-    """Link the layer between two surfaces."""
     middle = 0.5 * (inner + outer)
     if is_periodic:
         inner, outer, middle_wrapped = (np.concatenate((a, a[:, :1]), axis=1) for a in (inner, outer, middle))
@@ -62,39 +61,32 @@ def link_layer(
     thickness = np.where(closed, 0.0, thickness)
     small_volume = np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_volume)
 
-    collect = NodeSums(is_periodic, has_pole)
-    node_volume = collect(small_volume)
+    node_volume = _sum_at_nodes(small_volume, is_periodic, has_pole)
     nodes = middle[::2, ::2]
     rest = (nodes[:-1].reshape(-1, 3), nodes[-1, :1]) if has_pole else (nodes.reshape(-1, 3), np.full((1, 3), np.nan))
     points = np.concatenate(rest)
-    node_area = collect(np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_area))
+    open_area = np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_area)
+    node_area = _sum_at_nodes(open_area, is_periodic, has_pole)
     node_thickness = np.divide(node_volume, node_area, out=np.zeros_like(node_volume), where=node_area > 0.0)
     network = _link(middle_wrapped[::2, ::2], thickness**3 / 12.0, node_volume, has_pole, is_periodic)
     return Layer(network, points, node_thickness)
 
 
-@dataclass(frozen=True)
-class NodeSums:
-    """Sums over the small quads around each node, as a vector over the nodes."""
-
-    is_periodic: bool
-    has_pole: bool
-
-    def __call__(self, small: Array) -> Array:
-        """Sum the values of all small quads, shape (2 rows, 2 columns)."""
-        rows, columns = small.shape[0] // 2 + 1, small.shape[1] // 2
-        by_row = np.zeros((rows, small.shape[1]))
-        by_row[:-1] += small[::2]
-        by_row[1:] += small[1::2]
-        by_node = np.zeros((rows, columns + 1))
-        by_node[:, :-1] += by_row[:, ::2]
-        by_node[:, 1:] += by_row[:, 1::2]
-        if self.is_periodic:
-            by_node[:, 0] += by_node[:, -1]
-            by_node = by_node[:, :-1]
-        if self.has_pole:
-            return np.append(by_node[:-1].ravel(), by_node[-1].sum())
-        return np.append(by_node.ravel(), 0.0)
+def _sum_at_nodes(small: Array, is_periodic: bool = True, has_pole: bool = True) -> Array:
+    """Sum values of the small quads, shape (2 rows, 2 columns), around each node, as a vector over the nodes."""
+    rows, columns = small.shape[0] // 2 + 1, small.shape[1] // 2
+    by_row = np.zeros((rows, small.shape[1]))
+    by_row[:-1] += small[::2]
+    by_row[1:] += small[1::2]
+    by_node = np.zeros((rows, columns + 1))
+    by_node[:, :-1] += by_row[:, ::2]
+    by_node[:, 1:] += by_row[:, 1::2]
+    if is_periodic:
+        by_node[:, 0] += by_node[:, -1]
+        by_node = by_node[:, :-1]
+    if has_pole:
+        return np.append(by_node[:-1].ravel(), by_node[-1].sum())
+    return np.append(by_node.ravel(), 0.0)
 
 
 def _link(nodes: Array, mobility: Array, volume: Array, has_pole: bool, is_periodic: bool) -> FlowNetwork:
@@ -106,7 +98,6 @@ def _link(nodes: Array, mobility: Array, volume: Array, has_pole: bool, is_perio
     if has_pole:
         rises[-1] = True  # b and c are the same point: the triangle a, c, d is the whole quad
     half = 0.5 * mobility
-    along_left, along_right = np.zeros_like(half), np.zeros_like(half)
     # Diagonal a-c: triangles a, b, c and a, c, d. Diagonal b-d: triangles a, b, d and b, c, d.
     c_abc, a_abc = _cotangent(c, a, b), _cotangent(a, b, c)
     c_acd, a_acd = _cotangent(c, d, a), _cotangent(a, c, d)
@@ -144,10 +135,7 @@ def _link(nodes: Array, mobility: Array, volume: Array, has_pole: bool, is_perio
 
 
 def hexahedron_volumes(inner: Array, outer: Array) -> Array:
-    """Compute the volumes [mm3] of the hexahedra between two surfaces, exact for bilinear faces.
-
-    Positive where rows, columns and the direction from the inner to the outer surface form a left-handed system.
-    """
+    """Compute the volumes [mm3] between two surfaces, exact for bilinear faces; positive for a left-handed system."""
     x0, x1, x2, x3 = inner[:-1, :-1], inner[1:, :-1], inner[:-1, 1:], inner[1:, 1:]
     x4, x5, x6, x7 = outer[:-1, :-1], outer[1:, :-1], outer[:-1, 1:], outer[1:, 1:]
     along, around, outwards = x7 - x2, x7 - x1, x7 - x4
@@ -161,7 +149,6 @@ def hexahedron_volumes(inner: Array, outer: Array) -> Array:
 
 
 def _determinant(a: Array, b: Array, c: Array) -> Array:
-    """Compute a . (b x c) in the last axis."""
     result: Array = (
         a[..., 0] * (b[..., 1] * c[..., 2] - b[..., 2] * c[..., 1])
         + a[..., 1] * (b[..., 2] * c[..., 0] - b[..., 0] * c[..., 2])
@@ -178,7 +165,6 @@ def vector_areas(surface: Array) -> Array:
 
 
 def _sum_of_four(small: Array) -> Array:
-    """Sum the four small quads of each quad."""
     return small[::2, ::2] + small[1::2, ::2] + small[::2, 1::2] + small[1::2, 1::2]
 
 
@@ -203,10 +189,8 @@ class SkinGrid:
 
     layer: Layer
     insert_area_mm2: Array
-    """Area of the insert around each node, times its normal into the silicone, shape (nodes, 3).
-
-    The first row's nodes include the collar's face at z = 0.
-    """
+    """Area of the insert around each node, times its normal into the silicone, shape (nodes, 3). The first row's nodes
+    include the collar's face at z = 0."""
     parting_area_mm2: Array
     """Area of the cavity's surface around each node, projected on the plane y = 0; the mean of both mold halves."""
 
@@ -214,7 +198,6 @@ class SkinGrid:
 def build_skin_grid(
     design: Design, rows: int = ROWS, columns: int = COLUMNS, is_closed: Callable[[Array], Mask] | None = None
 ) -> SkinGrid:
-    """Build the grid of a design's cavity."""
     outer, shrinkage = design.dimensions.outer, design.dimensions.shrinkage
     body, flat, scale = design.dimensions.insert_body()
     straight, tip = _rows(outer, body, rows)
@@ -226,13 +209,12 @@ def build_skin_grid(
     inside[..., 1] = np.maximum(inside[..., 1], -flat)
     inside, outside = scale * inside, shrinkage * outside
     layer = link_layer(inside, outside, has_pole=True, is_periodic=True, is_closed=is_closed)
-    sums = NodeSums(is_periodic=True, has_pole=True)
     surfaces = [vector_areas(np.concatenate((surface, surface[:, :1]), axis=1)) for surface in (inside, outside)]
-    insert = np.stack([sums(surfaces[0][..., k]) for k in range(3)], axis=1)
+    insert = np.stack([_sum_at_nodes(surfaces[0][..., k]) for k in range(3)], axis=1)
     face = np.concatenate((inside[:1], outside[:1]))
     on_collar = vector_areas(np.concatenate((face, face[:, :1]), axis=1))[0]
     insert[:columns] -= (on_collar + np.roll(on_collar, 1, axis=0))[::2]
-    return SkinGrid(layer, insert, 0.5 * sums(np.abs(surfaces[1][..., 1])))
+    return SkinGrid(layer, insert, 0.5 * _sum_at_nodes(np.abs(surfaces[1][..., 1])))
 
 
 def _rows(outer: ConicBody, body: ConicBody, rows: int) -> tuple[Array, Array]:
@@ -243,7 +225,7 @@ def _rows(outer: ConicBody, body: ConicBody, rows: int) -> tuple[Array, Array]:
     """
     stations = [z for z, _ in body.stations if z >= 0.0]
     t = np.linspace(0.0, 1.0, _SAMPLES)
-    (outer_z, outer_s), (inner_z, inner_s) = _tip_profile(outer, t), _tip_profile(body, t)
+    (outer_z, outer_s), (inner_z, inner_s) = outer.tip_point(t), body.tip_point(t)
     radius = 0.25 * (_mean_radius(outer.section) * outer_s + _mean_radius(body.section) * inner_s) * 2.0
     length = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(0.5 * (outer_z + inner_z)), np.diff(radius)))))
     spacing = (stations[-1] + length[-1]) / rows
@@ -262,26 +244,8 @@ def _mean_radius(section: CrossSection) -> float:
 def _heights(body: ConicBody, straight: Array, tip: Array) -> tuple[Array, Array]:
     """Compute height [mm] and scale of each row."""
     z, scale = (np.array(values) for values in zip(*body.stations, strict=True))
-    tip_z, tip_scale = _tip_profile(body, tip)
+    tip_z, tip_scale = body.tip_point(tip)
     return np.concatenate((straight, tip_z)), np.concatenate((np.interp(straight, z, scale), tip_scale))
-
-
-def _tip_profile(body: ConicBody, t: Array) -> tuple[Array, Array]:
-    """Compute heights [mm] and scales on the tip; `ConicBody.tip_point` for arrays."""
-    assert body.tip is not None
-    z1, s1 = body.stations[-1]
-    u, w = 1.0 - t, body.tip.weight
-    side, middle, top = u * u, 2.0 * w * u * t, t * t
-    d = side + middle + top
-    return (side * z1 + (middle + top) * body.tip.z) / d, (side * s1 + middle * body.tip_control()) / d
-
-
-def _arc(t: Array, w: float) -> tuple[Array, Array]:
-    """Compute points of the unit arc; `conic.arc_point` for arrays."""
-    u = 1.0 - t
-    side, middle, top = u * u, 2.0 * w * u * t, t * t
-    d = side + middle + top
-    return (side + middle) / d, (top + middle) / d
 
 
 def _outline(outer: CrossSection, inner: CrossSection, columns: int) -> tuple[Array, Array, Mask]:
@@ -290,13 +254,13 @@ def _outline(outer: CrossSection, inner: CrossSection, columns: int) -> tuple[Ar
     t = np.linspace(0.0, 1.0, _SAMPLES)
     quarters = []
     for dorsal in (True, False):
-        arcs = [_arc(t, s.dorsal_weight if dorsal else s.palmar_weight) for s in (outer, inner)]
+        arcs = [arc_point(t, s.dorsal_weight if dorsal else s.palmar_weight) for s in (outer, inner)]
         heights = [s.dorsal if dorsal else s.palmar for s in (outer, inner)]
         x = 0.5 * (outer.half_width * arcs[0][0] + inner.half_width * arcs[1][0])
         y = 0.5 * (heights[0] * arcs[0][1] + heights[1] * arcs[1][1])
         length = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
         chosen = np.interp(length[-1] * np.arange(count + 1) / count, length, t)
-        quarters.append([_arc(chosen, s.dorsal_weight if dorsal else s.palmar_weight) for s in (outer, inner)])
+        quarters.append([arc_point(chosen, s.dorsal_weight if dorsal else s.palmar_weight) for s in (outer, inner)])
     dorsal_arcs, palmar_arcs = quarters
     x = np.array([_around(d[0], p[0], -1.0, 1.0) for d, p in zip(dorsal_arcs, palmar_arcs, strict=True)])
     y = np.array([_around(d[1], p[1], 1.0, -1.0) for d, p in zip(dorsal_arcs, palmar_arcs, strict=True)])

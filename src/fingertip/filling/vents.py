@@ -17,12 +17,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.filling.gate import follow_design_front
-from fingertip.filling.predict import (
-    Opening,
-    Point3,
-    find_last_points,
-    place_of,
-)
+from fingertip.filling.predict import Opening, Point3, find_last_points, place_of
 
 _AT_COLLAR_MM = 0.6
 """Height above the collar up to which its gap vents the cavity [mm]."""
@@ -31,7 +26,6 @@ _MAX_ROUNDS = 4
 _MOVES = 20
 """Moves of a vent that is pushed away from others and from the chaplet by turns."""
 _APART_DIAMETERS = 0.8
-"""Least distance of two vents, in diameters."""
 _POSE_STEP_MM = 0.01
 """Step of the slopes at a vent [mm]."""
 _BESIDE_HEAD_MM = 0.1
@@ -59,7 +53,6 @@ class Vent:
 
 
 def list_openings(vents: Iterable[Vent]) -> list[Opening]:
-    """List the mouths of vents in the cavity."""
     return [Opening(vent.point_mm, vent.diameter_mm) for vent in vents]
 
 
@@ -107,7 +100,8 @@ def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent |
     kind = _choose_kind(design, point)
     for _ in range(_MOVES if kind == "dorsal" else 0):
         point = _clear_of_chaplet(design, _clear_of_vents(design, point, vents))
-    if kind == "dorsal" and not _is_apart(design, point, vents):
+    between = [math.dist(point[::2], vent.point_mm[::2]) for vent in vents if vent.kind == "dorsal"]
+    if kind == "dorsal" and min(between, default=math.inf) < _spacing_mm(design) - _BESIDE_HEAD_MM / 2:
         return None  # no wall would be left to the hole beside it
     x, y, z = (round(value, _POINT_DECIMALS) for value in point)
     # A groove is twice as wide as deep, because pockets at the side are long.
@@ -117,12 +111,6 @@ def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent |
 def _spacing_mm(design: Design) -> float:
     """Return the distance of two holes from above that leaves a wall between them [mm]."""
     return design.mold.vent_diameter_mm + design.printer.min_wall_mm + _BESIDE_HEAD_MM
-
-
-def _is_apart(design: Design, point: Point3, vents: Iterable[Vent]) -> bool:
-    """Return whether a hole from above leaves a wall to all such holes before it."""
-    between = [math.dist(point[::2], vent.point_mm[::2]) for vent in vents if vent.kind == "dorsal"]
-    return min(between, default=math.inf) >= _spacing_mm(design) - _BESIDE_HEAD_MM / 2
 
 
 def _clear_of_vents(design: Design, point: Point3, vents: Iterable[Vent]) -> Point3:

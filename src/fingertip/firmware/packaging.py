@@ -14,7 +14,6 @@ from fingertip.design import Design
 from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
-"""Name of the library."""
 _SUMMARY = "Slip detector of a prosthetic fingertip."
 _CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
 
@@ -78,7 +77,6 @@ _COLUMNS = (
 
 @functools.cache
 def read_costs() -> dict[str, Any]:
-    """Read the measurements."""
     data: dict[str, Any] = json.loads(resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8"))
     return data
 

@@ -6,23 +6,68 @@ import math
 import struct
 from collections.abc import Iterator
 from importlib import resources
+from typing import Any
 
 from fingertip.design import Design
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel, load_model
 
-Group = tuple[str, dict[str, str]]
-"""Comment, and definitions that stand below it: name -> value in C."""
-
-
-def render_constants(design: Design) -> str:
-    """Render all definitions as lines of C."""
-    blocks = []
-    for comment, definitions in (*_detector_groups(design), *_converter_groups(design)):
-        lines = [f"#define SLIP_{name} {value}" for name, value in definitions.items()]
-        blocks.append("\n".join([f"/* {comment} */", *lines]))
-    return "\n\n".join(blocks)
+_GROUPS = (
+    ("Board's high-pass filter for a gain of 1: its section of first order,", "BOARD_1_B BOARD_1_A1"),
+    ("and that of second order.", "BOARD_B0 BOARD_B1 BOARD_B2 BOARD_A1 BOARD_A2"),
+    ("Filter that moves its cutoff down: section of first order,", "RESTORE_1_B0 RESTORE_1_B1 RESTORE_1_A1"),
+    ("and of second order.", "RESTORE_B0 RESTORE_B1 RESTORE_B2 RESTORE_A1 RESTORE_A2"),
+    ("Low-pass filter at the upper edge of both bands, behind it.", "EDGE_B0 EDGE_B1 EDGE_B2 EDGE_A1 EDGE_A2"),
+    (
+        "High-pass filter at the lower edge of the upper band, behind that.",
+        "UPPER_B0 UPPER_B1 UPPER_B2 UPPER_A1 UPPER_A2",
+    ),
+    ("High-pass filter at the lower edge of the wide band, behind that.", "WIDE_B0 WIDE_B1 WIDE_B2 WIDE_A1 WIDE_A2"),
+    ("Low-pass filter of the slow voltage, from the tactile voltage.", "SLOW_B0 SLOW_B1 SLOW_B2 SLOW_A1 SLOW_A2"),
+    (
+        "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",
+        "FILTERED_GAIN FILTERED_LIMIT LIMITED_SAMPLES STILL_SAMPLES",
+    ),
+    ("Smoothing factors of 6 and 20 ms, per sample.", "SHORT LONG"),
+    (
+        "Samples of a tick; ticks of a slot of the peaks; entries of the ring of slow voltages.",
+        "TICK_SAMPLES SLOT_TICKS RING",
+    ),
+    (
+        "Ticks: OFF at the start; settling of the filters; averaging of the floors, at most and after a change; ON.",
+        "SETTLING_TICKS SETTLE_TICKS MAX_FLOOR_TICKS HELD_TICKS TONE_TICKS",
+    ),
+    (
+        "Ticks: change of force that casts doubt on an ON; time after it; ON of which doubt lets the floors adapt.",
+        "MOVED_TICKS MOVED_WITHIN_TICKS DOUBTED_TICKS",
+    ),
+    (
+        "Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2].",
+        "STATED_WIDE STATED_UPPER STATED_INPUT WIDE_SHARE UPPER_SHARE MIN_FLOOR MIN_UPPER_FLOOR MIN_INPUT_FLOOR",
+    ),
+    (
+        "The same where the filtered signal is read.",
+        "FILTERED_STATED_WIDE FILTERED_STATED_UPPER FILTERED_MIN_FLOOR FILTERED_MIN_UPPER_FLOOR",
+    ),
+    (
+        "Factors of slopes and movements, which make them compare with voltages, and the least denominator.",
+        "SLOPE_GAIN MOVE_GAIN TINY",
+    ),
+    (
+        "Ratios that decide: trees are evaluated, vibration lasts, unstated noise, floors adapt, a tone, an end.",
+        "LOUD LOUD_20 LASTING_RATIO NOISY_RATIO MOVING_RATIO CLIP_RATIO UNLEARNED_RATIO UNLEARNING STAY_RATIO "
+        "DECAY_RATIO",
+    ),
+    (
+        "Scores: before the first tree; of confidence 0; for ON, and its rise in noise; for staying ON; smoothing.",
+        "OFFSET LOWEST_SCORE ON_SCORE NOISE_RISE STAY_SCORE SCORE_SMOOTHING INCIPIENT_CONFIDENCE",
+    ),
+    ("Features, trees, and comparisons of a tree from its root to a leaf.", "COUNT TREES DEPTH"),
+    ("Sampling rate for which all this was computed [Hz, mHz].", "SAMPLE_RATE_HZ SAMPLE_RATE_MILLIHZ"),
+    ("Converter of the design: bits, lower end of its range [V], step [V].", "ADC_BITS ADC_LOW_V ADC_STEP_V"),
+)
+"""Comments, and the names of the constants that stand below each."""
 
 
 def real(value: float) -> str:
@@ -30,123 +75,57 @@ def real(value: float) -> str:
     return f"((slip_real){'INFINITY' if math.isinf(value) else repr(value)})"
 
 
-def _detector_groups(design: Design) -> Iterator[Group]:
-    detector, both = _start(design, None), _start(design, 0.0)
-    model, c, state = load_model(), detector.coefficients, detector.state
-    rate = c.sample_rate_hz
-    second = ("b0", "b1", "b2", "a1", "a2")
-    for name, keys, text in (
-        ("board_1", ("b", "a1"), "Board's high-pass filter for a gain of 1: its section of first order,"),
-        ("board", second, "and that of second order."),
-        ("restore_1", ("b0", "b1", "a1"), "Filter that moves its cutoff down: section of first order,"),
-        ("restore", second, "and of second order."),
-        ("edge", second, "Low-pass filter at the upper edge of both bands, behind it."),
-        ("upper", second, "High-pass filter at the lower edge of the upper band, behind that."),
-        ("wide", second, "High-pass filter at the lower edge of the wide band, behind that."),
-        ("slow", second, "Low-pass filter of the slow voltage, from the tactile voltage."),
-    ):
-        terms = {key: getattr(c, f"{name}_{key}") for key in keys}
-        yield text, {f"{name}_{key}".upper(): real(value) for key, value in terms.items()}
-    yield (
-        "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",
-        {
-            "FILTERED_GAIN": real(both.coefficients.filtered_gain),
-            "FILTERED_LIMIT": real(both.coefficients.filtered_limit),
-            "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",
-            "STILL_SAMPLES": f"{c.still_samples:.0f}",
-        },
-    )
-    yield (
-        "Smoothing factors of 6 and 20 ms, per sample.",
-        {
-            "SHORT": real(c.short_smoothing),
-            "LONG": real(c.long_smoothing),
-        },
-    )
-    yield (
-        "Samples of a tick; ticks of a slot of the peaks; entries of the ring of slow voltages.",
-        {
-            "TICK_SAMPLES": f"{c.tick_samples:.0f}",
-            "SLOT_TICKS": f"{c.slot_ticks:.0f}",
-            "RING": str(fast_loop.RING),
-        },
-    )
-    yield (
-        "Ticks: OFF at the start; settling of the filters; averaging of the floors, at most and after a change; ON.",
-        {
-            "SETTLING_TICKS": f"{state[fast_loop.SETTLING]:.0f}",
-            "SETTLE_TICKS": real(-state[fast_loop.FLOOR_TICKS]),
-            "MAX_FLOOR_TICKS": real(c.max_floor_ticks),
-            "HELD_TICKS": real(fast_loop.HELD_TICKS),
-            "TONE_TICKS": real(c.tone_ticks),
-        },
-    )
-    yield (
-        "Ticks: change of force that casts doubt on an ON; time after it; ON of which doubt lets the floors adapt.",
-        {
-            "MOVED_TICKS": f"{fast_loop.MOVED_TICKS:.0f}",
-            "MOVED_WITHIN_TICKS": real(fast_loop.MOVED_WITHIN_TICKS),
-            "DOUBTED_TICKS": real(fast_loop.DOUBTED_TICKS),
-        },
-    )
-    yield (
-        "Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2].",
-        {
-            "STATED_WIDE": real(state[fast_loop.FLOOR]),
-            "STATED_UPPER": real(state[fast_loop.UPPER_FLOOR]),
-            "STATED_INPUT": real(state[fast_loop.INPUT_FLOOR]),
-            "WIDE_SHARE": real(c.wide_share),
-            "UPPER_SHARE": real(c.upper_share),
-            "MIN_FLOOR": real(c.min_floor),
-            "MIN_UPPER_FLOOR": real(c.min_upper_floor),
-            "MIN_INPUT_FLOOR": real(c.min_input_floor),
-        },
-    )
-    yield (
-        "The same where the filtered signal is read.",
-        {
-            "FILTERED_STATED_WIDE": real(both.state[fast_loop.FLOOR]),
-            "FILTERED_STATED_UPPER": real(both.state[fast_loop.UPPER_FLOOR]),
-            "FILTERED_MIN_FLOOR": real(both.coefficients.min_floor),
-            "FILTERED_MIN_UPPER_FLOOR": real(both.coefficients.min_upper_floor),
-        },
-    )
-    yield (
-        "Factors of slopes and movements, which make them compare with voltages, and the least denominator.",
-        {
-            "SLOPE_GAIN": real(fast_loop.SLOPE_S * fast_loop.SLOPE_S * rate * rate),
-            "MOVE_GAIN": real(fast_loop.MOVE_S * fast_loop.MOVE_S * rate * rate),
-            "TINY": real(fast_loop.TINY),
-        },
-    )
-    yield (
-        "Ratios that decide: trees are evaluated, vibration lasts, unstated noise, floors adapt, a tone, an end.",
-        {
-            "LOUD": real(fast_loop.UPPER_LOUD),
-            "LOUD_20": real(fast_loop.UPPER_LOUD_20),
-            "LASTING_RATIO": real(fast_loop.LASTING_RATIO),
-            "NOISY_RATIO": real(fast_loop.NOISY_RATIO),
-            "MOVING_RATIO": real(fast_loop.MOVING_RATIO),
-            "CLIP_RATIO": real(fast_loop.CLIP_RATIO),
-            "UNLEARNED_RATIO": real(fast_loop.UNLEARNED_RATIO),
-            "UNLEARNING": real(c.unlearning),
-            "STAY_RATIO": real(c.stay_ratio),
-            "DECAY_RATIO": real(fast_loop.DECAY_RATIO),
-        },
-    )
-    yield (
-        "Scores: before the first tree; of confidence 0; for ON, and its rise in noise; for staying ON; smoothing.",
-        {
-            "OFFSET": real(c.offset),
-            "LOWEST_SCORE": real(c.lowest_score),
-            "ON_SCORE": real(c.threshold),
-            "NOISE_RISE": real(c.noise_rise),
-            "STAY_SCORE": real(c.stay_threshold),
-            "SCORE_SMOOTHING": real(c.score_smoothing),
-            "INCIPIENT_CONFIDENCE": real(detector.incipient_confidence),
-        },
-    )
-    yield "Features, trees, and comparisons of a tree from its root to a leaf.", _tree_sizes(model)
+def _render_constants(design: Design) -> str:
+    """Render the constants of a design as lines of C: settings and coefficients of its detector, and its converter."""
+    converter, detector, both = design.detector, _start(design, None), _start(design, 0.0)
+    c, state, rate = detector.coefficients, detector.state, detector.coefficients.sample_rate_hz
+    sections: dict[str, Any] = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
+    values: dict[str, Any] = {
+        **vars(fast_loop),
+        **{name.upper(): value for name, value in c._asdict().items()},
+        **{f"{name}_{key}".upper(): term for name, one in sections.items() for key, term in one._asdict().items()},
+        "BOARD_1_B": c.board_1.b0,  # its numerator is b (1 - 1/z)
+        "FILTERED_GAIN": both.coefficients.filtered_gain,
+        "FILTERED_LIMIT": both.coefficients.filtered_limit,
+        "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",
+        "STILL_SAMPLES": f"{c.still_samples:.0f}",
+        "SHORT": c.short_smoothing,
+        "LONG": c.long_smoothing,
+        "TICK_SAMPLES": f"{c.tick_samples:.0f}",
+        "SLOT_TICKS": f"{c.slot_ticks:.0f}",
+        "RING": str(fast_loop.RING),
+        "SETTLING_TICKS": f"{state[fast_loop.SETTLING]:.0f}",
+        "SETTLE_TICKS": -state[fast_loop.FLOOR_TICKS],
+        "MOVED_TICKS": f"{fast_loop.MOVED_TICKS:.0f}",
+        "STATED_WIDE": state[fast_loop.FLOOR],
+        "STATED_UPPER": state[fast_loop.UPPER_FLOOR],
+        "STATED_INPUT": state[fast_loop.INPUT_FLOOR],
+        "FILTERED_STATED_WIDE": both.state[fast_loop.FLOOR],
+        "FILTERED_STATED_UPPER": both.state[fast_loop.UPPER_FLOOR],
+        "FILTERED_MIN_FLOOR": both.coefficients.min_floor,
+        "FILTERED_MIN_UPPER_FLOOR": both.coefficients.min_upper_floor,
+        "SLOPE_GAIN": fast_loop.SLOPE_S * fast_loop.SLOPE_S * rate * rate,
+        "MOVE_GAIN": fast_loop.MOVE_S * fast_loop.MOVE_S * rate * rate,
+        "LOUD": fast_loop.UPPER_LOUD,
+        "LOUD_20": fast_loop.UPPER_LOUD_20,
+        "ON_SCORE": c.threshold,
+        "STAY_SCORE": c.stay_threshold,
+        "INCIPIENT_CONFIDENCE": detector.incipient_confidence,
+        "COUNT": str(fast_loop.COUNT),
+        "TREES": str(load_model().trees),
+        "DEPTH": str(DEPTH),
+        "SAMPLE_RATE_HZ": converter.sample_rate_hz,
+        "SAMPLE_RATE_MILLIHZ": f"{1000 * converter.sample_rate_hz:.0f}u",
+        "ADC_BITS": str(converter.adc_bits),
+        "ADC_LOW_V": converter.adc_low_v,
+        "ADC_STEP_V": converter.adc_step_v,
+    }
+    blocks = []
+    for comment, names in _GROUPS:
+        texts = ((name, values[name]) for name in names.split())
+        lines = [f"#define SLIP_{name} {value if isinstance(value, str) else real(value)}" for name, value in texts]
+        blocks.append("\n".join([f"/* {comment} */", *lines]))
+    return "\n\n".join(blocks)
 
 
 def _start(design: Design, filtered_v: float | None) -> FastDetector:
@@ -154,29 +133,6 @@ def _start(design: Design, filtered_v: float | None) -> FastDetector:
     detector = FastDetector(FastSettings.from_design(design))
     detector.step(0.0, filtered_v)
     return detector
-
-
-def _tree_sizes(model: FastModel) -> dict[str, str]:
-    return {"COUNT": str(fast_loop.COUNT), "TREES": str(model.trees), "DEPTH": str(DEPTH)}
-
-
-def _converter_groups(design: Design) -> Iterator[Group]:
-    d = design.detector
-    yield (
-        "Sampling rate for which all this was computed [Hz, mHz].",
-        {
-            "SAMPLE_RATE_HZ": real(d.sample_rate_hz),
-            "SAMPLE_RATE_MILLIHZ": f"{1000 * d.sample_rate_hz:.0f}u",
-        },
-    )
-    yield (
-        "Converter of the design: bits, lower end of its range [V], step [V].",
-        {
-            "ADC_BITS": str(d.adc_bits),
-            "ADC_LOW_V": real(d.adc_low_v),
-            "ADC_STEP_V": real(d.adc_step_v),
-        },
-    )
 
 
 _WIDTH, _INDENT = 119, "    "
@@ -236,7 +192,7 @@ def read_template(name: str) -> str:
 
 def library_sources(design: Design) -> dict[str, bytes]:
     """Header and source of the detector of a design, by name."""
-    header = _insert(read_template(HEADER), "slip_constants.h", render_constants(design))
+    header = _insert(read_template(HEADER), "slip_constants.h", _render_constants(design))
     source = _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model()))
     return {HEADER: header.encode(), SOURCE: source.encode()}
 

@@ -25,7 +25,6 @@ class Comparison:
 
     @property
     def passed(self) -> bool:
-        """True if the value satisfies the limit."""
         match self.relation:
             case "at most":
                 return self.value <= self.limit

@@ -11,7 +11,7 @@ import importlib
 import importlib.util
 from typing import Any
 
-from fingertip.foundation.errors import Issue, MissingLibraryError
+from fingertip.foundation.errors import Issue, MissingLibraryError, join_words
 
 EXTRAS = {
     "cadquery": "step",
@@ -42,18 +42,15 @@ def is_installed(module: str) -> bool:
 
 
 def install_command(*modules: str) -> str:
-    """Return the command that installs optional packages."""
     names = dict.fromkeys(EXTRAS[module] for module in modules)
     return f'pip install "fingertip[{",".join(names)}]"'
 
 
 def describe_missing(*modules: str) -> str:
     """Describe missing packages, and the command that installs them, for a sentence that ends with both."""
-    names = [_PACKAGES.get(module, module) for module in modules]
-    if len(names) == 1:
-        return f"the package {names[0]}, which is not installed; {install_command(*modules)}"
-    listed = f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"the packages {listed}, which are not installed; {install_command(*modules)}"
+    listed = join_words(_PACKAGES.get(module, module) for module in modules)
+    words, verb = ("package", "is") if len(modules) == 1 else ("packages", "are")
+    return f"the {words} {listed}, which {verb} not installed; {install_command(*modules)}"
 
 
 def require(field: str, *modules: str, subject: str = "", alternative: str = "") -> None:
@@ -64,7 +61,6 @@ def require(field: str, *modules: str, subject: str = "", alternative: str = "")
 
 
 def load(module: str, field: str, *, subject: str = "", alternative: str = "") -> Any:
-    """Import a module of an optional package and return it. Raises MissingLibraryError."""
     package = module.partition(".")[0]
     require(field, package, subject=subject, alternative=alternative)
     try:

@@ -26,7 +26,6 @@ _numbers = itertools.count()
 
 
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
-    """Write one file atomically. Raises OutputError."""
     with open_atomic(path, option) as file:
         file.write(data)
 
@@ -116,24 +115,18 @@ class TemporaryFolder:
         self.remove()
 
     def remove(self) -> None:
-        """Remove the folder with all that is in it."""
         shutil.rmtree(self.path, ignore_errors=True)
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
 
 
-def find_temporary_place() -> Path:
-    """Return the system's folder for temporary files. Raises OutputError."""
+def _make_locked() -> tuple[Path, int | None]:
     try:
-        return Path(tempfile.gettempdir())
+        place = Path(tempfile.gettempdir())
     except OSError as error:
         message = "no folder for temporary files can be written; set it to one that can be."
         raise OutputError(Issue("TMPDIR", message)) from error
-
-
-def _make_locked() -> tuple[Path, int | None]:
-    place = find_temporary_place()
     remove_leftovers(place)
     while True:
         try:
@@ -150,7 +143,6 @@ def _make_locked() -> tuple[Path, int | None]:
 
 
 def remove_leftovers(place: Path) -> None:
-    """Remove the folders of this user whose processes have ended."""
     with contextlib.suppress(OSError):
         for entry in list(os.scandir(place)):
             if entry.name.startswith(_FOLDER_PREFIX):
@@ -189,7 +181,6 @@ def _lock(path: Path, *, wait: bool = True) -> int | None:
 
 
 def _is_at(path: Path, handle: int) -> bool:
-    """Return whether an open folder is still the one at a path."""
     try:
         return os.path.samestat(os.stat(path), os.fstat(handle))
     except OSError:

@@ -61,7 +61,6 @@ PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
 """Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
 MAX_MEMBERS = 10_000
 MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
-"""Maximum size of an archive's list of files [bytes]."""
 MAX_RATIO = 200
 """Maximum ratio by which a large member of an archive may be compressed. Noise compresses four times, zeros a thousand
 times."""
@@ -86,10 +85,7 @@ _KINDS = (
 
 
 def is_safe_name(name: object) -> TypeGuard[str]:
-    """Return whether a value is the name of one file in a folder on every system: no path, no device of Windows.
-
-    The names of what stands for a moment beside a set that is replaced are none.
-    """
+    """Return whether a value names one file in a folder on every system, and nothing that stands there for a moment."""
     return (
         isinstance(name, str)
         and escape_control(name) == name

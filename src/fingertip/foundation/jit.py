@@ -65,7 +65,6 @@ def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
 
 
 def _report_loading() -> None:
-    """Report, once in a process, that compiled loops are loaded."""
     global _is_reported
     if _progress and not _is_reported:
         _is_reported = True
@@ -133,10 +132,7 @@ class CompiledLoop:
                 argument[:] = values.tolist()
 
     def _run_first(self, arrays: list[Any]) -> None:
-        """Load the loop, and run it: numba reads and writes its cache at the first call, before the loop begins.
-
-        A damaged cache, or a full disk, must not end the command: the loop is then compiled for this process.
-        """
+        """Load the loop, and run it; if its cache is damaged or the disk full, it is compiled for this process."""
         _report_loading()
         loop = _compile_cached(self.plain, *self._helpers)
         try:
@@ -159,10 +155,7 @@ def _as_compiled(argument: Any, copy: bool) -> Any:
 
 
 def _compile_cached(function: Function, *helpers: Function) -> Function:
-    """Compile a function and cache the result on disk; where no folder can be written, compile it for this process.
-
-    A division by 0 gives infinity or NaN, as in arrays.
-    """
+    """Compile a function, cached where a folder can be written; a division by 0 gives infinity or NaN, as in arrays."""
     for helper in helpers:  # numba's cache notices changes in the function's own file only
         importlib.import_module("numba.extending").register_jitable(helper)
     njit = importlib.import_module("numba").njit

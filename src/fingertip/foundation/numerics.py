@@ -35,10 +35,7 @@ _MAX_STEPS = 60
 def bisect(
     is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None, tolerance: float = 0.0
 ) -> tuple[float, float]:
-    """Narrow the bracket of a boundary by bisection, and return both its ends.
-
-    The function returns the bracket, not its midpoint, because callers need the end on one particular side.
-    """
+    """Narrow the bracket of a boundary by bisection, and return both its ends: callers need the end on one side."""
     count = 0
     while (halvings is None or count < halvings) and high - low > tolerance:
         middle = 0.5 * (low + high)
@@ -192,10 +189,7 @@ def bisect_arrays(
 
 
 def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
-    """Find the maximum in every element by a fixed number of golden-section steps.
-
-    Each step narrows the brackets to 0.618 of their width. `find_maximum` is the function for scalars.
-    """
+    """Find the maximum in every element by golden-section steps, each of which narrows the brackets to 0.618."""
     import numpy as np  # noqa: PLC0415
 
     left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)

@@ -39,7 +39,6 @@ REFERENCE = "#98a1aa"
 
 
 def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
-    """Create an empty figure. Raises MissingLibraryError."""
     # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     module = extras.load("matplotlib.figure", "plot")

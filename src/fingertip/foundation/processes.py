@@ -52,17 +52,13 @@ def forget_signal() -> None:
 
 
 def find_signal(error: BaseException) -> int | None:
-    """Return the signal that is the cause of an exception, or None if there is none.
-
-    An interruption within the import of a compiled package may come out as another exception, such as an ImportError.
-    """
+    """Return the signal that is the cause of an exception, or None; imports turn it into other exceptions."""
     if isinstance(error, Interruption):
         return error.number
     return int(signal.SIGINT) if isinstance(error, KeyboardInterrupt) else _received
 
 
 def exit_code(error: BaseException) -> int:
-    """Return the exit code of an interrupted process, as a shell gives it."""
     return 128 + (find_signal(error) or signal.SIGINT)
 
 
@@ -78,10 +74,7 @@ def report(error: BaseException) -> int:
 
 @contextlib.contextmanager
 def hold_interruptions() -> Iterator[None]:
-    """Hold back the exceptions until the block ends, for code that one within would abort.
-
-    A mask of signals would not do: a thread of a library without that mask receives them.
-    """
+    """Hold back the exceptions until the block ends: a mask of signals would not bind the threads of libraries."""
     global _holding
     _holding = True
     try:

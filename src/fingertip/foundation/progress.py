@@ -71,7 +71,6 @@ def describe_share(label: str, share: float, elapsed_s: float) -> str:
 
 
 def format_duration(seconds: float) -> str:
-    """Format a duration with a fitting unit."""
     if seconds < 100:
         return f"{seconds:.0f} s"
     if seconds < 100 * 60:

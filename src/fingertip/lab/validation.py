@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from fingertip.design import Design
 from fingertip.foundation.comparison import Comparison
@@ -27,11 +27,11 @@ from fingertip.lab.studies.steps import study_sampling_rates, study_steps
 from fingertip.sim.contact.pad import Pad
 from fingertip.slip.detectors.registry import find_detector_type
 
+T = TypeVar("T")
 STUDY_TRIALS = 24
 """Largest number of trials in each study beside the campaign: three for each surface and object."""
 MAX_STEP_TRIALS = 60
-"""Largest number of trials that are repeated with a finer time step: half of the default plan's, as each takes the
-time of ten."""
+"""Largest number of trials that are repeated with a finer time step, each in the time of ten."""
 SEED_RANGES = 4
 """Number of ranges of held-out seeds over which the alarms of a validation are counted."""
 RANGE_SEEDS = 1_000_000
@@ -43,7 +43,6 @@ FILES = (
     "spectra.png", "windows.png", "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png",
     "window_trial.png", "closed_loop_power.png", "closed_loop_pinch.png",
 )  # fmt: skip
-"""Names of all files of a validation."""
 
 
 @dataclass(frozen=True)
@@ -68,18 +67,14 @@ class RequirementLimits:
 
 @dataclass(frozen=True)
 class Requirement(Comparison):
-    """One requirement and the measured value."""
-
     message: str = ""
 
     def as_data(self) -> dict[str, Any]:
-        """Return the entry of this requirement in the JSON of a validation."""
         data = {"name": self.name, "value": to_number(self.value), "limit": self.limit}
         return data | {"passed": self.passed, "message": self.message}
 
 
 def check_detection(result: CampaignResult, detector: str, limits: RequirementLimits) -> Iterator[Requirement]:
-    """Check the requirements on detection: slips found, delays and false alarms."""
     nominal = result.at_nominal_threshold(detector)
     found, least = nominal.found_share, limits.min_found
     text = f"{100 * found:.1f} % of {nominal.slips} slips found; at least {100 * least:g} %"
@@ -98,7 +93,6 @@ def check_detection(result: CampaignResult, detector: str, limits: RequirementLi
 
 
 def check_closed_loop(summary: ClosedLoopSummary, limits: RequirementLimits) -> Iterator[Requirement]:
-    """Check the requirements on the closed loop: objects held, reaction time and false grips."""
     held, least = summary.held / summary.count, limits.min_held
     text = f"{summary.held} of {summary.count} objects held; at least {100 * least:.3g} %"
     yield Requirement("held", held, least, "", "at least", text)
@@ -117,8 +111,6 @@ def _ms(seconds: float) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Validation:
-    """Results of a validation."""
-
     design: Design
     detector: str
     """Detector that the requirements apply to."""
@@ -129,11 +121,9 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """True if every requirement is met."""
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:
-        """Return all results for JSON."""
         return {
             "detector": self.detector,
             "passed": self.passed,
@@ -142,7 +132,6 @@ class Validation:
         }
 
     def as_text(self) -> str:
-        """Return the details of the results as text."""
         return tables.as_text(self.campaign, self.detector, self.studies)
 
     def as_verdict(self) -> str:
@@ -155,20 +144,15 @@ class Validation:
         return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
-        """Return file name -> content: the results, the plots, and the page of omissions.
-
-        Raises MissingLibraryError.
-        """
+        """Return file name -> content: results, plots, page of omissions. Raises MissingLibraryError."""
+        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
+        page = omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
         return {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
             **(self._draw_plots() if with_plots else {}),
-            "omissions.md": self._write_omissions().encode(),
+            "omissions.md": page.encode(),
         }
-
-    def _write_omissions(self) -> str:
-        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
-        return omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
 
     def _draw_plots(self) -> dict[str, bytes]:
         from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415
@@ -238,40 +222,25 @@ def validate(
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
     trials = min(STUDY_TRIALS, plan.trials)
-    work.begin("bound")
-    bounds_s = compute_bounds_s(design, plan.trials, first_seed)
-    work.begin("assumptions")
-    variations = study_assumptions(design, detector, trials)
-    work.begin("time step")
-    steps = study_steps(design, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2))
-    work.begin("windows and spectra")
-    windows, spectra = study_windows(design, trials), compute_spectra(design)
-    work.begin("accelerations")
-    accelerations = study_accelerations(design, trials)
-    work.begin("sampling rates")
-    rates = study_sampling_rates(design, min(2 * STUDY_TRIALS, plan.trials))
-    work.begin("boards")
-    boards = study_board_variants(design, trials)
-    work.begin("the article's board")
-    article = study_article_board(design, plan, first_seed)
-    work.begin("the article's protocol")
-    protocol = study_article_protocol(design, plan.trials, loop_repeats, first_seed)
-    work.begin("motors and knocks")
-    motor, knocks = study_motor_discrimination(design, trials), study_knock_rejection(design)
+
+    def run(stage: str, study: Callable[..., T], *arguments: Any) -> T:
+        work.begin(stage)
+        return study(design, *arguments)
+
     studies = StudyResults(
-        bounds_s=bounds_s,
-        variations=variations,
-        steps=steps,
+        bounds_s=run("bound", compute_bounds_s, plan.trials, first_seed),
+        variations=run("assumptions", study_assumptions, detector, trials),
+        steps=run("time step", study_steps, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
         patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
-        windows=windows,
-        spectra=spectra,
-        accelerations=accelerations,
-        rates=rates,
-        boards=boards,
-        article=article,
-        protocol=protocol,
-        motor=motor,
-        knocks=knocks,
+        windows=run("windows and spectra", study_windows, trials),
+        spectra=compute_spectra(design),
+        accelerations=run("accelerations", study_accelerations, trials),
+        rates=run("sampling rates", study_sampling_rates, min(2 * STUDY_TRIALS, plan.trials)),
+        boards=run("boards", study_board_variants, trials),
+        article=run("the article's board", study_article_board, plan, first_seed),
+        protocol=run("the article's protocol", study_article_protocol, plan.trials, loop_repeats, first_seed),
+        motor=run("motors and knocks", study_motor_discrimination, trials),
+        knocks=study_knock_rejection(design),
         closed_loop=summaries,
         seed_ranges=ranges,
         wider_mix=mix,

@@ -7,6 +7,7 @@ before is coloured. A parameter that a design does not use is shown on another d
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -42,7 +43,6 @@ _WIDTH_PX, _HEIGHT_PX, _MARGIN_PX = 420, 280, 14
 _SMALL_SHARE, _LEAST_RING_PX, _LARGEST_RING_PX = 0.012, 16.0, 60.0
 _RING = (120, 20, 70)
 _COLOURS = 96
-"""Number of colours of a picture."""
 _FACTOR = 1.3
 """Factor by which a number is changed."""
 _SHARES = (1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.1, -0.1)
@@ -67,8 +67,6 @@ _ELSEWHERE = (
 
 @dataclass(frozen=True)
 class AtlasPicture:
-    """Picture of what a parameter changes."""
-
     path: str
     part: str
     view: str
@@ -80,14 +78,12 @@ class AtlasPicture:
 
     @property
     def caption(self) -> str:
-        """Sentence on what the picture shows."""
         unit = format_unit(find_unit(PARAMETERS[self.path]))
         change = f"{format_value(self.before)} to {format_value(self.after)}{unit}"
         where = f"; drawn on {self.drawn_on}" if self.drawn_on else ""
         return f"{self.part.replace('_', ' ')}, {self.view}: from {change}{where}"
 
     def render(self) -> Markup:
-        """Render the picture with its caption."""
         image = element("img", src=embed(self.png, "image/png"), alt=f"{self.path}: {self.caption}")
         return element("figure", image, element("figcaption", self.caption))
 
@@ -105,7 +101,10 @@ def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None
 
 def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message: None) -> Iterator[AtlasPicture]:
     """Draw a picture for each parameter that shapes a part, in the order of a design file."""
-    bases = [("", design), *_load_others()]
+    bases = [("", design)]
+    for name, changes in _ELSEWHERE:
+        with suppress(DesignError):  # a change that a bundled design no longer takes: its parameters have no picture
+            bases.append((" with ".join((name, *changes)), Design.load(name, changes=changes)))
     used = [(label, base, _find_parts(base)) for label, base in bases]
     for path in PARAMETERS:
         for label, base, parts in used:
@@ -144,19 +143,8 @@ def list_changes(design: Design, path: str) -> Iterator[Design]:
     table, _, key = path.rpartition(".")
     for other in wanted:
         new = {**tables, table: {**tables[table], key: other}} if table else {**tables, key: other}
-        try:
+        with suppress(DesignError):
             yield Design.without_remedies(**new)
-        except DesignError:
-            continue
-
-
-def _load_others() -> Iterator[tuple[str, Design]]:
-    for name, changes in _ELSEWHERE:
-        try:
-            loaded = Design.load(name, changes=changes)
-        except DesignError:  # a change that a bundled design no longer takes: its parameters have no picture
-            continue
-        yield " with ".join((name, *changes)), loaded
 
 
 def _find_parts(design: Design) -> Mapping[str, tuple[str, ...]]:
@@ -269,21 +257,17 @@ _LEGEND = (
 
 
 def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
-    """Render the atlas."""
     tables, moved = group_parameters(), shapes_of_parameters(design)
     links = (element("li", element("a", name or "design", href=f"#t-{name}")) for name in tables)
-    sections = (
-        element(
-            "section",
-            element("h2", name or "design", id=f"t-{name}"),
-            *_describe_table(design, name),
-            element(
-                "ul", *(_render_entry(design, one, pictures.get(one.path), moved) for one in entries), class_="atlas"
-            ),
-            aria_labelledby=f"t-{name}",
-        )
-        for name, entries in tables.items()
-    )
+    sections = []
+    for name, entries in tables.items():
+        parts = [element("h2", name or "design", id=f"t-{name}")]
+        table = getattr(design, name) if name else None
+        if said := " ".join((type(table).__doc__ or "").split()) if isinstance(table, ParameterTable) else "":
+            parts.append(element("p", said))
+        listed = (_render_entry(design, one, pictures.get(one.path), moved) for one in entries)
+        parts.append(element("ul", *listed, class_="atlas"))
+        sections.append(element("section", *parts, aria_labelledby=f"t-{name}"))
     body = (
         element("a", "Skip to the parameters", href="#content", class_="skip"),
         element(
@@ -294,12 +278,6 @@ def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
     )  # fmt: skip
     style = read_asset("page.css") + read_asset("atlas.css")
     return render_document(f"{design.name}: parameters", body, style, ())
-
-
-def _describe_table(design: Design, name: str) -> list[Markup]:
-    table = getattr(design, name) if name else None
-    said = " ".join((type(table).__doc__ or "").split()) if isinstance(table, ParameterTable) else ""
-    return [element("p", said)] if said else []
 
 
 def _render_entry(

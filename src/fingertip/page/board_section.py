@@ -13,14 +13,19 @@ import numpy as np
 
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import model_filter
-from fingertip.board.analysis.tolerance import Spread, TolerancedFilter, component_tolerances, monte_carlo
+from fingertip.board.analysis.tolerance import (
+    BAND_QUANTILES,
+    TolerancedFilter,
+    component_tolerances,
+    draw_deviations,
+    monte_carlo,
+)
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, element, figure, join, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
@@ -53,10 +58,8 @@ def render_board(sources: Sources) -> Markup:
     listed = join((element("h3", "What to buy for the board"), render_bom(bom))) if bom else Markup("")
     if layout:
         board = read_expression(layout)
-        placement, back = (
-            render_placement(board, "Placement of the components"),
-            render_back(board, "Back of the board"),
-        )
+        placement = render_placement(board, "Placement of the components")
+        back = render_back(board, "Back of the board")
         # It scrolls by itself on a low screen, so the keyboard must reach it.
         pictures = element(
             "div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"),
@@ -116,18 +119,12 @@ def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
     if not gate:
         return Markup("")
     passed = sum(entry["passed"] for entry in gate)
-    rows = [
-        (
-            entry["name"],
-            entry["subject"],
-            quantity(entry["value"], entry["unit"]),
-            quantity(entry["limit"], entry["unit"], entry["bound"]),
-            element("span", "✓", class_="passed")
-            if entry["passed"]
-            else element("span", f"✗ {entry['remedy']}", class_="failed"),
-        )
-        for entry in gate
-    ]
+    rows = []
+    for entry in gate:
+        said, kind = ("✓", "passed") if entry["passed"] else (f"✗ {entry['remedy']}", "failed")
+        value = quantity(entry["value"], entry["unit"])
+        limit = quantity(entry["limit"], entry["unit"], entry["bound"])
+        rows.append((entry["name"], entry["subject"], value, limit, element("span", said, class_=kind)))
     body = table(("requirement", "of", "value", "must be", "met"), rows, "what makes the board work")
     summary = element("summary", f"Requirements of the board: {passed} of {len(gate)} met")
     return element("details", summary, body, open=passed < len(gate))
@@ -147,9 +144,15 @@ def draw_response(design: Design) -> Markup:
     board = TolerancedFilter(model_filter(circuit, design.board.variant == "article"), network.values)
     tolerances = component_tolerances(circuit)
     spread = monte_carlo(board, tolerances, BOARDS, _SEED)
+    drawn_values = board.deviate(draw_deviations(board, tolerances, BOARDS, _SEED))
+    exact, drawn = (board.model.transfer(values).power_gain() for values in (board.values, drawn_values))
     steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
     f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
-    nominal, low, high = _compute_gains(board, tolerances, f_hz)
+    gains_db = []  # nominal, and the ends of the interval with 95 % of the boards
+    for hz in f_hz:
+        powers = (exact(math.tau * hz), *np.quantile(np.asarray(drawn(math.tau * hz)), BAND_QUANTILES))
+        gains_db.append([10.0 * math.log10(float(power)) for power in powers])
+    nominal, low, high = zip(*gains_db, strict=True)
     bottom = 10.0 * math.floor(min(low) / 10.0)
     top = 10.0 * math.ceil((max(high) + 3.0) / 10.0)
     frame = Frame(
@@ -172,32 +175,6 @@ def draw_response(design: Design) -> Markup:
     caption = (
         f"Computed, not measured. Nominal -3 dB frequency {cutoff.nominal:.1f} Hz, passband gain {gain.nominal:.1f}. "
         f"Of {BOARDS} boards with components anywhere within the tolerances that are bought, 95 % have "
-        f"{_range(cutoff, 1)} Hz and a gain of {_range(gain, 1)}."
+        f"{cutoff.low_95:.1f} to {cutoff.high_95:.1f} Hz and a gain of {gain.low_95:.1f} to {gain.high_95:.1f}."
     )
     return figure(svg, caption, "response of the filter", "wide")
-
-
-def _range(spread: Spread, decimals: int) -> str:
-    return f"{spread.low_95:.{decimals}f} to {spread.high_95:.{decimals}f}"
-
-
-def _compute_gains(
-    board: TolerancedFilter, tolerances: dict[str, float], f_hz: list[float]
-) -> tuple[list[float], list[float], list[float]]:
-    """Compute the nominal gain at each frequency, and the ends of the interval with 95 % of the boards [dB]."""
-    limits = np.array([tolerances[name] / 100.0 for name in board.names])
-    deviations = limits * np.random.default_rng(_SEED).uniform(-1.0, 1.0, (BOARDS, len(board.names)))
-    values = dict(board.values)
-    for name, ratio in zip(board.names, 1.0 + deviations.T, strict=True):
-        # A network's quantity is the conductance of a resistor.
-        values[name] = board.values[name] / ratio if name.startswith("R") else board.values[name] * ratio
-    exact, drawn = board.model.transfer(board.values).power_gain(), board.model.transfer(values).power_gain()
-    nominal, low, high = [], [], []
-    for hz in f_hz:
-        omega = math.tau * hz
-        nominal.append(10.0 * math.log10(float(exact(omega))))
-        powers: Array = np.asarray(drawn(omega))
-        lower, upper = np.quantile(powers, (0.025, 0.975))
-        low.append(10.0 * math.log10(float(lower)))
-        high.append(10.0 * math.log10(float(upper)))
-    return nominal, low, high

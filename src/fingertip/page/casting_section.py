@@ -17,7 +17,11 @@ _OPEN = ("What to buy", "Quantities", "Warnings")
 def render_casting(sources: Sources) -> Markup:
     """Render the casting sheet, its procedure as steps with pictures."""
     sections = split_sections(sources.files[SHEET].decode())
-    pictures = {name: embed(data, "image/png") for name, data in sources.files.items() if _is_step(name)}
+    pictures = {
+        name: embed(data, "image/png")
+        for name, data in sources.files.items()
+        if name.startswith(f"{STEPS_FOLDER}/") and name.endswith(".png")
+    }
     parts = [render(sections.pop("").partition("\n")[2])]
     for heading, text in sections.items():
         if heading == "Procedure":
@@ -33,10 +37,6 @@ def render_casting(sources: Sources) -> Markup:
         title = "Tests of sensor and finished finger, with what each failure means"
         parts.append(element("details", element("summary", title), render(page.partition("\n")[2])))
     return join(parts)
-
-
-def _is_step(name: str) -> bool:
-    return name.startswith(f"{STEPS_FOLDER}/") and name.endswith(".png")
 
 
 def render_drawing(sources: Sources) -> Markup:

@@ -20,8 +20,11 @@ class Markup(str):
 
 
 def element(name: str, /, *children: str, **attributes: str | float | bool | None) -> Markup:
-    """Build an element."""
-    pairs = "".join(_attribute(key, value) for key, value in attributes.items())
+    pairs = ""
+    for key, value in attributes.items():
+        if value is not None and value is not False:
+            pairs += f" {key.rstrip('_').replace('_', '-')}"
+            pairs += "" if value is True else f'="{escape(str(value))}"'
     if name in _VOID:
         return Markup(f"<{name}{pairs}>")
     return Markup(f"<{name}{pairs}>{join(children)}</{name}>")
@@ -50,7 +53,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "",
     header = element("thead", element("tr", *(element("th", cell, scope="col") for cell in head)))
     body = element("tbody", *(element("tr", *(element("td", cell) for cell in row)) for row in rows))
     inner = element("table", *title, header, body, class_=class_ or None)
-    return scrolling(inner, _plain(caption or ", ".join(str(cell) for cell in head)))
+    label = caption or ", ".join(head)
+    # An attribute holds no elements.
+    return scrolling(inner, unescape(re.sub(r"<[^>]*>", "", label)) if isinstance(label, Markup) else label)
 
 
 def scrolling(inner: Markup, label: str) -> Markup:
@@ -76,18 +81,6 @@ def quantity(value: float, unit: str, bound: str = "") -> Markup:
     return element("span", f"{_SIGNS[bound]}{value:.4g} {unit}".rstrip(), class_="num")
 
 
-def _plain(text: str) -> str:
-    """Drop the elements of a markup, for an attribute."""
-    return unescape(re.sub(r"<[^>]*>", "", text)) if isinstance(text, Markup) else text
-
-
-def _attribute(key: str, value: str | float | bool | None) -> str:
-    if value is None or value is False:
-        return ""
-    name = key.rstrip("_").replace("_", "-")
-    return f" {name}" if value is True else f' {name}="{escape(str(value))}"'
-
-
 def render_document(
     title: str, body: Iterable[Markup], style: str, scripts: Sequence[str], connect: str = "", **attributes: str
 ) -> bytes:
@@ -96,10 +89,15 @@ def render_document(
     The content security policy at its top allows nothing else: the browser itself refuses every script but those whose
     hashes it states, and every request that is not named.
     """
+    asked = f" connect-src {connect};" if connect else ""
+    policy = (
+        f"default-src 'none'; script-src {' '.join(map(_hash, scripts))}; style-src {_hash(style)}; "
+        f"img-src data: blob:;{asked} base-uri 'none'; form-action 'none'"
+    )
     head = element(
         "head",
         element("meta", charset="utf-8"),
-        element("meta", http_equiv="Content-Security-Policy", content=_policy(style, scripts, connect)),
+        element("meta", http_equiv="Content-Security-Policy", content=policy),
         element("meta", name="viewport", content="width=device-width, initial-scale=1"),
         element("title", title),
         element("style", Markup(style)),
@@ -117,15 +115,6 @@ def read_viewer_library() -> str:
 def read_asset(name: str, package: str = "fingertip.page") -> str:
     """Read a style sheet or script of a package."""
     return (files(package) / "assets" / name).read_text(encoding="utf-8")
-
-
-def _policy(style: str, scripts: Sequence[str], connect: str) -> str:
-    hashes = " ".join(_hash(script) for script in scripts)
-    asked = f" connect-src {connect};" if connect else ""
-    return (
-        f"default-src 'none'; script-src {hashes}; style-src {_hash(style)}; img-src data: blob:;{asked} "
-        "base-uri 'none'; form-action 'none'"
-    )
 
 
 def _hash(text: str) -> str:

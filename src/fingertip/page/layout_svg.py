@@ -9,6 +9,8 @@ import math
 import re
 from collections.abc import Sequence
 
+import numpy as np
+
 from fingertip.board.kicad.placement import find_reference, list_pads, name_part
 from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, points, turn
 from fingertip.page.html import Markup, element
@@ -78,7 +80,6 @@ def render_back(board: Node, title: str) -> Markup:
 
 
 def _mark_part(reference: str, drawn: Sequence[Markup]) -> Markup:
-    """Group what belongs to a component."""
     return element("g", *drawn, data_part=reference or None)
 
 
@@ -87,7 +88,11 @@ def _draw_board(board: Node, title: str, parts: list[Markup], *, is_back: bool =
 
     It is filled within its edge, whose pieces may come in any order.
     """
-    pieces = _edge_pieces(board)
+    pieces: list[list[Point]] = []
+    for item in board.children("gr_line", "gr_arc"):
+        if item.word("layer") == "Edge.Cuts":
+            start, end = _ends(item)
+            pieces.append(_bend(start, _point(item, "mid"), end) if item.head == "gr_arc" else [start, end])
     chain = pieces.pop(0)
     while pieces:
         end = chain[-1]
@@ -99,15 +104,6 @@ def _draw_board(board: Node, title: str, parts: list[Markup], *, is_back: bool =
     colours = {"fill": "var(--substrate)", "stroke": "var(--text)"}
     outline = element("path", d=path(chain, 3) + "Z", **colours, stroke_width="0.15")
     return draw_frame(title, (outline, *parts), chain, _MARGIN_MM, 3)
-
-
-def _edge_pieces(board: Node) -> list[list[Point]]:
-    pieces = []
-    for item in board.children("gr_line", "gr_arc"):
-        if item.word("layer") == "Edge.Cuts":
-            start, end = _ends(item)
-            pieces.append(_bend(start, _point(item, "mid"), end) if item.head == "gr_arc" else [start, end])
-    return pieces
 
 
 def _point(item: Node, name: str) -> Point:
@@ -186,20 +182,16 @@ def _draw_name(footprint: Node) -> list[Markup]:
     if text.word("layer") == "F.SilkS" and not is_hidden(text):
         return [_draw_text(text.words[2], text, (x, y), angle)]
     place = f"{number(x, 3)} {number(y, 3)}"
+    # The pads of the footprint, as it is turned, stand above each other rather than side by side.
+    spots = [turn(*find_place(pad)[:2], angle) for pad in footprint.children("pad")]
+    is_tall = bool(spots) and np.ptp([y for _, y in spots]) > np.ptp([x for x, _ in spots])
     return [
         element(
             "text", text.words[2], x=number(x, 3), y=number(y, 3), dy=number(0.36 * _SMALL_MM, 3),
             font_size=number(_SMALL_MM, 3), text_anchor="middle",
-            transform=f"rotate(-90 {place})" if _is_taller(footprint, angle) else None,
+            transform=f"rotate(-90 {place})" if is_tall else None,
         )
     ]  # fmt: skip
-
-
-def _is_taller(footprint: Node, angle: float) -> bool:
-    """Return whether the pads of a footprint, as it is turned, stand above each other rather than side by side."""
-    spots = [turn(*find_place(pad)[:2], angle) for pad in footprint.children("pad")]
-    xs, ys = [x for x, _ in spots], [y for _, y in spots]
-    return bool(spots) and max(ys) - min(ys) > max(xs) - min(xs)
 
 
 def _draw_text(content: str, item: Node, origin: Point, angle: float = 0.0, *, is_back: bool = False) -> Markup:
@@ -220,8 +212,9 @@ def _draw_place(footprint: Node) -> list[Markup]:
     boxes = [pad.box for pad in list_pads(footprint)]
     if not boxes:
         return []
-    left, top = min(box[0] for box in boxes) - _BACK_MARGIN_MM, min(box[1] for box in boxes) - _BACK_MARGIN_MM
-    right, bottom = max(box[2] for box in boxes) + _BACK_MARGIN_MM, max(box[3] for box in boxes) + _BACK_MARGIN_MM
+    lefts, tops, rights, bottoms = zip(*boxes, strict=True)
+    left, top = min(lefts) - _BACK_MARGIN_MM, min(tops) - _BACK_MARGIN_MM
+    right, bottom = max(rights) + _BACK_MARGIN_MM, max(bottoms) + _BACK_MARGIN_MM
     return [
         element(
             "rect", element("title", name_part(footprint)), x=f"{-right:.3f}", y=f"{top:.3f}",

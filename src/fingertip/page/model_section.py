@@ -61,7 +61,6 @@ def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
 def place_items(
     design: Design, meshes: Mapping[str, Mesh], scales: Mapping[str, float], make_mesh: Callable[[Solid], Mesh]
 ) -> tuple[Item, ...]:
-    """Place the parts of a design and what is bought for them."""
     offsets = _find_offsets({name: np.ptp(mesh.vertices, axis=0) for name, mesh in meshes.items()})
     items = [
         Item(name, label_item(name), mesh, scales[name], PARTS[name].colour, False, *offsets.get(name, _STAY))
@@ -152,7 +151,6 @@ _EXPORTED = (
 
 
 def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, saves_files: bool = True) -> Markup:
-    """Render the 3D view with its controls."""
     return element(
         "div",
         element("canvas", id="canvas", tabindex="0", role="application", aria_label=_HELP),

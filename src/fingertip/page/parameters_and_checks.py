@@ -141,10 +141,9 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
     """Render all checks: failed ones first, then the closest to their limits, then all by their subject."""
     checks: Sequence[Check] = report["checks"]
     failed = [check for check in checks if not check["passed"]]
-    parts = [
-        element("p", basis),
-        *([element("h3", "Failed"), _tabulate(failed, "failed checks")] if failed else []),
-    ]
+    parts = [element("p", basis)]
+    if failed:
+        parts += [element("h3", "Failed"), _tabulate(failed, "failed checks")]
     warned = _find_warnings(checks)
     if warned:
         parts += [element("h3", "Warnings"), _tabulate(warned, "checks that warn")]
@@ -191,29 +190,22 @@ def _find_closest(checks: Sequence[Check]) -> list[Check]:
 
 
 def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
-    rows = [
-        (
-            element("span", code(check["name"]), class_="code"),
-            quantity(check["value"], check["unit"]),
-            quantity(check["limit"], check["unit"], check["relation"]),
-            _say(check),
-            link_parameters(list_causes(check["name"])),
-        )
-        for check in checks
-    ]
+    rows = []
+    for check in checks:
+        said = element("span", "✓", class_="passed", title="passed")
+        if not check["passed"]:
+            said = element("span", "✗ FAILED", class_="failed")
+        elif check.get("warning"):
+            said = element("span", "⚠ warns", class_="warned")
+        name = element("span", code(check["name"]), class_="code")
+        value = quantity(check["value"], check["unit"])
+        limit = quantity(check["limit"], check["unit"], check["relation"])
+        rows.append((name, value, limit, said, link_parameters(list_causes(check["name"]))))
     return table(("check", "value", "must be", "passed", "set by"), rows, caption, "broad")
 
 
 def _find_warnings(checks: Sequence[Check]) -> list[Check]:
     return [check for check in checks if check["passed"] and check.get("warning")]
-
-
-def _say(check: Check) -> Markup:
-    if not check["passed"]:
-        return element("span", "✗ FAILED", class_="failed")
-    if check.get("warning"):
-        return element("span", "⚠ warns", class_="warned")
-    return element("span", "✓", class_="passed", title="passed")
 
 
 def link_parameters(paths: Iterable[str]) -> Markup:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from fingertip.foundation.version import __version__
 from fingertip.page.board_section import render_board
 from fingertip.page.casting_section import render_basis, render_casting, render_drawing
@@ -27,10 +24,11 @@ _SECTIONS = (
 def render_page(sources: Sources) -> bytes:
     """Render the page of a design. The same files give the same bytes."""
     name, items = sources.design.name, list_items(sources.design, sources.files)
+    links = (element("li", element("a", label, href=f"#{section}")) for section, label in _SECTIONS)
     body = (
         element("a", "Skip to the content", href="#content", class_="skip"),
         _render_header(sources),
-        _render_navigation(),
+        element("nav", element("ul", *links), aria_label="sections"),
         element("main", *_render_sections(sources, items), id="content"),
         _render_footer(),
         element("script", scene_json(items), type="application/json", id="scene"),
@@ -45,20 +43,16 @@ def _render_sections(sources: Sources, items: tuple[Item, ...]) -> list[Markup]:
     checks = element("div", element("h2", "Checks", id="checks"), render_checks(sources.report), class_="checks")
     parameters = element("div", element("h2", "Parameters", id="parameters"), render_parameters(design))
     beside = element("section", element("div", model, element("div", checks, parameters), class_="beside"))
-    rest = (
+    parts = [beside]
+    for name, title, content in (
         ("casting", "Casting guide", render_casting(sources)),
         ("drawing", "Dimensioned drawing", render_drawing(sources)),
         ("board", "Board", render_board(sources)),
         ("trial", "Trial and detection", render_trial(sources)),
         ("basis", "What is simulated and what is measured", render_basis(design)),
-    )
-    return [
-        beside,
-        *(
-            element("section", element("h2", title, id=name), content, aria_labelledby=name)
-            for name, title, content in rest
-        ),
-    ]
+    ):
+        parts.append(element("section", element("h2", title, id=name), content, aria_labelledby=name))
+    return parts
 
 
 def _render_header(sources: Sources) -> Markup:
@@ -75,7 +69,11 @@ def _render_header(sources: Sources) -> Markup:
         ),
     ]
     if strength:
-        facts.append(("bone's safety factor at the grip force", _describe_strength(report, strength)))
+        # In the design's material, and as the filament plate prints it.
+        said = f"{strength['grip_safety_factor']:.1f} in {strength['material'].replace('_', ' ')}"
+        of_filament = [check["value"] for check in report["checks"] if check["name"] == "bone.safety_factor.grip_fdm"]
+        said += f"; {of_filament[0]:.1f} from plate_fdm" if of_filament else ""
+        facts.append(("bone's safety factor at the grip force", said))
     terms = (element("div", element("dt", term), element("dd", value)) for term, value in facts)
     return element(
         "header",
@@ -84,18 +82,6 @@ def _render_header(sources: Sources) -> Markup:
         render_verdict(report),
         element("dl", *terms, class_="facts"),
     )  # fmt: skip
-
-
-def _describe_strength(report: Mapping[str, Any], strength: Mapping[str, Any]) -> str:
-    """Describe the safety factor at the grip force, in the design's material and as the filament plate prints it."""
-    said = f"{strength['grip_safety_factor']:.1f} in {strength['material'].replace('_', ' ')}"
-    of_filament = [check["value"] for check in report["checks"] if check["name"] == "bone.safety_factor.grip_fdm"]
-    return f"{said}; {of_filament[0]:.1f} from plate_fdm" if of_filament else said
-
-
-def _render_navigation() -> Markup:
-    links = (element("li", element("a", label, href=f"#{name}")) for name, label in _SECTIONS)
-    return element("nav", element("ul", *links), aria_label="sections")
 
 
 def _render_footer() -> Markup:

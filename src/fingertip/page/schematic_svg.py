@@ -19,7 +19,6 @@ Place = Callable[[float, float], Point]
 
 
 def is_hidden(node: Node) -> bool:
-    """Return whether a text is hidden."""
     return any(place.word("hide") == "yes" for place in (node, first(node, "effects")))
 
 
@@ -66,7 +65,6 @@ class _Ink:
 
 
 def render_schematic(sheet: Node, title: str) -> Markup:
-    """Render the schematic of a `.kicad_sch` file."""
     ink = _Ink()
     library = {symbol.words[1]: symbol for symbol in first(sheet, "lib_symbols").children("symbol")}
     for wire in sheet.children("wire"):

@@ -20,7 +20,6 @@ from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.foundation.output_set.swap import hash_content
 
-"""Folder of the board within the output folder of a design."""
 _MAKE = "fingertip make DESIGN"
 COMMANDS = {
     STEPS_FOLDER: "fingertip build design.toml --out . --pictures",
@@ -41,7 +40,6 @@ class Sources:
 
     design: Design
     report: Mapping[str, Any]
-    """Content of report.json."""
     files: Mapping[str, bytes]
     """Path, such as "bone.stl" or "board/bom.csv" -> content."""
     remarks: Mapping[str, str]
@@ -64,14 +62,11 @@ def read_sources(design: Design, folder: Path) -> Sources:
         raise OutputError(Issue(str(folder), message))
     files = dict(_read_set(folder, manifest))
     required = (*(f"{part}.stl" for part in parts_by_name(design)), REPORT, SHEET)
-    if issues := [
-        *(Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files),
-        *(
-            Issue(str(folder / name), f"was changed after it was written; {_MAKE} makes it again.")
-            for name in required
-            if name in files and hash_content(files[name]) != manifest.files[name]
-        ),
-    ]:
+    changed = [name for name in required if name in files and hash_content(files[name]) != manifest.files[name]]
+    issues = [Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files]
+    message = f"was changed after it was written; {_MAKE} makes it again."
+    issues += [Issue(str(folder / name), message) for name in changed]
+    if issues:
         raise OutputError(issues)
     remarks = {}
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):

@@ -16,8 +16,6 @@ _CHARACTER = 6.4
 
 @dataclass(frozen=True)
 class Axis:
-    """Range of one axis."""
-
     low: float
     high: float
     label: str
@@ -58,7 +56,6 @@ class Frame:
         return self.left + across * self.width, self.top + (1.0 - up) * self.height
 
     def axes(self, *, label_x: bool = True, wanted_y: int = 5) -> Markup:
-        """Draw grid, ticks and labels."""
         right, bottom = self.left + self.width, self.top + self.height
         parts = []
         for value in self.x.ticks(8):
@@ -76,7 +73,6 @@ class Frame:
         return join(parts)
 
     def line(self, points: Points, colour: str, width: float = 1.5, dashes: str = "") -> Markup:
-        """Draw a line through points."""
         placed = [self.point(x, y) for x, y in points]
         return element(
             "path", d=path(placed), fill="none", stroke=colour, stroke_width=width, stroke_dasharray=dashes or None,
@@ -106,7 +102,6 @@ def figure_svg(width: float, height: float, title: str, *parts: str) -> Markup:
 
 
 def text(x: float, y: float, content: str, anchor: str = "start", weight: str = "") -> Markup:
-    """Place a text."""
     return element(
         "text", content, x=number(x), y=number(y), text_anchor=None if anchor == "start" else anchor,
         font_weight=weight or None,
@@ -114,7 +109,6 @@ def text(x: float, y: float, content: str, anchor: str = "start", weight: str = 
 
 
 def line(start: tuple[float, float], end: tuple[float, float], colour: str, width: float, dashes: str = "") -> Markup:
-    """Draw a straight line."""
     (x0, y0), (x1, y1) = start, end
     return element(
         "line", x1=number(x0), y1=number(y0), x2=number(x1), y2=number(y1), stroke=colour, stroke_width=width,
@@ -138,7 +132,6 @@ def legend(x: float, y: float, entries: Iterable[tuple[str, str, str]]) -> Marku
 
 
 def path(points: Iterable[tuple[float, float]], places: int = 1) -> str:
-    """Write points as the data of a path."""
     return "M" + "L".join(f"{number(x, places)} {number(y, places)}" for x, y in points)
 
 

@@ -29,13 +29,6 @@ _COLUMNS = 640
 """Columns to which longer lines are reduced: each keeps its lowest and highest sample."""
 
 
-def draw_trial(trace: Trace, detection: Detection) -> Markup:
-    """Draw voltage, statistic and intervals of a whole trial, as a figure with a caption."""
-    begin, end = float(trace.time_s[0]), float(trace.time_s[-1])
-    svg = _draw(trace, detection, begin, end, "Simulated trial: tactile voltage, detector and slip over time")
-    return figure(svg, _describe(detection), "whole trial", "wide")
-
-
 def draw_onset(trace: Trace, detection: Detection) -> Markup | None:
     """Draw the onset of the first slip that was detected, as a figure; None if there is none."""
     score = detection.score
@@ -174,5 +167,9 @@ def render_trial(sources: Sources) -> Markup:
         found = detect_file(path, sources.design, detector, origin=parse_origin(detection))
     onset = draw_onset(found.trace, found.detection)
     parts = [element("h3", "The onset of the slip"), onset] if onset else []
-    whole = draw_trial(found.trace, found.detection)
+    begin, end = float(found.trace.time_s[0]), float(found.trace.time_s[-1])
+    title = "Simulated trial: tactile voltage, detector and slip over time"
+    whole = figure(
+        _draw(found.trace, found.detection, begin, end, title), _describe(found.detection), "whole trial", "wide"
+    )
     return join((*parts, element("h3", "The whole trial"), whole, *(note(warning) for warning in found.warnings)))

@@ -18,12 +18,10 @@ from fingertip.pictures.raster import Camera, Canvas, Pen, to_png
 _WIDTH_PX = 1600
 _FONT_PX = 21
 _BALLOON_PX = 15
-"""Radius of the circle around a number."""
 _ARROW_PX = 9
 _SIDE_MM, _ABOVE_MM, _BELOW_MM = 10.0, 9.0, 8.0
 """Room on both sides of the pieces, above and below them [mm]."""
 _APART_MM = 14.0
-"""Distance between both pieces [mm]."""
 _OUTSIDE_MM = 3.5
 """Distance from the frame of the lines that measure the whole of it [mm]."""
 _LABEL_MM = 4.5
@@ -51,7 +49,6 @@ class _Plan:
     """Scale of the files."""
 
     def at(self, point: Point, piece: str) -> Point:
-        """Place a point of a piece on the picture [pixels]."""
         dx, dy = self.shifts[piece]
         x, y = self.growth * point[0] + dx, self.growth * point[1] + dy
         return (x - self.left) * self.scale, (self.top - y) * self.scale
@@ -85,8 +82,16 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
         _draw_length(pen, font, plan, number, length)
     for number, height in enumerate(list_heights(design), 1):
         text = f"Z{number}: {height.height_mm * plan.growth:.2f}"
-        _draw_height(pen, font, plan.at(height.at, height.piece), text, scale)
-    _draw_axes(pen, font, height_px)
+        x, y = plan.at(height.at, height.piece)
+        pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
+        x0, y0, x1, y1 = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
+        pen.rectangle([x0 - 3, y0 - 3, x1 + 3, y1 + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
+        pen.text((x + 10, y), text, fill=_HEIGHT_COLOUR, font=font, anchor="lm")
+    x, y, reach = 30.0, height_px - 30.0, 60.0
+    for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):
+        pen.line([(x, y), end], fill=(40, 40, 40), width=3)
+        pen.polygon(list(_arrow(end, (x, y))), fill=(40, 40, 40))
+        pen.text((end[0] + 10, end[1] - 4), label, fill=(40, 40, 40), font=font, anchor="lm")
     return to_png(picture)
 
 
@@ -126,20 +131,3 @@ def _draw_number(pen: Pen, font: Any, at: Point, number: int) -> None:
     r = _BALLOON_PX
     pen.ellipse([x - r, y - r, x + r, y + r], fill=(255, 255, 255), outline=_LENGTH_COLOUR, width=2)
     pen.text((x, y), str(number), fill=_LENGTH_COLOUR, font=font, anchor="mm")
-
-
-def _draw_height(pen: Pen, font: Any, at: Point, text: str, scale: float) -> None:
-    """Draw a dot on the top of a feature, and its height beside it."""
-    x, y = at
-    pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
-    left, top, right, bottom = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
-    pen.rectangle([left - 3, top - 3, right + 3, bottom + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
-    pen.text((x + 10, y), text, fill=_HEIGHT_COLOUR, font=font, anchor="lm")
-
-
-def _draw_axes(pen: Pen, font: Any, height_px: int) -> None:
-    x, y, reach = 30.0, height_px - 30.0, 60.0
-    for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):
-        pen.line([(x, y), end], fill=(40, 40, 40), width=3)
-        pen.polygon(list(_arrow(end, (x, y))), fill=(40, 40, 40))
-        pen.text((end[0] + 10, end[1] - 4), label, fill=(40, 40, 40), font=font, anchor="lm")

@@ -17,7 +17,7 @@ from fingertip.filling.gate import build_grid, gate_opening
 from fingertip.filling.mold_filling import predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
 from fingertip.filling.surface_links import Layer, SkinGrid
-from fingertip.filling.vents import place_vents
+from fingertip.filling.vents import list_openings, place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.plot_style import RED, REFERENCE, TEAL, TEXT_COLOUR, YELLOW, new_figure, to_png
 
@@ -33,8 +33,6 @@ _LINE_MM = 1.7
 
 @dataclass(frozen=True)
 class _Symbol:
-    """Marker of one kind of point, and its entry in the legend."""
-
     marker: str
     colour: str
     size: float
@@ -49,31 +47,25 @@ _AIR = _Symbol("X", RED, 130, "air pocket: a bubble stays here")
 
 @dataclass(frozen=True)
 class _Mark:
-    """Point with its symbol and its text."""
-
     point_mm: Point3
     symbol: _Symbol
     text: str
 
 
 def draw_mold_filling(design: Design) -> bytes:
-    """Draw the filling of a design's mold as a PNG. Raises MissingLibraryError."""
     silicone, prediction = design.silicone.material, predict_mold_filling(design)
-    how = (
-        f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
-        if design.mold_layout.inlet
-        else "gravity"
-    )
+    how = "gravity"
+    if inlet := design.mold_layout.inlet:
+        how = f"{design.mold.thumb_force_n:g} N on a syringe of {inlet.syringe.volume_ml:g} ml"
     filled = f"{prediction.viscosity_pa_s:g} Pa s, {how}: full after {prediction.fill_s:.0f} s"
     title = f"{design.name}: {silicone.label}, {filled}"
-    vents = [Opening(vent.point_mm, vent.diameter_mm) for vent in place_vents(design)]
+    vents = list_openings(place_vents(design))
     return draw_filling(build_grid(design), prediction, gate_opening(design), vents, title)
 
 
 def draw_filling(
     grid: SkinGrid, prediction: FillingPrediction, gate: Opening, vents: Sequence[Opening], title: str
 ) -> bytes:
-    """Draw a filling as a PNG. Raises MissingLibraryError."""
     figure = new_figure(14.0, 7.4)
     levels = _choose_levels(prediction.fill_s)
     views = (_unroll(grid.layer), _look(grid.layer, 1), _look(grid.layer, -1))
@@ -118,11 +110,9 @@ def _choose_levels(fill_s: float) -> Array:
 
 def _summarise(prediction: FillingPrediction) -> str:
     pockets = prediction.air_pockets
-    air = (
-        f"{len(pockets)} air pocket{'s' if len(pockets) > 1 else ''}, the largest {pockets[0].volume_mm3:.0f} mm³"
-        if pockets
-        else "no air pocket"
-    )
+    air = "no air pocket"
+    if pockets:
+        air = f"{len(pockets)} air pocket{'s' if len(pockets) > 1 else ''}, the largest {pockets[0].volume_mm3:.0f} mm³"
     return (
         f"{prediction.volume_mm3 / 1000:.2f} cm³ in {prediction.fill_s:.1f} s at {prediction.pressure_pa / 1000:.0f} "
         f"kPa and {prediction.viscosity_pa_s:g} Pa s; {air}"
@@ -154,13 +144,10 @@ class _View:
     y: Array
     columns: Any
     ends: tuple[str, str]
-    """Names of the left and the right end."""
     edge: str
-    """Name of the lower edge."""
 
 
 def _grid_values(layer: Layer, values: Array) -> Array:
-    """Arrange node values by row and column, the pole as a last row."""
     rows, columns = layer.network.shape
     return np.concatenate((values[:-1].reshape(rows, columns), np.full((1, columns), values[-1])))
 

@@ -16,6 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.verification.assembly import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
@@ -34,14 +35,14 @@ _GAP_MM = 12.0
 def place_on_hand(
     design: Design, joint: Joint, evaluator: MeshEvaluator, parts: Mapping[str, Solid]
 ) -> list[tuple[str, Mesh]]:
-    """Place the given parts on the hand, straight and bent to the end of the travel, without their half at x < 0.
-
-    Both stand side by side along the finger.
-    """
+    """Place parts on the hand without their half at x < 0, straight and bent to the end of travel side by side."""
     placed: list[tuple[str, Mesh]] = []
     shift = 0.0
     for angle_deg in (0.0, design.hand.travel_deg) if design.hand.travel_deg else (0.0,):
-        turned = {name: _turn(evaluator, solid, joint, angle_deg) for name, solid in parts.items()}
+        turned = {}
+        for name, solid in parts.items():
+            cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
+            turned[name] = to_canonical_mesh(turn_about_pin(cut, joint, angle_deg))
         hand = evaluator.manifold(knuckle(design, joint)).trim_by_plane((1.0, 0.0, 0.0), 0.0)
         hand = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z - 3 * joint.radius)
         hand = hand.trim_by_plane((0.0, -1.0, 0.0), -design.dimensions.collar.section.dorsal)
@@ -54,13 +55,6 @@ def place_on_hand(
     return placed
 
 
-def _turn(evaluator: MeshEvaluator, solid: Solid, joint: Joint, angle_deg: float) -> Mesh:
-    """Cut a solid open, and bend it about the pin by an angle towards the palmar side."""
-    cut = evaluator.manifold(solid).trim_by_plane((1.0, 0.0, 0.0), 0.0)
-    at_origin = cut.translate((0.0, -joint.axis_y, -joint.axis_z))
-    return to_canonical_mesh(at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z)))
-
-
 _TOLERANCE_MM = 0.02
 _MARGIN_PX, _CAPTION_PX, _FONT_PX, _CLEAR_PX = 36, 24, 17, 5
 _INK, _MARK_INK = (40, 40, 40), (150, 30, 20)
@@ -70,7 +64,6 @@ _COLOURS: Mapping[str, Colour] = {
     "sensor": SENSOR_COLOUR,
     HAND: (0.80, 0.80, 0.78),
 }
-"""Colours of the parts and of what lies with them."""
 _MARK_REACH_MM = 1.0
 """Distance along the finger within which the surface above a weak section is looked for."""
 
@@ -81,8 +74,6 @@ Mark = tuple[str, Point3]
 
 @dataclass(frozen=True)
 class PlacedMesh:
-    """Mesh at the position where it is drawn."""
-
     label: str
     mesh: Mesh
     colour: Colour
@@ -111,9 +102,12 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     if design.dimensions.joint:
         title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
         progress(f"drawing: {title}")
-        panels.append(
-            _draw_panel(title, _place_joint(design, evaluator), Camera.from_angles(0, 0), width_px, labels=(HAND,))
-        )
+        names = ("bone", "lid", "skin")
+        solids = {name: part.solid(design) for name, part in parts_by_name(design).items() if name in names}
+        solids["sensor"] = sensor_body(design)
+        placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
+        meshes = [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
+        panels.append(_draw_panel(title, meshes, Camera.from_angles(0, 0), width_px, labels=(HAND,)))
     return to_png(Image.fromarray(np.concatenate(panels)))
 
 
@@ -122,34 +116,16 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     found = assess_strength(design, evaluator)
     weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
     (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
-    y = _height_of(design, weakest.place)
-    if y is None:
+    joint, anchor = design.dimensions.joint, design.dimensions.anchor
+    if anchor and "anchor" in weakest.place:
+        y = anchor.y
+    elif joint and weakest.place != "cross-section":
+        y = joint.axis_y
+    else:
         beside = np.abs(vertices[:, 2] - weakest.z_mm) < _MARK_REACH_MM
         y = float(vertices[beside, 1].max(initial=0.0))
-    lines = (
-        f"weakest: {weakest.place},",
-        f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}",
-        "at the grip force",
-    )
-    return "\n".join(lines), (dx, y + dy, weakest.z_mm + dz)
-
-
-def _height_of(design: Design, place: str) -> float | None:
-    """Find the height y of a named place of a clevis [mm]; None for a cross-section, which has no single one."""
-    joint, anchor = design.dimensions.joint, design.dimensions.anchor
-    if anchor and "anchor" in place:
-        return anchor.y
-    return joint.axis_y if joint and place != "cross-section" else None
-
-
-def _place_joint(design: Design, evaluator: MeshEvaluator) -> list[PlacedMesh]:
-    assert design.dimensions.joint
-    solids = {
-        name: part.solid(design) for name, part in parts_by_name(design).items() if name in ("bone", "lid", "skin")
-    }
-    solids["sensor"] = sensor_body(design)
-    placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
-    return [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
+    factor = f"z = {weakest.z_mm:.0f} mm, safety factor {found.grip_safety_factor:.1f}"
+    return f"weakest: {weakest.place},\n{factor}\nat the grip force", (dx, y + dy, weakest.z_mm + dz)
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:

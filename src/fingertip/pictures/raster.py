@@ -179,7 +179,6 @@ def bounds(meshes: Iterable[Mesh], camera: Camera) -> tuple[Array, Array]:
 
 
 def to_png(picture: Image.Image) -> bytes:
-    """Write a picture as PNG."""
     file = io.BytesIO()
     picture.save(file, format="PNG", optimize=True)
     return file.getvalue()

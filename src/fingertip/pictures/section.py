@@ -19,10 +19,10 @@ from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.mold import luer_cone, runners
+from fingertip.cad.shapes.mold import block, luer_cone, runners
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Solid, intersection, union
+from fingertip.design.geometry.solids import Solid, intersection, union
 from fingertip.design.interfaces import interface_of
 from fingertip.filling.vents import place_vents
 from fingertip.foundation.numerics import Array
@@ -56,8 +56,6 @@ class Feature:
 
 @dataclass(frozen=True)
 class Section:
-    """Contents of one section."""
-
     title: str
     parts: Mapping[str, Solid]
     dashed: Sequence[tuple[Solid, float]]
@@ -124,7 +122,9 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
         return _FINE * (left + (z - low[0]) * scale), _FINE * (top + (high[1] - y) * scale)
 
     for name, rings in cuts.items():
-        _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], _colour_of(name))
+        base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
+        red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
+        _fill(picture, [[to_pixel(corner) for corner in ring] for ring in rings], (red, green, blue))
     for rings in dashed:
         for ring in rings:
             _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
@@ -187,9 +187,7 @@ def _list_ways(design: Design) -> list[tuple[Solid, float]]:
     for vent, solid in zip(vents, fixed[len(ways) :], strict=True):
         shown.append((solid, vent.point_mm[0]))
     # Some reach past the block, so that they cut its faces.
-    low, high = -layout.palmar_height, layout.dorsal_height
-    block = Box((-layout.half_width, low, layout.proximal_z), (layout.half_width, high, layout.distal_z))
-    return [(intersection(solid, block), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
+    return [(intersection(solid, block(design)), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
 
 
 def _list_mold_features(design: Design) -> Iterable[Feature]:
@@ -254,18 +252,12 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
 class _PlacedName:
     feature: Feature
     x: float
-    """Middle of the name [pixels]."""
     row: int
     """Row counted from the parts."""
 
 
 def _place_names(
-    features: Sequence[Feature],
-    font: Font,
-    low_z: float,
-    scale: float,
-    width_px: int,
-    length_px: float,
+    features: Sequence[Feature], font: Font, low_z: float, scale: float, width_px: int, length_px: float
 ) -> list[_PlacedName]:
     """Place names in as few rows as their widths allow, each as near as possible to what it names."""
     left = (width_px - length_px) / 2
@@ -282,10 +274,7 @@ def _place_names(
 
 
 def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> list[float]:
-    """Shift intervals until none overlaps the next and all lie within `total`; returns their middles.
-
-    Neighbours that would overlap form a block, which stands where its members' mean wish is.
-    """
+    """Shift intervals until none overlaps, in blocks at their mean wish within `total`; returns their middles."""
     blocks: list[tuple[float, float, list[int]]] = []  # middle, width, members
     for i, (width, wish) in enumerate(zip(widths, wanted, strict=True)):
         middle, size, members = wish, width, [i]
@@ -321,12 +310,6 @@ def _draw_name(pen: Pen, font: Font, placed: _PlacedName, target: Point, line_y:
     left, top, right, bottom = pen.textbbox((x, base), placed.feature.name, font=font, anchor="ms")
     pen.rectangle([left - 4 * _FINE, top - _FINE, right + 4 * _FINE, bottom + _FINE], fill="white")
     pen.text((x, base), placed.feature.name, fill=_NAME_INK, font=font, anchor="ms")
-
-
-def _colour_of(name: str) -> tuple[int, int, int]:
-    base = PARTS[name].colour if name in PARTS else SENSOR_COLOUR
-    red, green, blue = (round(255 * _CUT_SHADE * part) for part in base)
-    return red, green, blue
 
 
 def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int, int]) -> None:

@@ -62,10 +62,7 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
 
 
 def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:
-    """Return the summary as lines of text. The parameters are those of `as_data`.
-
-    Slips that are no further apart than `STICK_S` are one line, as `fingertip detect` counts them.
-    """
+    """Return the summary as lines of text; slips within `STICK_S` are one line, as in `fingertip detect`."""
     size = f"seed {result.seed}: {result.samples} samples, {result.duration_s:.2f} s"
     slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(result.slips, STICK_S)]
     if isinstance(result, SceneRecord):
@@ -116,7 +113,9 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
         if name == "slip":
             _draw_slip_bars(axes, result.time_s, rows, fingers)
         else:
-            _shade_slip(axes, result)
+            slip = result.columns.get("slip")
+            for part in () if slip is None else intervals(result.time_s, slip.astype(np.bool_)):
+                axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
             for i, row in enumerate(rows):
                 axes.plot(
                     result.time_s, output.factor * row, color=SERIES[i % len(SERIES)], linewidth=0.8, zorder=3 - 0.1 * i
@@ -144,25 +143,11 @@ def _draw_slip_bars(axes: Axes, time_s: AnyArray, rows: AnyArray, fingers: tuple
         axes.set_ylabel("true slip")
 
 
-def _shade_slip(axes: Axes, result: SceneResult | ManipulationResult) -> None:
-    slip = result.columns.get("slip")
-    if slip is not None:
-        for part in intervals(result.time_s, slip.astype(np.bool_)):
-            axes.axvspan(part.onset_s, part.end_s, color=TRUTH, alpha=0.25, linewidth=0)
-
-
 def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:
     for axes, name in zip(panels, names, strict=True):
         if name not in ("slip", "object_m", "pin_n"):
-            axes.legend(
-                axes.get_lines(),
-                fingers,
-                loc="upper left",
-                framealpha=1.0,
-                edgecolor="none",
-                ncols=len(fingers),
-                fontsize=9,
-            )
+            frame: dict[str, Any] = {"loc": "upper left", "framealpha": 1.0, "edgecolor": "none"}
+            axes.legend(axes.get_lines(), fingers, ncols=len(fingers), fontsize=9, **frame)
             low, high = axes.get_ylim()
             axes.set_ylim(low, high + 0.2 * (high - low))
             return
@@ -186,10 +171,8 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
 # Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk.
 
 SUFFIXES = (".csv", ".npz")
-"""Suffixes of the files that are written."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
-"""Decimals of a column by the end of its name: 1 uV, 1 uN, 1 nm, 0.1 um/s. The same numbers then give the same
-bytes."""
+"""Decimals of a column by the end of its name, so that equal numbers give equal bytes."""
 
 
 def write_trace(design: Design, path: Path, trace: Path, force: bool = False) -> tuple[str, ...]:
@@ -206,11 +189,10 @@ class CsvTraceWriter:
         file.write((",".join(["time_s", *names]) + "\n").encode("ascii"))
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
-        """Add the next samples of all columns."""
         cells = [[f"{t:.7f}" for t in time_s.tolist()]]
-        cells += [
-            [_format_cell(name, value) for value in round_column(name, v).tolist()] for name, v in columns.items()
-        ]
+        for name, values in columns.items():
+            form = "d" if values.dtype == np.bool_ else f".{_decimals(name)}f"
+            cells.append([f"{value:{form}}" for value in round_column(name, values).tolist()])
         lines = [*map(",".join, zip(*cells, strict=True)), ""]
         self._file.write("\n".join(lines).encode("ascii"))
 
@@ -228,7 +210,6 @@ class NpzTraceWriter:
         self._count = 0
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
-        """Add the next samples of all columns."""
         self._count += len(time_s)
         rounded = {"time_s": np.round(time_s, 7)} | {name: round_column(name, v) for name, v in columns.items()}
         for name, values in rounded.items():
@@ -236,7 +217,6 @@ class NpzTraceWriter:
             self._spools[name].write(values.tobytes())
 
     def close(self) -> None:
-        """Complete the file."""
         with zipfile.ZipFile(self._file, "w") as archive:
             for name, spool in self._spools.items():
                 # A date of its own would give other bytes every day.
@@ -260,10 +240,14 @@ def open_trace(file: BinaryIO, path: Path, names: Sequence[str]) -> CsvTraceWrit
 def encode_trace(time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]], path: Path) -> bytes:
     """Encode columns as CSV or NPZ, by the path's ending; equal numbers give equal bytes. Raises TraceError."""
     out = io.BytesIO()
-    writer = open_trace(out, path, [*columns])
+    write_columns(out, path, time_s, columns)
+    return out.getvalue()
+
+
+def write_columns(file: BinaryIO, path: Path, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
+    writer = open_trace(file, path, [*columns])
     writer.write(time_s, columns)
     writer.close()
-    return out.getvalue()
 
 
 def _decimals(name: str) -> int:
@@ -273,7 +257,3 @@ def _decimals(name: str) -> int:
 def round_column(name: str, values: NDArray[Any]) -> NDArray[Any]:
     """Round a column to the decimals that are written; negative zero becomes zero."""
     return values if values.dtype == np.bool_ else np.round(values, _decimals(name)) + 0.0
-
-
-def _format_cell(name: str, value: float | bool) -> str:
-    return ("1" if value else "0") if isinstance(value, bool) else f"{value:.{_decimals(name)}f}"

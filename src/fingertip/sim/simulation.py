@@ -23,12 +23,13 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.report import open_trace
+from fingertip.sim.report import open_trace, write_columns
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.runs.timeline import SLIDE_M
+from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.parameters import find_converter_warnings
 from fingertip.slip.traces.trace import Trace
 
@@ -66,19 +67,15 @@ class Simulation:
         """Run the simulation and write its trace to an open file, a scene chunk by chunk. Raises TraceError."""
         if isinstance(self.scene, ManipulationFile):
             result = run_manipulation(self.design, self.scene, None, self.seed, progress)
-            writer = open_trace(file, path, result.column_names)
-            writer.write(result.time_s, result.columns)
-            writer.close()
+            write_columns(file, path, result.time_s, result.columns)
             return result
         scene = self.scene
         writer = open_trace(file, path, scene.outputs)
-        record = stream_scene(
-            self.design,
-            scene,
-            lambda chunk: writer.write(chunk.time_s, select_columns(chunk, scene)),
-            self.seed,
-            progress,
-        )
+
+        def take(chunk: FingerSignals) -> None:
+            writer.write(chunk.time_s, select_columns(chunk, scene))
+
+        record = stream_scene(self.design, scene, take, self.seed, progress)
         writer.close()
         return record
 
@@ -155,10 +152,8 @@ FORCE_RANGE_N = (0.2, 2.0)
 MAX_FORCE_N = 4.0
 """Maximum holding force [N]. At a larger one the hand travels so far that the lift of 5 cm does not end the contact."""
 SPEED_RANGE_M_S = (0.005, 0.2)
-"""Range of the sliding speed [m/s]. A slower slide takes minutes to compute; a faster one is not reached within 4
-cm."""
+"""Range of the sliding speed [m/s]: slower takes minutes to compute, faster is not reached within 4 cm."""
 SPEEDS_M_S = (0.04, 0.06, 0.08)
-"""Sliding speeds of the article [m/s]."""
 REPEATS_PER_TRIAL = 5
 GRASPED_SURFACES = ("smooth", "plastic")
 """Surfaces of the article's two grasped objects. Assumption: both were quite smooth, of unknown roughness."""
@@ -168,8 +163,7 @@ MANIPULATED_OBJECTS = {
     "small_parallelepiped": (0.06, "wood", "pinch"),
     "cylinder": (0.02, "wood", "pinch"),
 }
-"""Mass [kg], surface and grasp of the article's four objects. The bottle is assumed to have the surface of the
-smartphone cover."""
+"""Mass [kg], surface and grasp of the article's objects; the bottle's surface is the smartphone's (assumed)."""
 REPEATS_PER_MANIPULATION = 3
 
 
@@ -244,17 +238,15 @@ def simulate(design: Design, trial: Trial | None = None) -> Trace:
 def article_trials() -> Iterator[tuple[SceneFile, int]]:
     """Yield scene and own seed of the 120 trials: 6 surfaces and 2 grasped objects, 3 speeds, 5 repeats."""
     seed = 0
-    for configuration, surfaces in (("sliding_finger", tuple(SURFACES)), ("sliding_surface", GRASPED_SURFACES)):
+    grasp = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 3.5, "release": False}
+    for configuration, surfaces, hold in (
+        ("sliding_finger", tuple(SURFACES), dict[str, Any]()),
+        ("sliding_surface", GRASPED_SURFACES, grasp),
+    ):
         for surface in surfaces:
             for speed in SPEEDS_M_S:
-                scene = SceneFile(
-                    scene=configuration,
-                    contact={"surface": surface},
-                    hold={"mode": "grasp", "min_force_n": 0.5, "max_force_n": 3.5, "release": False}
-                    if configuration == "sliding_surface"
-                    else {},
-                    slide={"distance_m": 0.04, "speed_m_s": speed},
-                )
+                slide = {"distance_m": 0.04, "speed_m_s": speed}
+                scene = SceneFile(scene=configuration, contact={"surface": surface}, hold=hold, slide=slide)
                 for _ in range(REPEATS_PER_TRIAL):
                     yield scene, seed
                     seed += 1

@@ -39,13 +39,10 @@ class UsedThreshold:
     last_v: float
     """Threshold at the end [V]."""
     lowest_v: float
-    """Lowest threshold of the whole trace [V]."""
     highest_v: float
-    """Highest threshold of the whole trace [V]."""
 
     @classmethod
     def of(cls, detector: str, output: DetectorOutput) -> UsedThreshold:
-        """Find the threshold in the output of a detector."""
         used, on = output.threshold_v, np.flatnonzero(output.on)
         first_v = float(used[on[0]]) if len(on) else None
         quantity = find_detector_type(detector).quantity
@@ -55,10 +52,8 @@ class UsedThreshold:
         """Describe it for people, such as ``threshold 0.186 to 0.374 mV, 0.186 at the first ON``."""
         if self.highest_v - self.lowest_v <= 1e-9 * self.highest_v:  # it does not follow the noise
             return f"threshold {1000 * self.highest_v:.3g} mV"
-        span = f"{1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} mV"
-        return f"threshold {span}" + (
-            "" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON"
-        )
+        first = "" if self.first_on_v is None else f", {1000 * self.first_on_v:.3g} at the first ON"
+        return f"threshold {1000 * self.lowest_v:.3g} to {1000 * self.highest_v:.3g} mV{first}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,17 +107,12 @@ class Detection:
 
     def _repr_html_(self) -> str:
         """Table of the intervals, for Jupyter."""
-        rows = [
-            (f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", self._describe(interval))
-            for interval, confidence in zip(self.intervals, self.confidences, strict=True)
-        ]
+        rows = []
+        for interval, confidence in zip(self.intervals, self.confidences, strict=True):
+            is_false = self.score is not None and interval in self.score.false_intervals
+            said = "" if self.score is None else "false" if is_false else "true"
+            rows.append((f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", said))
         return html_table(repr(self), ("ON from [s]", "to [s]", "confidence", "slip"), rows)
-
-    def _describe(self, interval: Interval) -> str:
-        """Describe whether an interval is a true slip; empty where that is not known."""
-        if self.score is None:
-            return ""
-        return "false" if interval in self.score.false_intervals else "true"
 
     def plot(self, title: str = "") -> Picture:
         """Draw voltage, statistic with threshold, and ON/OFF over time. Raises MissingLibraryError."""
@@ -178,25 +168,19 @@ def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float
     instance = make_detector(detector, design, noise_v)
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
-    scored = None
-    if trace.slip is not None:
-        scored = score(detected, intervals(trace.time_s, trace.slip), instance.memory_s)
-    level = noise_level(design, noise_v) if isinstance(instance, SlipChain) else None
-    incipient = intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None
-    learned_v = instance.noise_v if isinstance(instance, FastDetector) else None
-    confidences = _confidences(output, trace, detected)
+    truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     return Detection(
         detector,
         find_signals(design, detector, len(inputs) > 1),
         UsedThreshold.of(detector, output),
         instance.memory_s,
-        level,
+        noise_level(design, noise_v) if isinstance(instance, SlipChain) else None,
         output,
         detected,
-        scored,
-        confidences,
-        incipient,
-        learned_v,
+        None if truth is None else score(detected, truth, instance.memory_s),
+        _confidences(output, trace, detected),
+        intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None,
+        instance.noise_v if isinstance(instance, FastDetector) else None,
         trace,
     )
 

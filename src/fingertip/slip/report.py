@@ -8,19 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.foundation.plot_style import (
-    BLUE,
-    GRID_COLOUR,
-    ORANGE,
-    RED,
-    REFERENCE,
-    TEAL,
-    TEXT_COLOUR,
-    TRUTH,
-    new_figure,
-    style_axes,
-    to_png,
-)
+from fingertip.foundation import plot_style as style
 from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.noise import NoiseLevel
@@ -42,15 +30,12 @@ if TYPE_CHECKING:
 
 
 DETECTED = "detected"
-"""Name of an interval in which the detector is ON."""
 INTERVAL = "{onset} s to {end} s"
-"""Form in which an interval is printed."""
 _TOLD_S = 0.2
 """Time of ON without slip from which it is told [s]: less is the detector's memory after a slip."""
 
 
 def format_delay(delay_s: float | None) -> str:
-    """Describe the delay with which a slip was detected."""
     if delay_s is None:
         return "missed"
     if -INCIPIENT_S <= delay_s < 0.0:
@@ -81,7 +66,6 @@ def as_text(detection: Detection) -> str:
 
 
 def describe_detector(detection: Detection) -> str:
-    """Describe the detector of a detection, the signals and the threshold that it used."""
     threshold = detection.threshold
     return f"{detection.detector}, {detection.signals.describe()}, {threshold.quantity}: {threshold.describe()}"
 
@@ -140,7 +124,7 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     """Draw voltage, statistic with threshold, and ON/OFF over one time axis; below, the first onset enlarged."""
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     onset = _find_onset(detection, slips)
-    figure = new_figure(10, 7 if onset is None else 9.6)
+    figure = style.new_figure(10, 7 if onset is None else 9.6)
     ratios = (3, 3, 1) if onset is None else (3, 3, 1, 3)
     top, middle, bottom, *large = figure.subplots(len(ratios), 1, height_ratios=ratios)
     for axes in (top, middle):
@@ -148,8 +132,8 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
         axes.tick_params(labelbottom=False)
     for axes in (top, middle, *large):
         for slip in slips or ():
-            axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.3, linewidth=0)
-        axes.grid(True, color=GRID_COLOUR, linewidth=0.7)
+            axes.axvspan(slip.onset_s, slip.end_s, color=style.TRUTH, alpha=0.3, linewidth=0)
+        axes.grid(True, color=style.GRID_COLOUR, linewidth=0.7)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
     _draw_voltage(top, trace)
     _draw_statistic(middle, trace, detection)
@@ -166,7 +150,7 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     figure.align_ylabels()
     for axes in (top, middle, bottom, *large):
         axes.spines[["top", "right"]].set_visible(False)
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 @dataclass(frozen=True)
@@ -201,35 +185,35 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: _Onset) -
     statistic, threshold = detection.output.statistic_v[inside], detection.output.threshold_v[inside]
     top = 1000 * 1.9 * max(float(np.nanmax(threshold)), 0.6 * float(np.nanmax(statistic)))
     axes.set_ylim(0.0, top)
-    for moment, style in ((onset.begin_s, "-"), (onset.detected_s, "--")):
+    for moment, line in ((onset.begin_s, "-"), (onset.detected_s, "--")):
         if moment is not None:
-            axes.axvline(moment, color=BLUE, linewidth=1.2, linestyle=style)
+            axes.axvline(moment, color=style.BLUE, linewidth=1.2, linestyle=line)
     said = "first detection, enlarged; true slip is unknown"
     if onset.begin_s is not None and onset.detected_s is not None:
         delay_ms = 1000 * (onset.detected_s - onset.begin_s)
         said = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
         axes.annotate(
             "", (onset.begin_s, 0.86 * top), (onset.detected_s, 0.86 * top),
-            arrowprops={"arrowstyle": "<->", "color": BLUE, "shrinkA": 0, "shrinkB": 0},
+            arrowprops={"arrowstyle": "<->", "color": style.BLUE, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
         axes.annotate(
             f"{delay_ms:.1f} ms", (min(onset.begin_s, onset.detected_s), 0.86 * top), xytext=(-6, 0),
-            textcoords="offset points", ha="right", va="center", fontsize=10, fontweight="bold", color=BLUE,
+            textcoords="offset points", ha="right", va="center", fontsize=10, fontweight="bold", color=style.BLUE,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )  # fmt: skip
     elif onset.begin_s is not None:
         said = "first onset, enlarged: it is not detected"
-    axes.set_title(said, loc="left", fontsize=9, color=TEXT_COLOUR)
+    axes.set_title(said, loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
 def _draw_voltage(axes: Axes, trace: Trace) -> None:
-    axes.plot(trace.time_s, trace.voltage_v, color=BLUE, linewidth=0.8)
-    axes.set_ylabel("tactile voltage [V]", color=BLUE)
+    axes.plot(trace.time_s, trace.voltage_v, color=style.BLUE, linewidth=0.8)
+    axes.set_ylabel("tactile voltage [V]", color=style.BLUE)
     if trace.force_n is None:
         return
     twin = axes.twinx()
-    twin.plot(trace.time_s, trace.force_n, color=REFERENCE, linewidth=0.8)
-    twin.set_ylabel("normal force [N]", color=TEXT_COLOUR)
+    twin.plot(trace.time_s, trace.force_n, color=style.REFERENCE, linewidth=0.8)
+    twin.set_ylabel("normal force [N]", color=style.TEXT_COLOUR)
     twin.set_ylim(0.0, max(0.1, 1.15 * float(np.max(trace.force_n))))
     twin.spines["top"].set_visible(False)
     axes.set_zorder(twin.get_zorder() + 1)
@@ -243,9 +227,9 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     elif DETECTORS[detection.detector].input_column == "envelope_v":
         envelope = trace.envelope_v
     if envelope is not None:
-        axes.plot(trace.time_s, 1000 * envelope, color=ORANGE, linewidth=0.7, label="envelope")
+        axes.plot(trace.time_s, 1000 * envelope, color=style.ORANGE, linewidth=0.7, label="envelope")
         label = f"mean over {1000 * detection.memory_s:g} ms"
-    axes.plot(trace.time_s, 1000 * output.statistic_v, color=RED, linewidth=1.4, label=label)
+    axes.plot(trace.time_s, 1000 * output.statistic_v, color=style.RED, linewidth=1.4, label=label)
     axes.plot(
         trace.time_s, 1000 * output.threshold_v, color="black", linestyle="--", linewidth=1,
         label=detection.threshold.describe(),
@@ -258,48 +242,45 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
 def shade_encoder_band(axes: Axes, motion_s: float) -> None:
     """Shade when encoders show that the robot moves; an edge keeps the band visible where it is narrow."""
     begin_s, end_s = encoder_band_s(motion_s)
-    axes.axvspan(begin_s, end_s, color=ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
+    axes.axvspan(begin_s, end_s, color=style.ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
 
 
 def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:
-    rows = [(DETECTED, detection.intervals, RED)]
+    rows = [(DETECTED, detection.intervals, style.RED)]
     if slips is not None:
-        rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), TRUTH))
+        rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), style.TRUTH))
     for row, (_, parts, color) in enumerate(rows):
         axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
     axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
     axes.set_ylim(-0.6, len(rows) - 0.4)
     axes.invert_yaxis()
     axes.tick_params(axis="y", length=0)
-    axes.grid(True, axis="x", color=GRID_COLOUR, linewidth=0.7)
+    axes.grid(True, axis="x", color=style.GRID_COLOUR, linewidth=0.7)
     axes.set_axisbelow(True)
     if detection.score is not None:
         phrases = [f"detector {detection.detector}", *(format_delay(delay) for delay in detection.score.delays_s)]
         phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
         phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
-        axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=TEXT_COLOUR)
+        axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
 def draw_trace(trace: Trace) -> bytes:
     """Draw the columns of a trace below each other, with the true slips shaded, as PNG. Raises MissingLibraryError."""
     columns = [
-        (label, values, colour)
-        for label, values, colour in (
-            ("tactile voltage [V]", trace.voltage_v, BLUE),
-            ("normal force [N]", trace.force_n, TEAL),
-            ("envelope [V]", trace.envelope_v, ORANGE),
-            ("filtered signal [V]", trace.filtered_v, RED),
-        )
-        if values is not None
+        ("tactile voltage [V]", trace.voltage_v, style.BLUE),
+        ("normal force [N]", trace.force_n, style.TEAL),
+        ("envelope [V]", trace.envelope_v, style.ORANGE),
+        ("filtered signal [V]", trace.filtered_v, style.RED),
     ]
-    figure = new_figure(10, 1.0 + 2.2 * len(columns))
+    columns = [column for column in columns if column[1] is not None]
+    figure = style.new_figure(10, 1.0 + 2.2 * len(columns))
     panels = figure.subplots(len(columns), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (label, values, colour) in zip(panels, columns, strict=True):
-        style_axes(axes, "both")
+        style.style_axes(axes, "both")
         for slip in () if trace.slip is None else intervals(trace.time_s, trace.slip):
             axes.axvspan(slip.onset_s, slip.end_s, color="0.8", linewidth=0)
         axes.plot(trace.time_s, values, color=colour, linewidth=0.8)
         axes.set_ylabel(label)
     panels[-1].set_xlabel("time [s]; shaded: true slip" if trace.slip is not None else "time [s]")
     figure.align_ylabels()
-    return to_png(figure)
+    return style.to_png(figure)

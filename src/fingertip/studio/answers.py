@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fingertip.cad.files import stl, threemf
@@ -75,7 +75,6 @@ def describe_issues(error: FingertipError) -> list[dict[str, str]]:
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
-    """Make what the 3D view shows of a design."""
     items = make_items(design, still_wanted)
     return {"scene": scene_data(items), "boxes": render_boxes(items)}
 
@@ -150,22 +149,17 @@ def _list_changed(tables: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[st
 
 
 _MISSING = object()
-
-
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date of a ZIP file: the files have none, so that the same design gives the same bytes."""
 
 
 class Download(NamedTuple):
-    """File for the browser to save."""
-
     name: str
     content_type: str
     data: bytes
 
 
 def download_design(design: Design, still_wanted: StillWanted) -> Download:
-    """Write the design as commented TOML."""
     return Download(f"{design.name}.toml", "application/toml", to_toml(design, DESIGN_HEADING).encode())
 
 
@@ -179,26 +173,8 @@ def download_parts(design: Design, still_wanted: StillWanted) -> Download:
     return Download(f"{design.name}_stl.zip", "application/zip", _pack(files))
 
 
-def download_filament_plate(design: Design, still_wanted: StillWanted) -> Download:
-    """Write the plate of a filament printer as 3MF, or a ZIP file of several plates."""
-    return _download_plates(design, FDM, still_wanted)
-
-
-def download_resin_plate(design: Design, still_wanted: StillWanted) -> Download:
-    """Write the plate of a resin printer as 3MF, or a ZIP file of several plates."""
-    return _download_plates(design, SLA, still_wanted)
-
-
-DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
-    "design": ("design.toml", download_design),
-    "stl": ("parts.zip (STL)", download_parts),
-    "plate_fdm": ("filament plate (3MF)", download_filament_plate),
-    "plate_sla": ("resin plate (3MF)", download_resin_plate),
-}
-"""Name in the address -> label of its button, and function that makes the file."""
-
-
-def _download_plates(design: Design, kind: PlateKind, still_wanted: StillWanted) -> Download:
+def download_plates(kind: PlateKind, design: Design, still_wanted: StillWanted) -> Download:
+    """Write the plate of a printer as 3MF, or a ZIP file of several plates."""
     meshes = _make_meshes(design, still_wanted)
     encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
     still_wanted()
@@ -209,6 +185,15 @@ def _download_plates(design: Design, kind: PlateKind, still_wanted: StillWanted)
         ((name, data),) = plates.items()
         return Download(f"{design.name}_{name}", "model/3mf", data)
     return Download(f"{design.name}_plates_{kind.name}.zip", "application/zip", _pack(plates))
+
+
+DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
+    "design": ("design.toml", download_design),
+    "stl": ("parts.zip (STL)", download_parts),
+    "plate_fdm": ("filament plate (3MF)", partial(download_plates, FDM)),
+    "plate_sla": ("resin plate (3MF)", partial(download_plates, SLA)),
+}
+"""Name in the address -> label of its button, and function that makes the file."""
 
 
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:

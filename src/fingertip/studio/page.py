@@ -22,7 +22,6 @@ _LOGARITHMIC_STEP = 0.002
 
 
 def render_form(groups: Iterable[Group], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
-    """Render the form with the values of a design."""
     return element(
         "form",
         element(
@@ -105,7 +104,6 @@ _ORIGIN = (
 
 
 def render_studio(design: Design, token: str) -> bytes:
-    """Render the page."""
     items = make_items(design)
     form = render_form(make_form(json_schema()), design, shapes_of_parameters(design))
     model = element(
@@ -222,10 +220,7 @@ class Group:
 
 
 def make_form(schema: Mapping[str, Any]) -> tuple[Group, ...]:
-    """Make the form of a JSON schema whose objects are nested at most once, as those of design files are.
-
-    Raises ValueError.
-    """
+    """Make the form of a JSON schema whose objects are nested at most once. Raises ValueError."""
     loose: list[Field] = []
     groups: list[Group] = []
     for name, entry in schema["properties"].items():

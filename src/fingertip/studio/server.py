@@ -147,11 +147,9 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = _TIMEOUT_S
 
     def do_GET(self) -> None:
-        """Send the page."""
         self._reply(self._show_page)
 
     def do_POST(self) -> None:
-        """Answer a request of the page."""
         self._reply(self._answer)
 
     def log_message(self, format: str, *args: Any) -> None:

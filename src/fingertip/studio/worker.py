@@ -21,11 +21,7 @@ class SupersededError(Exception):
 
 
 class NewestWinsWorker:
-    """Thread that runs jobs one at a time.
-
-    A job is dropped when a newer one of the same client comes, or when its client has gone. One that runs learns of it
-    where it asks.
-    """
+    """Thread that runs one job at a time, and drops those that a newer one of their client replaces."""
 
     def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(1, "studio worker")

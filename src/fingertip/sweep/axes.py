@@ -20,12 +20,10 @@ from fingertip.foundation.errors import Issue, SweepError, quote_value
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
 RANGE_KEYS = ("low", "high", "steps", "spacing")
-"""Keys of a range in a sweep file."""
 MAX_STEPS = 100_000
 """Maximum number of values of one axis. They are held in memory."""
 _DIGITS = 9
-"""Significant digits of a computed value. The last bits of a logarithm differ between processors; nine digits do
-not."""
+"""Significant digits of a computed value; the last bits of a logarithm differ between processors."""
 _POWERS = np.array([float(f"1e{i}") for i in range(309)])
 """Powers of ten, each the float nearest to its decimal."""
 
@@ -37,16 +35,12 @@ class Axis:
     name: str
     """Dotted name of the parameter."""
     listed: tuple[Value, ...] = ()
-    """Values as listed; empty for a range."""
     low: float = 0.0
-    """Lower end of a range."""
     high: float = 0.0
-    """Upper end of a range."""
     steps: int = 0
     """Number of values of a range on a grid; 0 for an interval that a sampler draws from."""
     spacing: Spacing = "linear"
     integer: bool = False
-    """True if the parameter is an integer."""
 
     @property
     def count(self) -> int:
@@ -69,23 +63,15 @@ class Axis:
         return value
 
     def sample(self, fractions: NDArray[np.float64]) -> NDArray[Any]:
-        """Map fractions in [0, 1) to values.
-
-        Every value of a list gets an equal part of [0, 1); an interval is interpolated.
-        """
+        """Map fractions in [0, 1) to values: equal parts for the values of a list, else interpolation."""
         if self.values:
-            indices = np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)
-            return self.select(indices)
+            return self.array[np.minimum((fractions * len(self.values)).astype(np.int64), len(self.values) - 1)]
         if self.integer and self.spacing == "linear":  # gives every integer, the ends too, the same probability
             return (self.low + np.floor(fractions * (self.high - self.low + 1.0))).astype(np.int64)
         return self._interpolate(fractions)
 
-    def select(self, indices: NDArray[np.int64]) -> NDArray[Any]:
-        """Select values by their indices in `values`."""
-        return self._array[indices]
-
     @cached_property
-    def _array(self) -> NDArray[Any]:
+    def array(self) -> NDArray[Any]:
         words = [isinstance(value, str) for value in self.values]
         return np.array(self.values, dtype=object if any(words) and not all(words) else None)
 
@@ -142,11 +128,8 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
         model, path = _load_scene_models()[0], name.removeprefix("scene.")
     if path not in list_parameter_names(model):
         if name.startswith("scene.") and path in list_parameter_names(_load_scene_models()[1]):
-            message = (
-                "is a parameter of a manipulation, but a sweep simulates scenes of one finger; use `fingertip "
-                "simulate` with --set for a manipulation."
-            )
-            raise SweepError(Issue(field, message))
+            problem = "is a parameter of a manipulation, but a sweep simulates scenes of one finger"
+            raise SweepError(Issue(field, f"{problem}; use `fingertip simulate` with --set for a manipulation."))
         known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_models()[0], "scene.")
         similar = find_similar_name(name, known)
         # The list of all names would be too long for a message.
@@ -190,15 +173,11 @@ def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: An
 
 def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool, annotation: Any) -> Axis:
     if annotation not in (float, int):
-        choices = get_args(annotation) or ("its values",)
-        remedy = f"list its values, such as {list(choices)}"
+        remedy = f"list its values, such as {list(get_args(annotation) or ('its values',))}"
         raise SweepError(Issue(field, f"is not a number, so it has no range; {remedy}."))
     # Keys and types of their values
-    issues = [
-        Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, RANGE_KEYS)}")
-        for key in entry
-        if key not in RANGE_KEYS
-    ]
+    unknown = [key for key in entry if key not in RANGE_KEYS]
+    issues = [Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, RANGE_KEYS)}") for key in unknown]
     low, high = entry.get("low"), entry.get("high")
     for key, value in (("low", low), ("high", high)):
         if key not in entry:
@@ -208,18 +187,16 @@ def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool,
             issues.append(Issue(f"{field}.{key}", problem))
     steps, spacing = entry.get("steps", 0), entry.get("spacing", "linear")
     if sampled and "steps" in entry:
-        issues.append(
-            Issue(f"{field}.steps", 'is only for sampling = "grid"; a sampler draws `points` values, leave it out.')
-        )
+        message = 'is only for sampling = "grid"; a sampler draws `points` values, leave it out.'
+        issues.append(Issue(f"{field}.steps", message))
     if not sampled and not issues and (type(steps) is not int or steps < 2):
         problem = f"{quote_value(steps)} is not a number of values" if "steps" in entry else "is missing"
         issues.append(Issue(f"{field}.steps", f"{problem}; give a whole number of at least 2."))
     if not sampled and type(steps) is int and steps > MAX_STEPS:
         issues.append(Issue(f"{field}.steps", f"{steps} values are too many; at most {MAX_STEPS}, or use a sampler."))
     if spacing not in get_args(Spacing):
-        issues.append(
-            Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; choose {' or '.join(get_args(Spacing))}.")
-        )
+        remedy = f"choose {' or '.join(get_args(Spacing))}."
+        issues.append(Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; {remedy}"))
     if issues:
         raise SweepError(issues)
     assert low is not None

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
 from fingertip.foundation.errors import Issue
+from fingertip.sweep.outputs import GROUPS
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
@@ -43,7 +44,6 @@ class PointContext:
 
 
 def compute_lengths(context: PointContext) -> OutputValues:
-    """Compute the lengths that follow from the parameters."""
     design = context.design
     m = design.mold_layout
     return {
@@ -56,7 +56,6 @@ def compute_lengths(context: PointContext) -> OutputValues:
 
 
 def compute_board(context: PointContext) -> OutputValues:
-    """Compute the preferred component values of the board, and what they achieve."""
     from fingertip.board.analysis.board_values import compute_filter
 
     board = context.design.board
@@ -81,19 +80,8 @@ def compute_board(context: PointContext) -> OutputValues:
 
 
 def compute_circuit(context: PointContext) -> OutputValues:
-    """Compute noise, offsets and limits of the board's whole circuit."""
     from fingertip.board import board_values
-    from fingertip.board.analysis.gate import (
-        BANDWIDTH,
-        CLAMP,
-        CURRENT,
-        IDLE,
-        MARGIN,
-        OFFSET,
-        PEAKING,
-        SERIES,
-        find_smallest_margin,
-    )
+    from fingertip.board.analysis import gate
 
     values = board_values(context.design)
     spread = values.threshold_spread
@@ -104,14 +92,14 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "vibration_peak_v": values.voltage_limits.vibration_peak_v,
         "bridge_amplifier_margin_v": values.voltage_limits.bridge_amplifier_margin_v,
         "filter_load_ohm": values.filter_load_ohm,
-        "gate_margin": find_smallest_margin(values.gate),
-        "output_current_margin": find_smallest_margin(values.gate, CURRENT),
-        "offset_margin": find_smallest_margin(values.gate, OFFSET),
-        "gain_bandwidth_margin": find_smallest_margin(values.gate, BANDWIDTH),
-        "phase_margin_deg": min(c.value for c in values.gate if c.name == MARGIN),
-        "peaking_db": max(c.value for c in values.gate if c.name == PEAKING),
-        "adc_margin": find_smallest_margin(values.gate, IDLE, CLAMP),
-        "odd_capacitors": max(c.value for c in values.gate if c.name == SERIES),
+        "gate_margin": gate.find_smallest_margin(values.gate),
+        "output_current_margin": gate.find_smallest_margin(values.gate, gate.CURRENT),
+        "offset_margin": gate.find_smallest_margin(values.gate, gate.OFFSET),
+        "gain_bandwidth_margin": gate.find_smallest_margin(values.gate, gate.BANDWIDTH),
+        "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
+        "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
+        "adc_margin": gate.find_smallest_margin(values.gate, gate.IDLE, gate.CLAMP),
+        "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
         "mean_threshold_v": spread.mean_v if spread else math.nan,
         "min_threshold_worst_v": spread.min_v if spread else math.nan,
         "max_threshold_worst_v": spread.max_v if spread else math.nan,
@@ -119,7 +107,6 @@ def compute_circuit(context: PointContext) -> OutputValues:
 
 
 def compute_noise(context: PointContext) -> OutputValues:
-    """Compute what the article's signal chain shows in noise alone."""
     from fingertip.slip.detectors.analog_and_digital import noise_level
 
     level = noise_level(context.design)
@@ -197,7 +184,6 @@ def compute_bone(context: PointContext) -> OutputValues:
 
 
 def compute_strength(context: PointContext) -> OutputValues:
-    """Compute the safety factors of the bone."""
     from fingertip.cad.verification.bone import filament_grip_factor
     from fingertip.cad.verification.strength import assess_strength
 
@@ -212,14 +198,12 @@ def compute_strength(context: PointContext) -> OutputValues:
 
 
 def compute_mold(context: PointContext) -> OutputValues:
-    """Compute volumes and mass of both mold halves."""
     palmar, dorsal = (_mesh(context, f"mold_{half}").volume() for half in ("palmar", "dorsal"))
     mass = (palmar + dorsal) / 1e3 * context.file.print_density_g_cm3
     return {"mold_palmar_volume_mm3": palmar, "mold_dorsal_volume_mm3": dorsal, "mold_mass_g": mass}
 
 
 def compute_casting(context: PointContext) -> OutputValues:
-    """Compute the mass of silicone to mix for the mold, and how firmly the skin sits."""
     from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes, skin_pull_off_n
 
     volumes = measure_volumes(context.design, context.evaluator())
@@ -230,7 +214,6 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 
 def compute_filling(context: PointContext) -> OutputValues:
-    """Predict how the mold fills with the silicone of the design."""
     from fingertip.cad.verification.mold import PUSH_S, leak_mm
     from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
 
@@ -266,7 +249,6 @@ def compute_thickness(context: PointContext) -> OutputValues:
 
 
 def compute_walls(context: PointContext) -> OutputValues:
-    """Compute the thinnest wall of the bone and its lid."""
     from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
 
@@ -287,7 +269,6 @@ def compute_printing(context: PointContext) -> OutputValues:
 
 
 def compute_acceptance(context: PointContext) -> OutputValues:
-    """Compute the voltages that an accepted finger shows."""
     from fingertip.documents.acceptance import expect_drop_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
@@ -320,23 +301,5 @@ def _mesh(context: PointContext, part: str) -> Mesh:
 
 
 GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
-    "lengths": compute_lengths,
-    "board": compute_board,
-    "circuit": compute_circuit,
-    "noise": compute_noise,
-    "detection": compute_detection,
-    "simulation": compute_simulation,
-    "skin": compute_skin,
-    "bone": compute_bone,
-    "strength": compute_strength,
-    "walls": compute_walls,
-    "mold": compute_mold,
-    "thickness": compute_thickness,
-    "casting": compute_casting,
-    "filling": compute_filling,
-    "play": compute_play,
-    "printing": compute_printing,
-    "acceptance": compute_acceptance,
-    "checks": compute_checks,
+    group: globals()[f"compute_{group}"] for group in GROUPS
 }
-"""Name of a group in `outputs.GROUPS` -> the function that computes its outputs."""

@@ -17,11 +17,11 @@ import math
 import os
 import re
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,6 @@ from fingertip.sweep.axes import Value
 from fingertip.sweep.plan import SweepPlan
 
 FILE = "sweep.sqlite"
-"""Name of the database in the folder of a sweep."""
 FORMAT = "2"
 """Version of the tables, and of the parameter and output names in them."""
 _META_TABLE = "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -47,12 +46,10 @@ _JOURNAL_MARK = bytes.fromhex("d9d505f920a163d7")
 _BUSY_TIMEOUT_S = 30.0
 """Time for which a reader and the writer wait for each other [s]."""
 _PAGE_ROWS = 20_000
-"""Number of rows read at a time."""
 
 StoredRow: TypeAlias = tuple[Any, ...]
 """Row as it is written: point, status, field, reason, then axes and outputs in the plan's order. SQLite stores no NaN;
 it becomes NULL and is read back as NaN."""
-T = TypeVar("T")
 Status: TypeAlias = Literal["ok", "refused", "failed", "timeout"]
 STATUSES: tuple[Status, ...] = ("ok", "refused", "failed", "timeout")
 """ok: computed. refused: the design breaks a rule, which is a valid result. failed: an error, or the worker died.
@@ -61,11 +58,8 @@ timeout: the point took longer than the sweep's time limit."""
 
 @dataclass(frozen=True)
 class SweepRow:
-    """Row of one point: its parameters, its outputs and its status."""
-
     point: int
     axes: dict[str, Value]
-    """Swept parameter -> value."""
     outputs: dict[str, float]
     """Output -> value; NaN where it was not computed."""
     status: Status
@@ -89,8 +83,7 @@ class SweepTable:
     status: NDArray[np.str_]
     """(n,) one of `STATUSES`."""
     field: NDArray[np.str_]
-    """(n,) first parameter that a refused point's broken rule names, or first failed check of a computed point; ""
-    otherwise."""
+    """(n,) first parameter of a refused point's broken rule, or first failed check; "" otherwise."""
     reason: NDArray[np.object_]
     """(n,) of str: why a row is not ok, or which checks failed; "" otherwise."""
 
@@ -99,10 +92,7 @@ class SweepTable:
 
 
 class SweepDatabase:
-    """Folder of a sweep with its rows.
-
-    Open it with `create`, `resume` or `open`, and close it with `close` or a `with` block.
-    """
+    """Folder of a sweep with its rows: open it with `create`, `resume` or `open`, and close it."""
 
     def __init__(self, folder: Path, connection: sqlite3.Connection, lock: int | None = None) -> None:
         self.folder = folder
@@ -111,13 +101,11 @@ class SweepDatabase:
 
     @staticmethod
     def exists(folder: Path) -> bool:
-        """Return whether a folder holds a sweep."""
         path = folder / FILE
         if not os.path.lexists(path):
             return False
-        with contextlib.closing(_connect(path, "rw")) as connection:
-            query = "SELECT 1 FROM sqlite_master"
-            return bool(_translate_errors(folder, lambda: connection.execute(query).fetchone()))
+        with contextlib.closing(_connect(path, "rw")) as connection, _translated_errors(folder):
+            return connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None
 
     @classmethod
     def create(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
@@ -132,7 +120,12 @@ class SweepDatabase:
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rwc"), lock)
         try:
-            _translate_errors(folder, lambda: database._create_tables(plan))
+            names = [*(axis.name for axis in plan.axes), *plan.outputs]
+            columns = "".join(', "' + name.replace('"', '""') + '"' for name in names)
+            with database._transaction() as connection:
+                connection.execute(_META_TABLE)
+                connection.execute(f"{_ROWS_TABLE}{columns})")
+                connection.execute("INSERT INTO meta VALUES ('format', ?), ('plan', ?)", (FORMAT, plan.to_toml()))
         except BaseException:
             database.close()
             for path in created:
@@ -143,15 +136,14 @@ class SweepDatabase:
 
     @classmethod
     def resume(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
-        """Open the database of a sweep to continue it. Its objectives may have changed; the new ones are stored.
-
-        Raises SweepError.
-        """
+        """Open a sweep to continue it, with its new objectives if they have changed. Raises SweepError."""
         lock = _lock_folder(folder)
         database = cls(folder, _connect(folder / FILE, "rw"), lock)
         try:
             database.check_same_sweep(plan)
-            _translate_errors(folder, lambda: database._update_plan(plan))
+            if (text := plan.to_toml()) != database.text:
+                with database._transaction() as connection:
+                    connection.execute("UPDATE meta SET value = ? WHERE key = 'plan'", (text,))
         except BaseException:
             database.close()
             raise
@@ -179,15 +171,12 @@ class SweepDatabase:
 
     @property
     def text(self) -> str:
-        """Canonical text of the sweep."""
-        query = "SELECT name, sql FROM sqlite_master"
-        tables = dict(_translate_errors(self.folder, partial(self._fetch, query)))
+        tables = dict(self._fetch("SELECT name, sql FROM sqlite_master"))
         rows_table = str(tables.pop("rows", ""))
         is_sound = rows_table.startswith(_ROWS_TABLE) and _COLUMNS.fullmatch(rows_table, len(_ROWS_TABLE))
         if not is_sound or tables != {"meta": _META_TABLE, "sqlite_autoindex_meta_1": None}:
             raise self._make_damage_error("it holds other tables than a sweep")
-        rows = _translate_errors(self.folder, partial(self._fetch, "SELECT key, value FROM meta"))
-        meta = dict(rows)
+        meta = dict(self._fetch("SELECT key, value FROM meta"))
         if meta.get("format") != FORMAT:
             problem = f"was written in format {meta.get('format')!r}, but this version reads {FORMAT!r}"
             raise _make_error(self.folder, f"{problem}; run the sweep again in another folder.")
@@ -195,7 +184,6 @@ class SweepDatabase:
 
     @cached_property
     def plan(self) -> SweepPlan:
-        """Plan of the sweep."""
         try:
             return SweepPlan.from_toml(self.text)
         except (ValueError, RecursionError):  # no valid TOML
@@ -204,18 +192,11 @@ class SweepDatabase:
     def add(self, rows: Sequence[StoredRow]) -> None:
         """Write rows in one transaction: all of them or none. Raises OutputError."""
         marks = ", ".join("?" * (4 + len(self.plan.axes) + len(self.plan.outputs)))
-
-        def write() -> None:
-            with self._connection:
-                self._connection.execute("BEGIN IMMEDIATE")
-                self._connection.executemany(f"INSERT INTO rows VALUES ({marks})", rows)
-
-        _translate_errors(self.folder, write)
+        with self._transaction() as connection:
+            connection.executemany(f"INSERT INTO rows VALUES ({marks})", rows)
 
     def count_by_status(self) -> dict[str, int]:
-        """Count the rows of each status."""
-        query = "SELECT status, count(*) FROM rows GROUP BY status"
-        counts = dict(_translate_errors(self.folder, partial(self._fetch, query)))
+        counts = dict(self._fetch("SELECT status, count(*) FROM rows GROUP BY status"))
         return {status: int(counts.get(status, 0)) for status in STATUSES}
 
     def find_missing_points(self) -> NDArray[np.bool_]:
@@ -240,8 +221,8 @@ class SweepDatabase:
             yield row
 
     def _make_damage_error(self, what: str) -> SweepError:
-        remedy = "restore it from a copy, or run the sweep again in another folder"
-        return _make_error(self.folder / FILE, f"is damaged: {what}; {remedy}.")
+        remedy = "restore it from a copy, or run the sweep again in another folder."
+        return _make_error(self.folder / FILE, f"is damaged: {what}; {remedy}")
 
     def rows(self) -> Iterator[SweepRow]:
         """Read every row in order of the points; few rows are in memory at a time."""
@@ -253,7 +234,6 @@ class SweepDatabase:
             yield SweepRow(point, axes, dict(zip(outputs, numbers, strict=True)), status, field, reason)
 
     def table(self) -> SweepTable:
-        """Read all rows as columns."""
         plan = self.plan
         count = sum(self.count_by_status().values())
         point = np.empty(count, dtype=np.int64)
@@ -267,18 +247,13 @@ class SweepDatabase:
             outputs[:, i] = [math.nan if v is None else v for v in values[len(plan.axes) :]]
             texts.append((interned.setdefault(status, status), interned.setdefault(field, field), reason))
         # Reasons are long and mostly differ: an array as wide as the longest one could take gigabytes.
-        kinds = (np.str_, np.str_, np.object_)
-        columns: list[NDArray[Any]] = [
-            np.array([text[i] for text in texts], dtype=kind) for i, kind in enumerate(kinds)
-        ]
+        status, field = (np.array([text[i] for text in texts], dtype=np.str_) for i in range(2))
+        reason = np.array([text[2] for text in texts], dtype=np.object_)
         by_name = dict(zip(plan.outputs, outputs, strict=True))
-        return SweepTable(point, plan.columns(point), by_name, columns[0], columns[1], columns[2])
+        return SweepTable(point, plan.columns(point), by_name, status, field, reason)
 
     def check_same_sweep(self, plan: SweepPlan) -> None:
-        """Refuse a plan whose rows would differ from those of this sweep; its objectives may differ.
-
-        Raises SweepError.
-        """
+        """Refuse a plan whose rows would differ; its objectives may differ. Raises SweepError."""
         before, now = (sweep_file.select_row_defining_lines(text) for text in (self.text, plan.to_toml()))
         if before == now:
             return
@@ -292,27 +267,19 @@ class SweepDatabase:
         """Read rows page by page in order of the points; between two pages the writer can write."""
         query = f"SELECT {columns} FROM rows WHERE point > ? ORDER BY point LIMIT {_PAGE_ROWS}"
         page: list[Any] = [(-1,)]
-        while page := _translate_errors(self.folder, partial(self._fetch, query, page[-1][0])):
+        while page := self._fetch(query, page[-1][0]):
             yield page
 
     def _fetch(self, query: str, *parameters: Any) -> list[Any]:
-        return self._connection.execute(query, parameters).fetchall()
+        with _translated_errors(self.folder):
+            return self._connection.execute(query, parameters).fetchall()
 
-    def _create_tables(self, plan: SweepPlan) -> None:
-        names = [axis.name for axis in plan.axes] + list(plan.outputs)
-        columns = "".join(', "' + name.replace('"', '""') + '"' for name in names)
-        with self._connection:  # one transaction: a sweep exists completely or not at all
+    @contextlib.contextmanager
+    def _transaction(self) -> Iterator[sqlite3.Connection]:
+        """Write all or nothing: a sweep exists completely or not at all."""
+        with _translated_errors(self.folder), self._connection:
             self._connection.execute("BEGIN IMMEDIATE")
-            self._connection.execute(_META_TABLE)
-            self._connection.execute(f"{_ROWS_TABLE}{columns})")
-            self._connection.execute("INSERT INTO meta VALUES ('format', ?), ('plan', ?)", (FORMAT, plan.to_toml()))
-
-    def _update_plan(self, plan: SweepPlan) -> None:
-        text = plan.to_toml()
-        if text != self.text:
-            with self._connection:
-                self._connection.execute("BEGIN IMMEDIATE")
-                self._connection.execute("UPDATE meta SET value = ? WHERE key = 'plan'", (text,))
+            yield self._connection
 
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
@@ -322,7 +289,8 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
         connection = sqlite3.connect(f"file:{uri}?mode={mode}", uri=True, timeout=_BUSY_TIMEOUT_S, isolation_level=None)
     except sqlite3.Error as error:
         raise _make_write_error(path.parent, str(error)) from error
-    _translate_errors(path.parent, lambda: connection.execute("PRAGMA synchronous = FULL"))
+    with _translated_errors(path.parent):
+        connection.execute("PRAGMA synchronous = FULL")
     return connection
 
 
@@ -364,10 +332,11 @@ def _lock_folder(folder: Path) -> int | None:
     return handle
 
 
-def _translate_errors(folder: Path, operation: Callable[[], T]) -> T:
-    """Run a database operation; errors of SQLite become errors with a message for the user."""
+@contextlib.contextmanager
+def _translated_errors(folder: Path) -> Iterator[None]:
+    """Run database operations; errors of SQLite become errors with a message for the user."""
     try:
-        return operation()
+        yield
     except sqlite3.IntegrityError as error:
         raise OutputError(Issue(str(folder), f"already has a row that was to be written ({error}).")) from error
     except sqlite3.DatabaseError as error:

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 
 class DesignBuilder:
-    """Builds the design of each point of a plan."""
-
     def __init__(self, plan: SweepPlan) -> None:
         self._names = [axis.name for axis in plan.axes if not axis.name.startswith("scene.")]
         self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in self._names)
@@ -58,10 +56,7 @@ def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[
     changed = dict(tables)
     for name, value in changes.items():
         table, _, key = name.rpartition(".")
-        if table:
-            changed[table] = {**changed[table], key: value}
-        else:
-            changed[key] = value
+        changed |= {table: {**changed[table], key: value}} if table else {key: value}
     return changed
 
 
@@ -70,34 +65,24 @@ V = TypeVar("V")
 
 
 class LruCache(Generic[K, V]):
-    """Mapping that evicts the least recently used entries once their total weight exceeds a limit.
-
-    A worker's memory stays constant however long the sweep is.
-    """
+    """Mapping of bounded weight: it evicts the least recently used entries, except for the newest one."""
 
     def __init__(self, max_weight: float) -> None:
         self.max_weight = max_weight
-        """Limit of the total weight."""
         self.weight = 0.0
-        """Total weight of all entries."""
         self._entries: OrderedDict[K, tuple[V, float]] = OrderedDict()
 
-    def get(self, key: K) -> V | None:
-        """Look up a value; None if there is none or it was evicted."""
-        entry = self._entries.get(key)
-        if entry is None:
-            return None
-        self._entries.move_to_end(key)
-        return entry[0]
-
-    def put(self, key: K, value: V, weight: float = 1.0) -> None:
-        """Store a value. The newest entry is never evicted, even if it alone exceeds the limit."""
+    def get(self, key: K, make: Callable[[], V], weigh: Callable[[V], float] = lambda _: 1.0) -> V:
+        """Look up a value, or make it and store it with its weight."""
         if key in self._entries:
-            self.weight -= self._entries.pop(key)[1]
-        self._entries[key] = value, weight
-        self.weight += weight
+            self._entries.move_to_end(key)
+            return self._entries[key][0]
+        value = make()
+        self._entries[key] = value, weigh(value)
+        self.weight += self._entries[key][1]
         while self.weight > self.max_weight and len(self._entries) > 1:
             self.weight -= self._entries.popitem(last=False)[1][1]
+        return value
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -106,7 +91,6 @@ class LruCache(Generic[K, V]):
 MAX_TRIANGLES = 400_000
 """Limit of the triangles of all cached solids: about 100 MB per worker."""
 MAX_MESHES = 12
-"""Number of cached meshes in canonical order."""
 MAX_KEYS = 2_000
 """Number of cached digests of expressions."""
 MAX_MEASUREMENTS = 20_000
@@ -160,15 +144,11 @@ class CachedEvaluator(MeshEvaluator):
         self._keys: LruCache[Solid, bytes] = LruCache(MAX_KEYS)
         self._expressions = _ExpressionEvaluator(self)
         self._meshes: LruCache[bytes, Mesh] = LruCache(MAX_MESHES)
-        self._measurements: LruCache[bytes, Any] = LruCache(MAX_MEASUREMENTS)
+        self.measurements: LruCache[bytes, Any] = LruCache(MAX_MEASUREMENTS)
 
     def compute_key(self, solid: Solid) -> bytes:
         """Compute the digest of an expression. It is cached too, because parts are made of parts."""
-        key = self._keys.get(solid)
-        if key is None:
-            key = compute_digest("solid", solid)
-            self._keys.put(solid, key)
-        return key
+        return self._keys.get(solid, lambda: compute_digest("solid", solid))
 
     def manifold(self, solid: Solid) -> Any:
         """Return the solid; it is evaluated only when a measurement that is not cached needs it."""
@@ -178,28 +158,16 @@ class CachedEvaluator(MeshEvaluator):
     def mesh(self, solid: Solid) -> Mesh:
         """Return the solid as a mesh on the grid, in canonical order."""
         key = self.compute_key(solid)
-        mesh = self._meshes.get(key)
-        if mesh is None:
-            mesh = to_canonical_mesh(self.evaluate_manifold(key, solid))
-            self._meshes.put(key, mesh)
-        return mesh
-
-    def measure(self, key: bytes, compute: Callable[[], Any]) -> Any:
-        """Return the cached measurement, or compute and cache it."""
-        entry = self._measurements.get(key)
-        if entry is None:
-            entry = (compute(),)  # a tuple, because the measurement itself may be None
-            self._measurements.put(key, entry)
-        return entry[0]
+        return self._meshes.get(key, lambda: to_canonical_mesh(self.evaluate_manifold(key, solid)))
 
     def evaluate_manifold(self, key: bytes, solid: Solid) -> Manifold:
         """Return manifold3d's own object for a solid, from the cache if possible."""
-        manifold = self._solids.get(key)
-        if manifold is None:
+
+        def evaluate() -> Manifold:
             self.evaluated += 1
-            manifold = self._expressions.evaluate(solid)
-            self._solids.put(key, manifold, manifold.num_tri())
-        return manifold
+            return self._expressions.evaluate(solid)
+
+        return self._solids.get(key, evaluate, lambda manifold: manifold.num_tri())
 
 
 class _ExpressionEvaluator(MeshEvaluator):
@@ -210,11 +178,9 @@ class _ExpressionEvaluator(MeshEvaluator):
         self._cached = cached
 
     def manifold(self, solid: Solid) -> Manifold:
-        """Return an operand of the expression."""
         return self._cached.evaluate_manifold(self._cached.compute_key(solid), solid)
 
     def evaluate(self, solid: Solid) -> Manifold:
-        """Evaluate the expression."""
         return self._evaluate(solid)
 
 
@@ -233,10 +199,7 @@ class CachedManifold:
 
     @property
     def manifold(self) -> Manifold:
-        """manifold3d's own object.
-
-        Every step is evaluated at once: the rounding of a tree of steps would depend on what else the tree holds.
-        """
+        """manifold3d's own object. Each step is evaluated at once: rounding would depend on the tree of steps."""
         if self._manifold is None:
             self._manifold = self._evaluate()
             self._manifold.status()
@@ -245,11 +208,13 @@ class CachedManifold:
     def decompose(self) -> list[CachedManifold]:
         """Split the solid into its connected bodies. Their volumes are cached."""
         key = self._compute_key("volumes of bodies")
-        volumes: list[float] = self._evaluator.measure(key, lambda: [b.volume() for b in self.manifold.decompose()])
+        volumes: list[float] = self._evaluator.measurements.get(
+            key, lambda: [b.volume() for b in self.manifold.decompose()]
+        )
         bodies = []
         for i, volume in enumerate(volumes):
             body = CachedManifold(self._evaluator, self._compute_key("body", i), partial(self._evaluate_body, i))
-            self._evaluator.measure(body._compute_key("volume"), partial(float, volume))
+            self._evaluator.measurements.get(body._compute_key("volume"), partial(float, volume))
             bodies.append(body)
         return bodies
 
@@ -279,7 +244,9 @@ class CachedManifold:
         return compute_digest(name, self._key, *(a._key if isinstance(a, CachedManifold) else a for a in arguments))
 
     def _measure(self, name: str, *arguments: Any) -> Any:
-        return self._evaluator.measure(self._compute_key(name, *arguments), lambda: self._call(name, *arguments))
+        return self._evaluator.measurements.get(
+            self._compute_key(name, *arguments), lambda: self._call(name, *arguments)
+        )
 
     def _derive(self, name: str, *arguments: Any) -> CachedManifold:
         key = self._compute_key(name, *arguments)

@@ -28,7 +28,6 @@ NO_POINT = -1
 """Point number of a worker that is idle."""
 EXIT_TIMEOUT_S = 5.0
 """Time allowed for the processes of a broken pool to end [s]."""
-
 _CONNECT_TIMEOUT_S = 4.0
 """Time allowed for the scheduler to answer, and for the first worker to appear [s]."""
 _ANSWER_TIMEOUT_S = 20.0
@@ -40,10 +39,7 @@ _COUNT_INTERVAL_S = 2.0
 
 
 class WorkerStatus:
-    """Current point of every worker, in shared memory.
-
-    When the pool breaks, it tells which points were being computed by the workers that died.
-    """
+    """Current point of every worker, in shared memory: it tells what the workers that died were computing."""
 
     def __init__(self, context: SpawnContext, workers: int) -> None:
         self.slots_taken = context.Value("i", 0)
@@ -61,7 +57,6 @@ class Engine(Protocol):
     """Source of executors that also knows what it can about workers that died."""
 
     description: str
-    """Kind of workers, for messages."""
     attempts: int
     """Number of workers that may die on one chunk before the engine itself gives the chunk up."""
 
@@ -83,10 +78,7 @@ class Engine(Protocol):
 
 
 class ProcessEngine:
-    """Worker processes on this machine.
-
-    They are spawned, never forked: a fork after a geometry kernel has started threads hangs.
-    """
+    """Worker processes on this machine, spawned, because a fork after a kernel has started threads hangs."""
 
     def __init__(self, jobs: int) -> None:
         self.workers = jobs
@@ -111,13 +103,8 @@ class ProcessEngine:
         try:
             first[0].result()  # start-up must not count against the time limit of a point
         except BrokenExecutor:
-            raise SweepError(
-                Issue(
-                    "--jobs",
-                    "no worker process can be started; check the free memory, and guard a script's entry point with "
-                    'if __name__ == "__main__".',
-                )
-            ) from None
+            remedy = 'check the free memory, and guard a script\'s entry point with if __name__ == "__main__".'
+            raise SweepError(Issue("--jobs", f"no worker process can be started; {remedy}")) from None
         return self._pool
 
     def find_crashed_points(self) -> Mapping[int, float] | None:
@@ -170,7 +157,6 @@ def set_current_point(point: int) -> None:
 
 
 def count_processors() -> int:
-    """Count the processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -213,10 +199,7 @@ def _exit_with_parent() -> None:
 
 
 class DaskEngine:
-    """Engine whose workers may run on any machine; Dask replaces lost workers.
-
-    Raises MissingLibraryError or SweepError.
-    """
+    """Dask workers on any machine; Dask replaces lost ones. Raises MissingLibraryError or SweepError."""
 
     def __init__(self, address: str) -> None:
         import asyncio  # noqa: PLC0415
@@ -230,9 +213,8 @@ class DaskEngine:
             asyncio.run(asyncio.wait_for(_check_scheduler(address), _CONNECT_TIMEOUT_S))
             self._client = distributed.Client(address, timeout=_RECONNECT_TIMEOUT_S, set_as_default=False)
         except (OSError, ValueError, EOFError, TimeoutError):
-            raise _make_error(
-                f"the process listening at {address} is not a Dask scheduler; start dask scheduler there"
-            ) from None
+            problem = f"the process listening at {address} is not a Dask scheduler"
+            raise _make_error(f"{problem}; start dask scheduler there") from None
         self.description = f"workers of {address}"
         # This is a setting of the scheduler. It is known here only if both machines are configured alike, as they are
         # by default.
@@ -290,9 +272,7 @@ class DaskEngine:
         for worker, answer in sorted(answers.items()):
             if answer != __version__:
                 found = f"fingertip {answer}" if isinstance(answer, str) else f"no fingertip ({answer})"
-                raise _make_error(
-                    f"worker {worker} has {found}, but this is {__version__}; install the same version everywhere"
-                )
+                raise _make_version_error(worker, found, __version__)
 
     def _ask(self, question: Callable[..., Any], *arguments: Any, **options: Any) -> dict[str, Any]:
         """Ask all workers; Dask itself waits for ever for a worker that hangs."""
@@ -313,9 +293,11 @@ def _compare_versions(worker: str, found: Mapping[str, Any]) -> None:
     there = {"Python": ".".join(python.split(".")[:2]), "numpy": str(found.get("packages", {}).get("numpy"))}
     for name, version in here.items():
         if there[name] != version:
-            raise _make_error(
-                f"worker {worker} has {name} {there[name]}, but this is {version}; install the same version everywhere"
-            )
+            raise _make_version_error(worker, f"{name} {there[name]}", version)
+
+
+def _make_version_error(worker: str, found: str, here: str) -> SweepError:
+    return _make_error(f"worker {worker} has {found}, but this is {here}; install the same version everywhere")
 
 
 def _check_listening(address: str) -> None:

@@ -34,9 +34,6 @@ if TYPE_CHECKING:
 
 PointNumbers = NDArray[np.int64]
 
-_EXAMPLE_SCENE = "sliding_finger"
-"""Bundled scene that a message recommends."""
-
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
@@ -50,10 +47,7 @@ class SweepPlan:
 
     @classmethod
     def load(cls, path: str | Path, changes: Iterable[str] = ()) -> SweepPlan:
-        """Load a sweep file; see `sweep_file.read_sweep_file` for the changes.
-
-        Raises SweepError or MissingLibraryError.
-        """
+        """Load a sweep file (see `read_sweep_file`). Raises SweepError or MissingLibraryError."""
         plan = cls.from_tables(sweep_file.read_sweep_file(path, changes))
         if plan.file.sampling != "grid":
             plan._require_samplers()  # a missing package is reported before the sweep
@@ -111,7 +105,6 @@ class SweepPlan:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs, in the file's order."""
         return tuple(self.file.outputs)
 
     @property
@@ -121,7 +114,6 @@ class SweepPlan:
 
     @cached_property
     def size(self) -> int:
-        """Number of points."""
         return int(np.prod(self._shape, dtype=object)) if self.file.sampling == "grid" else self.file.points
 
     @property
@@ -138,7 +130,7 @@ class SweepPlan:
         """Return the parameters of many points, name -> (n,) values."""
         if self.file.sampling == "grid":
             indices = np.unravel_index(points, self._shape)
-            return {axis.name: axis.select(np.asarray(index)) for axis, index in zip(self.axes, indices, strict=True)}
+            return {axis.name: axis.array[index] for axis, index in zip(self.axes, indices, strict=True)}
         return {axis.name: axis.sample(self._samples[points, i]) for i, axis in enumerate(self.axes)}
 
     def computing_order(self, start: int, stop: int) -> PointNumbers:
@@ -152,11 +144,9 @@ class SweepPlan:
             return positions
         order = sorted(range(len(self.axes)), key=lambda i: -self._cost_of_step(self.axes[i]))
         indices = np.unravel_index(positions, tuple(self._shape[i] for i in order))
-        # Back to the file's order of the axes
-        by_axis: list[Any] = [None] * len(order)
-        for index, i in zip(indices, order, strict=True):
-            by_axis[i] = index
-        return np.asarray(np.ravel_multi_index(tuple(by_axis), self._shape), dtype=np.int64)
+        by_axis = dict(zip(order, indices, strict=True))
+        in_order = tuple(by_axis[i] for i in range(len(order)))
+        return np.asarray(np.ravel_multi_index(in_order, self._shape), dtype=np.int64)
 
     def _cost_of_step(self, axis: Axis) -> float:
         """Cost of what has to be computed again when an axis takes its next value."""
@@ -171,9 +161,8 @@ class SweepPlan:
         self._require_samplers()
         from scipy.stats import qmc  # noqa: PLC0415
 
-        if self.file.sampling == "sobol":
-            return np.asarray(qmc.Sobol(len(self.axes), scramble=True, rng=self.file.seed).random(self.size))
-        return np.asarray(qmc.LatinHypercube(len(self.axes), rng=self.file.seed).random(self.size))
+        sampler = qmc.Sobol if self.file.sampling == "sobol" else qmc.LatinHypercube  # both scramble by default
+        return np.asarray(sampler(len(self.axes), rng=self.file.seed).random(self.size))
 
     def _require_samplers(self) -> None:
         extras.require("sampling", "scipy", subject=self.file.sampling, alternative="sample a grid")
@@ -223,8 +212,8 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
     issues = []
     if "scene" in tables_read and plan.scene is None:
         outputs = ", ".join(n for n in plan.outputs if "scene" in find_groups([n])[0].reads)
-        remedy = f'write scene = "{_EXAMPLE_SCENE}"'
-        issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}."))
+        remedy = 'write scene = "sliding_finger".'
+        issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}"))
     if "scene" not in tables_read:
         issues += [
             Issue(f"axes.{name}", "changes none of the outputs; add one that it changes, such as delay_ms.")

@@ -57,7 +57,6 @@ class Chunk:
     text: str
     """Canonical TOML text of the sweep."""
     points: tuple[int, ...]
-    """Numbers of the points."""
     columns: dict[str, list[Any]]
     """Swept parameter -> one value for each point."""
 
@@ -69,15 +68,11 @@ class Chunk:
 
 @dataclass(frozen=True)
 class ChunkResult:
-    """Results of the points of a chunk."""
-
     results: list[PointResult]
     elapsed_s: float
-    """Time that the worker spent on the chunk [s]."""
 
 
 ChunkFunction: TypeAlias = Callable[[Chunk], ChunkResult]
-"""Function that a worker runs for each chunk."""
 
 
 class PointEvaluator:
@@ -87,7 +82,6 @@ class PointEvaluator:
         self.plan = plan
         quick = all(group.cost <= QUICK_COST for group in plan.groups)
         self.points_per_limit = QUICK_POINTS_PER_LIMIT if quick else 1
-        """Number of points that share a time limit."""
         self._designs = DesignBuilder(plan)
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]
@@ -114,14 +108,17 @@ class PointEvaluator:
                 values |= self._compute_group(group, cache_axes, context, changes)
         except FingertipError as error:
             return point, "failed", "", str(error), self._no_outputs
-        except Exception as error:
-            return point, "failed", "", _describe_bug(error), self._no_outputs
+        except Exception as error:  # a worker's traceback is never printed
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            reason = (
+                f"{type(error).__name__}: {error} (in {last.name}, line {last.lineno}); this is a bug in fingertip."
+            )
+            return point, "failed", "", reason, self._no_outputs
         issue = values.get(ISSUE, _NO_ISSUE)
         outputs = tuple(round_for_output(values[name]) for name in self.plan.outputs)
         return point, "ok", issue.field, issue.message, outputs
 
     def load_mesh_evaluator(self) -> CachedEvaluator:
-        """Load the mesh kernel, which all points share."""
         if self._mesh_evaluator is None:
             restrict_kernel_to_one_thread()
             self._mesh_evaluator = CachedEvaluator(self.plan.file.tolerance_mm)
@@ -152,11 +149,7 @@ class PointEvaluator:
         if cache_axes is None:
             return GROUP_FUNCTIONS[group.name](context)
         key = (group.name, *(changes[name] for name in cache_axes))
-        values = self._group_results.get(key)
-        if values is None:
-            values = GROUP_FUNCTIONS[group.name](context)
-            self._group_results.put(key, values)
-        return values
+        return self._group_results.get(key, lambda: GROUP_FUNCTIONS[group.name](context))
 
     def _load_trial(
         self, changes: Mapping[str, Value], seed: int, record: Callable[[], RecordedTrial]
@@ -164,24 +157,13 @@ class PointEvaluator:
         if self._trace_axes is None:
             return record()
         key = (seed, *(changes[name] for name in self._trace_axes))
-        trial = self._trials.get(key)
-        if trial is None:
-            trial = record()
-            self._trials.put(key, trial, 40.0 * len(trial[0].time_s))  # five columns of 8 bytes
-        return trial
+        return self._trials.get(key, record, lambda trial: 40.0 * len(trial[0].time_s))  # five columns of 8 bytes
 
 
 @lru_cache(maxsize=1)
 def load_evaluator(text: str) -> PointEvaluator:
     """Load this process's evaluator for the sweep with this canonical text."""
     return PointEvaluator(SweepPlan.from_toml(text))
-
-
-def _describe_bug(error: Exception) -> str:
-    """Describe an unexpected exception and its location; a worker's traceback is never printed."""
-    frames = traceback.extract_tb(error.__traceback__)
-    location = f"{frames[-1].name}, line {frames[-1].lineno}" if frames else "?"
-    return f"{type(error).__name__}: {error} (in {location}); this is a bug in fingertip."
 
 
 def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | None:
@@ -206,10 +188,7 @@ def evaluate_chunk(chunk: Chunk) -> ChunkResult:
 
 
 def evaluate_points(
-    chunk: Chunk,
-    limit_s: float,
-    points_per_limit: int,
-    evaluate: Callable[[int, dict[str, Any]], PointResult],
+    chunk: Chunk, limit_s: float, points_per_limit: int, evaluate: Callable[[int, dict[str, Any]], PointResult]
 ) -> list[PointResult]:
     """Evaluate the points of a chunk one after the other; this process exits if one exceeds its time limit.
 

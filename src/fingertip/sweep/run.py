@@ -21,13 +21,7 @@ from fingertip.foundation.errors import Issue, SweepError
 from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import (
-    Chunk,
-    ChunkFunction,
-    ChunkResult,
-    PointResult,
-    evaluate_chunk,
-)
+from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, PointResult, evaluate_chunk
 
 CHUNK_DURATION_S = 0.5
 """Time that a worker should spend on a chunk [s]."""
@@ -53,14 +47,10 @@ _BLOCK = 65_536
 
 @dataclass
 class RunState:
-    """Progress of a run."""
-
     size: int
-    """Number of points of the plan."""
     existing: int
     """Number of rows when the run began."""
     written: int = 0
-    """Number of rows written since then."""
     failures: int = 0
     """Number of points since then that failed or ran out of time."""
     refused: int = 0
@@ -74,7 +64,6 @@ class RunState:
 
     @property
     def done(self) -> int:
-        """Number of rows in total."""
         return self.existing + self.written
 
     @property
@@ -90,7 +79,6 @@ class RunState:
         return (self.size - self.done) / rate if rate else math.inf
 
     def add_written(self, rows: int) -> None:
-        """Count rows that were committed."""
         self.written += rows
         now = time.perf_counter()
         self.history.append((now, self.written))
@@ -140,7 +128,6 @@ class _Run:
     evaluate: ChunkFunction
     state: RunState
     chunk_size: int = 1
-    """Number of points of the next chunk."""
     _executor: Executor | None = None
     _in_flight: dict[Future[ChunkResult], Chunk] = field(default_factory=dict)
     _resend_queue: deque[Chunk] = field(default_factory=deque)
@@ -203,8 +190,11 @@ class _Run:
             error = future.exception() if not future.cancelled() else CancelledError()
             if error is None:
                 self._consecutive_failures = 0
-                self._add_rows(chunk, future.result())
-                self._adapt_chunk_size(chunk, future.result())
+                self._add_rows(chunk, result := future.result())
+                # The next chunk should take `CHUNK_DURATION_S` at the pace of this one.
+                per_point_s = result.elapsed_s / len(chunk.points)
+                size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
+                self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
             elif isinstance(error, BrokenExecutor):
                 lost.append(chunk)
                 broken = True
@@ -223,12 +213,6 @@ class _Run:
         if self.state.silent_s > STUCK_S:
             self.engine.end_if_stuck()
 
-    def _adapt_chunk_size(self, chunk: Chunk, result: ChunkResult) -> None:
-        """Choose the chunk size for `CHUNK_DURATION_S` at the pace of the latest chunk."""
-        per_point_s = result.elapsed_s / len(chunk.points)
-        size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
-        self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
-
     def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:
         values = zip(*chunk.columns.values(), strict=True)
         for (point, status, field_, reason, outputs), axes in zip(result.results, values, strict=True):
@@ -237,10 +221,7 @@ class _Run:
             self.state.refused += status == "refused"
 
     def _handle_broken_pool(self, lost: list[Chunk]) -> None:
-        """Handle the death of a worker, which breaks the pool: every chunk in flight is lost with it.
-
-        Points that dead workers were computing go to the retry queue, all others are sent again.
-        """
+        """Retry the points that dead workers were computing, and send all other chunks in flight again."""
         lost += self._in_flight.values()
         self._in_flight.clear()
         crashed = self.engine.find_crashed_points()
@@ -248,13 +229,8 @@ class _Run:
         self._consecutive_failures = 0 if crashed is None or crashed else self._consecutive_failures + 1
         if self._consecutive_failures > MAX_CONSECUTIVE_FAILURES:
             problem = f"workers died {self._consecutive_failures} times without computing a point"
-            raise SweepError(
-                Issue(
-                    "--jobs",
-                    f"{problem}; check the free memory. The rows written so far are safe: continue with --resume and "
-                    "fewer jobs.",
-                )
-            )
+            remedy = "check the free memory. The rows written so far are safe: continue with --resume and fewer jobs."
+            raise SweepError(Issue("--jobs", f"{problem}; {remedy}"))
         for chunk in lost:
             indices = range(len(chunk.points))
             retried = [i for i in indices if crashed is None or chunk.points[i] in crashed]
@@ -265,9 +241,8 @@ class _Run:
     def _handle_failed_chunk(self, chunk: Chunk, error: BaseException) -> None:
         """Handle a chunk that the engine gave up; any of its points may be the cause."""
         if isinstance(error, CancelledError):
-            raise SweepError(
-                Issue("--cluster", "is lost; the rows written so far are safe, continue with --resume.")
-            ) from None
+            message = "is lost; the rows written so far are safe, continue with --resume."
+            raise SweepError(Issue("--cluster", message)) from None
         self._retry_queue += (chunk.select([i]) for i in range(len(chunk.points)))
 
     def _retry(self, chunk: Chunk) -> None:

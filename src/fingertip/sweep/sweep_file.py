@@ -40,24 +40,16 @@ class SweepFile(BaseModel):
     sampling: Literal["grid", "latin_hypercube", "sobol"] = Field(
         "grid", description="grid: every combination of the axes; the others sample `points` points."
     )
-    points: int = quantity(0, "points", "Number of points that a sampler draws.", minimum=0, maximum=MAX_POINTS)
-    seed: int = quantity(0, "", "Random seed of the sampler.", minimum=0, maximum=2**31 - 1)
-    tolerance_mm: float = quantity(
-        0.02, "mm", "Maximum distance between a mesh and the exact surface.", minimum=0.0005, maximum=1
-    )
+    points: int = quantity(0, "points", (0, MAX_POINTS), "Number of points that a sampler draws.")
+    seed: int = quantity(0, "", (0, 2**31 - 1), "Random seed of the sampler.")
+    tolerance_mm: float = quantity(0.02, "mm", (0.0005, 1), "Maximum distance between a mesh and the exact surface.")
     time_limit_s: float = quantity(
-        60.0, "s", "Time limit of a point; a point that takes longer is given up.", minimum=0.05, maximum=86400
+        60.0, "s", (0.05, 86400), "Time limit of a point; a point that takes longer is given up."
     )
-    trials: int = quantity(
-        8, "", "Number of simulated trials per point, for the detection outputs.", minimum=1, maximum=100_000
-    )
-    first_seed: int = quantity(
-        0, "", "Random seed of the first trial; the others count up from it.", minimum=0, maximum=2**31 - 1
-    )
+    trials: int = quantity(8, "", (1, 100_000), "Number of simulated trials per point, for the detection outputs.")
+    first_seed: int = quantity(0, "", (0, 2**31 - 1), "Random seed of the first trial; the others count up from it.")
     detector: str = Field("fast", description="Detector that is run on the trials.")
-    print_density_g_cm3: float = quantity(
-        1.2, "g/cm3", "Density of the printed parts.", minimum=0.1, maximum=20, verified=False
-    )
+    print_density_g_cm3: float = quantity(1.2, "g/cm3", (0.1, 20), "Density of the printed parts. (unverified)")
     minimise: list[str] = Field([], description="Outputs to minimise.")
     maximise: list[str] = Field([], description="Outputs to maximise.")
     axes: dict[str, Any] = Field(
@@ -92,7 +84,6 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
 
 
 def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[Issue]]:
-    """Validate the fields of a sweep file; give the issues if one is wrong."""
     try:
         return SweepFile(**tables), []
     except ValidationError as error:
@@ -137,8 +128,7 @@ def to_canonical_text(tables: Mapping[str, Any]) -> str:
 
 
 def select_row_defining_lines(text: str) -> list[str]:
-    """Select the lines of a canonical text that determine the rows: all but the objectives, which only the report
-    reads."""
+    """Select the lines of a canonical text that determine the rows: all but the objectives."""
     return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
 
 
@@ -148,21 +138,13 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str]) -> dict[
         kind = DESIGN if name == "design" else SCENE
         return load_tables([find_file(entry, kind, folder=folder)], changes, kind).tables
     if entry is None and changes:
-        raise SweepError(
-            Issue(
-                f"--set scene.{changes[0]}",
-                "changes a base scene, but the sweep file names none; add --set scene=FILE.toml.",
-            )
-        )
-    if entry is not None and not isinstance(entry, Mapping):
-        raise SweepError(
-            Issue(
-                name,
-                f"{quote_value(entry)} is neither a file nor a table; give the path of a file, or a table [{name}].",
-            )
-        )
+        message = "changes a base scene, but the sweep file names none; add --set scene=FILE.toml."
+        raise SweepError(Issue(f"--set scene.{changes[0]}", message))
     if entry is None:
         return None
+    if not isinstance(entry, Mapping):
+        problem = f"{quote_value(entry)} is neither a file nor a table"
+        raise SweepError(Issue(name, f"{problem}; give the path of a file, or a table [{name}]."))
     return _merge(dict(entry), load_tables((), changes).tables)
 
 
@@ -182,9 +164,8 @@ def _find_changed_axes(axes: Any, design_changes: list[str], scene_changes: list
         for key in name.split("."):
             entry = entry.get(key) if isinstance(entry, Mapping) else None
         if entry is not None:
-            yield Issue(
-                f"--set {change}", f"has no effect, because {name} is an axis of the sweep; set axes.{name}=[{value}]."
-            )
+            problem = f"has no effect, because {name} is an axis of the sweep"
+            yield Issue(f"--set {change}", f"{problem}; set axes.{name}=[{value}].")
 
 
 def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
@@ -205,17 +186,15 @@ def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[st
 def _explain(issue: Issue) -> Issue:
     """Return the issue with a remedy where a field is missing, or where it became a parameter of the design."""
     if issue.field == "silicone":
-        message = (
-            "is a parameter of the design; write silicone.product under [design], or add --set silicone.product=NAME."
-        )
-        return Issue(issue.field, message)
+        remedy = "write silicone.product under [design], or add --set silicone.product=NAME."
+        return Issue(issue.field, f"is a parameter of the design; {remedy}")
     if "Field required" not in issue.message:
         return issue
-    remedy = {
-        "outputs": 'is missing; list outputs, such as outputs = ["checks_failed"], or [] to check only the rules.',
-        "axes": "is missing; write [axes] and below it what varies, such as skin.width_mm = [16, 17].",
+    remedies = {
+        "outputs": 'list outputs, such as outputs = ["checks_failed"], or [] to check only the rules.',
+        "axes": "write [axes] and below it what varies, such as skin.width_mm = [16, 17].",
     }
-    return Issue(issue.field, remedy[issue.field])
+    return Issue(issue.field, f"is missing; {remedies[issue.field]}")
 
 
 def _list_lines(table: Mapping[str, Any]) -> Iterator[tuple[list[str], Any]]:
@@ -237,8 +216,7 @@ def _to_inline_item(value: Any) -> Item:
         return table
     if isinstance(value, list | tuple):
         array = tomlkit.array()
-        for inner in value:
-            array.append(_to_inline_item(inner))
+        array.extend(map(_to_inline_item, value))
         return array
     item: Item = tomlkit.item(value)
     return item

@@ -47,20 +47,15 @@ from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
-"""Names of the files of a board."""
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300
-"""Maximum length of a line of a difference [characters]."""
 _TAB = "\t"
 _MAX_DIFF_LINES = 12
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """Content of a board's files by name: KiCad project, netlist, SPICE deck, bill of materials, values and README.
-
-    The same design gives the same bytes. Raises BoardError if the values cannot be computed.
-    """
+    """Content of a board's files by name, the same for the same design. Raises BoardError."""
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
@@ -76,10 +71,7 @@ def board_files(design: Design) -> dict[str, bytes]:
 
 
 def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
-    """List the sets of 3D models beside a board, one for each folder, with writer and content.
-
-    They hold the packages of all boards and follow from no parameter, so they are the same for every design.
-    """
+    """List the 3D models beside a board, the same for every design: for each folder writer and content."""
     parameters, sets = hash_parameters({}), dict[str, dict[str, bytes]]()
     for path, data in model_files().items():
         library, name = path.split("/")
@@ -117,10 +109,7 @@ class BoardPlan:
 
 
 def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: bool = False) -> BoardPlan:
-    """Plan the board's files in a folder, and refuse what it cannot take, before anything is written.
-
-    The parameters and exceptions are those of `write_board`.
-    """
+    """Plan the board's files, and refuse what the folder cannot take, as `write_board` does."""
     files = board_files(design)
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:
@@ -220,16 +209,11 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 
 def _refuse_edited(folder: Path) -> None:
     finish_interrupted(folder)
-    issues = [
-        Issue(
-            str(folder / name),
-            "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
-            "Outputs) and leave --fab out, or add --force to overwrite your edits.",
-        )
-        for name in find_edited(folder)
-        if name != PROJECT
-    ]
-    if issues:
+    message = (
+        "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
+        "Outputs) and leave --fab out, or add --force to overwrite your edits."
+    )
+    if issues := [Issue(str(folder / name), message) for name in find_edited(folder) if name != PROJECT]:
         raise OutputError(issues)
 
 
@@ -254,10 +238,7 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
 
 
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
-    """Describe how the fabrication files in a board's folder differ from those of a design; empty if they do not.
-
-    If there are none, that counts as a difference only if they are `expected`.
-    """
+    """Describe how a board's fabrication files differ from a design's; none there count only if `expected`."""
     fab = Path(folder) / FAB_FOLDER
     if not expected and not (fab / PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
         return []
@@ -271,13 +252,8 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
     first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
     window = slice(first, first + _MAX_DIFF_LINES)
     lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
-    return [
-        f"    line {first + 1}:",
-        *(
-            f"    {escape_control(shorten(line, _MAX_DIFF_LENGTH), kept=_TAB)}"
-            for line in list(lines)[3 : 3 + _MAX_DIFF_LINES]
-        ),
-    ]
+    shown = (shorten(line, _MAX_DIFF_LENGTH) for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])
+    return [f"    line {first + 1}:", *(f"    {escape_control(line, kept=_TAB)}" for line in shown)]
 
 
 # Files of a bring-up, and the assessment of readings, for a design.

@@ -16,12 +16,7 @@ from typing import Any
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.print_files import PLATE_KINDS
-from fingertip.cad.report import (
-    DESIGN_HEADING,
-    FORMATS,
-    Build,
-    BuiltPart,
-)
+from fingertip.cad.report import DESIGN_HEADING, FORMATS, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.bone import check_strength
@@ -143,12 +138,9 @@ def build(
         all_built = names == [*known]
         casting = None
         if all_built:
-            casting = casting_sheet_data(
-                design,
-                measure_volumes(design, evaluator),
-                design.silicone.material,
-                warnings=list_warnings(check_strength(design, strength)) if strength else (),
-            )
+            warnings = list_warnings(check_strength(design, strength)) if strength else ()
+            volumes = measure_volumes(design, evaluator)
+            casting = casting_sheet_data(design, volumes, design.silicone.material, warnings=warnings)
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
         meanwhile()
         step = StepFiles({}, {}, {})
@@ -162,15 +154,8 @@ def build(
             checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
         contents = dict(verified.contents) | step.contents
 
-    built = tuple(
-        BuiltPart(
-            PARTS[name],
-            meshes[name],
-            {file_format: f"{name}.{file_format}" for file_format in file_formats},
-            step.measurements.get(name),
-        )
-        for name in names
-    )
+    files = {name: {file_format: f"{name}.{file_format}" for file_format in file_formats} for name in names}
+    built = tuple(BuiltPart(PARTS[n], meshes[n], files[n], step.measurements.get(n)) for n in names)
     if casting:
         contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
     prints = verified.prints
@@ -207,10 +192,7 @@ def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWrite
 def _replace_subset(
     writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None, progress: Callable[[str], None]
 ) -> tuple[str, ...]:
-    """Write a set below the parts, or remove that of other parameters; return what was removed.
-
-    Files of the same parameters that end with `obsolete` and are not written again are removed too.
-    """
+    """Write a set below the parts, without older files ending with `obsolete`; return what was removed."""
     old = read_manifest(writer.folder, writer.top)
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()
@@ -260,9 +242,8 @@ def default_formats(progress: Callable[[str], None] = lambda message: None) -> t
     """Return the formats of a build that names none: all of them, but STEP only where cadquery is installed."""
     if extras.is_installed("cadquery"):
         return FORMATS
-    progress(
-        f"building STL and 3MF; {extras.install_command('cadquery')} adds STEP files and checks against exact solids"
-    )
+    addition = f"{extras.install_command('cadquery')} adds STEP files and checks against exact solids"
+    progress(f"building STL and 3MF; {addition}")
     return tuple(name for name in FORMATS if name != "step")
 
 

@@ -43,11 +43,9 @@ class Coupon:
 
     @property
     def passed(self) -> bool:
-        """True if every check passed."""
         return all(check.passed for check in self.checks)
 
     def data(self) -> dict[str, Any]:
-        """Return the coupon as plain data."""
         return {
             "design": self.design.name,
             "coupon": identify_coupon(self.design),
@@ -69,10 +67,7 @@ def write_coupon(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> Coupon:
-    """Write the coupon of a design with a template for the readings and a page on its use.
-
-    Raises DesignError or GeometryError or MissingLibraryError or OutputError.
-    """
+    """Write a coupon. Raises DesignError or GeometryError or MissingLibraryError or OutputError."""
     if out is not None and not str(out).strip():
         message = "is empty; give a folder, such as . for the current one, or omit the option."
         raise DesignError(Issue("--out", message))

@@ -45,10 +45,7 @@ def find_edited(folder: Path) -> list[str]:
 
 
 def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
-    """Refuse a folder whose board has other parts, footprints or nets. Files that were edited are no concern here.
-
-    Raises OutputError.
-    """
+    """Refuse a folder whose unedited board has other parts, footprints or nets. Raises OutputError."""
     manifest, path = read_manifest(folder), folder / NETLIST
     if manifest is None or manifest.kind != "board" or not has_hash(path, manifest.files.get(path.name)):
         return
@@ -122,7 +119,8 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
     by_identifier = {part.identifier: name for name, part in old.parts.items()}
     # Further units of a symbol have identifiers of their own, but the reference of the first.
     items = list(root.children(kind))
-    references = {by_identifier[_identifier(item)]: _reference(item) for item in items if _is_of(item, by_identifier)}
+    known = [item for item in items if _identifier(item) in by_identifier]
+    references = {by_identifier[_identifier(item)]: _reference(item) for item in known}
     changes: dict[Span, str] = {}
     changed, problems = [], []
     for name, part in new.parts.items():
@@ -169,10 +167,6 @@ def _printed_texts(root: Node) -> dict[str, Node]:
 
 def _identifier(item: Node) -> str:
     return item.word("path").rpartition("/")[2] if item.head == "footprint" else item.word("uuid")
-
-
-def _is_of(item: Node, identifiers: Mapping[str, str]) -> bool:
-    return _identifier(item) in identifiers
 
 
 def _reference(item: Node) -> str:

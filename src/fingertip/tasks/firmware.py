@@ -66,7 +66,6 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
 
 
 def firmware_differences(design: Design, folder: str | Path) -> list[str]:
-    """Describe how a folder's files differ from those of a design; empty if they do not."""
     return [
         difference
         for place, contents in firmware_files(design).items()

@@ -15,10 +15,7 @@ from fingertip.tasks.build import parts_writer
 def write_page(
     design: Design, out: str | Path | None = None, *, force: bool = False
 ) -> tuple[Path, int, tuple[str, ...]]:
-    """Write the page of a design beside its files, `out/NAME/index.html` by default.
-
-    Returns its size [byte]. Raises OutputError.
-    """
+    """Write the page of a design beside its files; returns its size [byte]. Raises OutputError."""
     folder = PART_FILES.folder(design) if out is None else Path(out)
     writer = parts_writer(design, folder, force)
     writer.check((PAGE,))
@@ -29,6 +26,7 @@ def write_page(
         raise
     except Exception as error:  # what the manifest lists may be any file all the same
         message = f"holds files that cannot be shown ({type(error).__name__}: {error}); `fingertip make` makes others."
-        raise OutputError(Issue(str(folder), message)) from error
+        fault = " If it made these, this is a fault of fingertip: please report it."
+        raise OutputError(Issue(str(folder), message + fault)) from error
     writer.add({PAGE: data})
     return folder / PAGE, len(data), tuple(sources.remarks.values())

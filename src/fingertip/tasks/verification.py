@@ -12,7 +12,6 @@ from fingertip.foundation.output_set.swap import (
     find_output_folder,
     is_folder,
     lock,
-    output_errors,
     read_plan,
     staging_folder,
 )
@@ -36,12 +35,16 @@ _COMMANDS = {
 def verify_sets(folder: Path) -> tuple[int, list[str]]:
     """Compare the sets in a folder and its subfolders with their manifests. No link is followed. Raises OutputError."""
     outside = Path(os.path.realpath(folder)).parent
-    with output_errors(folder):
+    try:
         for place in _look_through(folder)[1].values():
             with lock(outside if place == folder else place.parent, shared=True):  # who is still at work ends first
                 pass
         with lock(outside, shared=True):
             return _compare(folder)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        message = f"cannot be read ({reason}); name a folder that a command wrote."
+        raise OutputError(Issue(str(error.filename or folder), message)) from error
 
 
 def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]:

@@ -19,7 +19,6 @@ from fingertip.board.analysis.interference import (
 from fingertip.board.analysis.limits import (
     TactileResponse,
     VoltageLimits,
-    compute_output_swing,
     compute_tactile_response,
     compute_voltage_limits,
 )
@@ -56,36 +55,26 @@ class BoardValues(ComponentValues):
     """Component values of one design's board, and the resulting response, noise and limits."""
 
     tactile_response: TactileResponse
-    """Tactile voltage as a function of the sensor's conductance."""
     target_response: FrequencyResponse
-    """Response that the design asks for."""
     achieved_response: FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
     output_offset: OutputOffset | None
     """Envelope offset due to the amplifiers' offsets; None in variant article: it is below the diode's threshold."""
     supply_ripple: SupplyRipple
-    """Effect of ripple on the supply."""
     noise: NoiseLevels
-    """Noise of the bridge and its amplifier, and the mean envelope due to it."""
     comparator_levels: ComparatorLevels | None
     """Thresholds of the comparator; None in variants without one."""
     aliasing: AliasAttenuation
-    """Attenuation of the frequencies that alias."""
     voltage_limits: VoltageLimits
-    """Levels at which the signals clip."""
     amplifier_loads: tuple[AmplifierLoad, ...]
-    """Load of each amplifier between bridge and envelope in the band of the vibrations."""
     filter_load_ohm: float
     """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
     threshold_spread: ThresholdSpread | None
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
-    """Conditions that the board must meet to work, each with its value and limit."""
     errata: tuple[Erratum, ...]
-    """Errata of the article, with notes on those that do not apply to this board."""
 
     def as_data(self) -> dict[str, Any]:
-        """Return plain mappings and lists for JSON. Keys contain their units."""
         gate = {"gate": [condition.as_data() for condition in self.gate]}
         plain: dict[str, Any] = _round_to_ten_digits(asdict(self) | gate)
         return plain
@@ -135,9 +124,8 @@ def board_values(design: Design) -> BoardValues:
     achieved = compute_response(model, network.values, bandwidth_hz)
     envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
     limits = compute_voltage_limits(
-        circuit, supply, board.supply_v, compute_output_swing(amplifier, supply, board.supply_v),
-        achieved.passband_gain, has_diode, detector,
-    )  # fmt: skip
+        circuit, supply, board.supply_v, amplifier, achieved.passband_gain, has_diode, detector
+    )
     low_offset, offset = choose_low_offset_amplifier(board), None
     if not has_diode:
         offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground, low_offset)
@@ -145,12 +133,7 @@ def board_values(design: Design) -> BoardValues:
     if components.comparator_stage:
         levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
     ripple = compute_supply_ripple(
-        circuit,
-        bandwidth_hz,
-        board.cutoff_hz,
-        supply.signal_ground,
-        detector.threshold_v,
-        envelope_gain,
+        circuit, bandwidth_hz, board.cutoff_hz, supply.signal_ground, detector.threshold_v, envelope_gain
     )
     loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, limits.vibration_peak_v)
     spread = None
@@ -189,7 +172,6 @@ class SimulatedTouch:
 
     force_n: float
     rise_s: float
-    """Time in which the force rises."""
     min_filtered_v: float
 
 
@@ -201,7 +183,6 @@ KNOCK = SimulatedTouch(0.2, 0.004, -2.6)
 
 
 def describe_touches() -> str:
-    """Describe which touches drive the filtered signal below the TL082's input range."""
     limit, beyond = FAST_PRESSES
     return (
         f"in simulations of the article's board a press to {limit.force_n:g} N takes the filtered signal to "
@@ -228,7 +209,6 @@ class Erratum:
 
 
 def load_errata() -> tuple[Erratum, ...]:
-    """Load the errata of the article about its own board."""
     rows = json.loads((Path(__file__).parent / "errata.json").read_text("utf-8"))
     return tuple(
         Erratum(row["subject"], row["statement"], row["correction"].format(touches=describe_touches())) for row in rows
@@ -236,7 +216,6 @@ def load_errata() -> tuple[Erratum, ...]:
 
 
 def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
-    """List the errata, with notes on those that do not apply to a board."""
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
         notes["input range of the amplifiers"] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"

@@ -16,7 +16,6 @@ import numpy as np
 
 from fingertip.board.analysis.limits import VoltageLimits
 from fingertip.board.analysis.loads import (
-    OutputCurrent,
     compute_output_currents,
     compute_peaking_db,
     compute_phase_margins_deg,
@@ -57,14 +56,12 @@ class GateCondition(Comparison):
     """One condition: a value that stays on one side of its limit."""
 
     subject: str = ""
-    """Amplifier, net or component that the condition is about."""
     level: Level = "required"
     """Need for the condition: without a required one the board cannot work, without an advised one only badly."""
     remedy: str = ""
     """Change that helps where it fails; empty where a rule refuses first."""
 
     def as_data(self) -> dict[str, Any]:
-        """Return the entry of this condition in values.json."""
         keys = ("name", "subject", "value", "limit", "unit")
         data = {key: getattr(self, key) for key in keys} | {"bound": self.relation, "level": self.level}
         return data | {"passed": self.passed, "remedy": self.remedy}
@@ -81,14 +78,12 @@ class GateCondition(Comparison):
 def at_most(
     name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
 ) -> GateCondition:
-    """Condition that a value does not exceed its limit."""
     return GateCondition(name, value, limit, unit, "at most", subject, level, remedy)
 
 
 def at_least(
     name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
 ) -> GateCondition:
-    """Condition that a value does not fall below its limit."""
     return GateCondition(name, value, limit, unit, "at least", subject, level, remedy)
 
 
@@ -116,6 +111,14 @@ def check_gate(
     board, amplifier = design.board, choose_amplifier(design.board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
     supply_v = total_supply_v(board)
+    farads = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
+    odd_capacitors = sum(below != above for below, above in map(find_preferred_neighbours, farads))
+    trim = []
+    if spread:
+        # What offsets and currents shift the comparator's threshold by, and what its trimmer takes back.
+        low_offset = choose_low_offset_amplifier(board).name
+        remedy = f"set board.amplifier={low_offset}, or raise detector.threshold_v"
+        trim = [at_most(TRIM, "RV1", spread.to_trim_v, spread.trim_v, "V", "advised", remedy)]
     return (
         at_most(SUPPLY, "U1", supply_v, amplifier.max_supply_v, "V"),
         at_least(SUPPLY, "U1", supply_v, amplifier.min_supply_v, "V"),
@@ -125,9 +128,9 @@ def check_gate(
         *_check_stability(circuit, amplifier, passband_gain),
         at_most(INPUT, "SENSOR, REFERENCE", limits.max_bridge_input_v, limits.bridge_input_limit_v, "V"),
         *_check_converter(circuit, limits, offset),
-        at_most(SERIES, "C1 to C20", float(_count_odd_capacitors(circuit)), 0.0, ""),
-        *_check_trim(design, spread),
-    )  # fmt: skip
+        at_most(SERIES, "C1 to C20", float(odd_capacitors), 0.0, ""),
+        *trim,
+    )
 
 
 def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffset | None) -> Iterator[GateCondition]:
@@ -165,8 +168,13 @@ def _check_currents(
     vibration_v, peak_a = scale * limits.vibration_peak_v, 0.0
     currents = compute_output_currents(circuit, amplifier.bandwidth_hz, board.cutoff_hz)
     if board.variant == "article":
-        envelope = (parse_component_value(circuit.component(name).value) for name in ("R6", "C4"))
-        peak_a = find_charging_current_a(vibration_v, currents, board.cutoff_hz, *envelope)
+        # The largest peak of the current through the rectifying diode over the band of the vibrations.
+        ohm, farad = (parse_component_value(circuit.component(name).value) for name in ("R6", "C4"))
+        gain = next(np.abs(current.gain) for current in currents if current.amplifier == "U1b")
+        frequencies = np.geomspace(*signal_band_hz(board.cutoff_hz), len(gain)).tolist()
+        peaks_v = (vibration_v * gain).tolist()
+        pairs = zip(peaks_v, frequencies, strict=True)
+        peak_a = max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for peak_v, f_hz in pairs)
     for current in currents:
         data = AMPLIFIERS.get(circuit.component(current.reference).symbol.name)
         if data is None:
@@ -184,16 +192,6 @@ def _check_currents(
         yield at_most(CURRENT, current.amplifier, linear_a, limit_a, "A")
 
 
-def find_charging_current_a(
-    vibration_v: float, currents: Iterable[OutputCurrent], cutoff_hz: float, ohm: float, farad: float
-) -> float:
-    """Find the largest peak of the current through the rectifying diode over the band of the vibrations [A]."""
-    gain = next(np.abs(current.gain) for current in currents if current.amplifier == "U1b")
-    frequencies = np.geomspace(*signal_band_hz(cutoff_hz), len(gain)).tolist()
-    pairs = zip(frequencies, (vibration_v * gain).tolist(), strict=True)
-    return max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for f_hz, peak_v in pairs)
-
-
 def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, float]) -> float:
     """Largest constant current of the buffer of a net [A], over all forces on the sensor."""
     largest_a = 0.0
@@ -202,13 +200,11 @@ def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, flo
         volts = network.operating_point(rails)
         total_a = 0.0
         for component in circuit.components:
-            if component.symbol.name != "R" and component.value != "FSR":
-                continue
-            ends = [circuit.net_by_pin[component.reference, pin] for pin in "12"]
-            if buffered in ends:
-                other = ends[0] if ends[1] == buffered else ends[1]
-                value = network.values[component.reference]
-                total_a += float(value) * (volts[other] - volts[buffered])
+            if component.symbol.name == "R" or component.value == "FSR":
+                first, second = (circuit.net_by_pin[component.reference, pin] for pin in "12")
+                if buffered in (first, second):
+                    other = first if second == buffered else second
+                    total_a += float(network.values[component.reference]) * (volts[other] - volts[buffered])
         largest_a = max(largest_a, abs(total_a))
     return largest_a
 
@@ -255,20 +251,6 @@ def _check_stability(circuit: Circuit, amplifier: Amplifier, passband_gain: floa
     yield at_most(PEAKING, "FILTERED", peaking_db, MAX_PEAKING_DB, "dB")
 
 
-def _count_odd_capacitors(circuit: Circuit) -> int:
-    values = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
-    return sum(below != above for below, above in map(find_preferred_neighbours, values))
-
-
-def _check_trim(design: Design, spread: ThresholdSpread | None) -> Iterator[GateCondition]:
-    """Compare what offsets and currents shift the comparator's threshold by with what its trimmer takes back."""
-    if spread:
-        yield at_most(
-            TRIM, "RV1", spread.to_trim_v, spread.trim_v, "V", "advised",
-            f"set board.amplifier={choose_low_offset_amplifier(design.board).name}, or raise detector.threshold_v",
-        )  # fmt: skip
-
-
 def find_smallest_margin(conditions: Iterable[GateCondition], *names: str) -> float:
     """Find the smallest margin of the required conditions, or of those with certain names."""
     return min(
@@ -288,7 +270,6 @@ def gate_warnings(conditions: Iterable[GateCondition]) -> Iterator[str]:
 
 
 def describe_condition(condition: GateCondition) -> str:
-    """Describe a condition: its subject, value and limit."""
     unit = f" {condition.unit}" if condition.unit else ""
     value, limit = (format_figure(number, 3) for number in (condition.value, condition.limit))
     verb = "is" if condition.passed else "must be" if condition.level == "required" else "should be"

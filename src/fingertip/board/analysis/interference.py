@@ -34,12 +34,9 @@ _POINTS = 40
 
 @dataclass(frozen=True)
 class AliasAttenuation:
-    """Attenuation of the frequencies that alias."""
-
     band_hz: float
     """Upper end of the vibrations' band."""
     nyquist_hz: float
-    """Half the sampling rate."""
     alias_hz: float
     """Lowest frequency that aliases into the band: the sampling rate less `band_hz`."""
     tactile_band_db: float
@@ -64,7 +61,6 @@ class AliasAttenuation:
 
 
 def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, has_diode: bool) -> AliasAttenuation:
-    """Compute the attenuation ahead of a design's ADC."""
     detector = design.detector
     nyquist_hz = detector.sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * design.board.cutoff_hz, nyquist_hz)
@@ -117,7 +113,6 @@ DEAD_ZONE_V = 0.45
 _MAX_LOW_HZ, RIPPLE_END_HZ = 30.0, 100e3
 """Lower end of the band in which supply ripple counts, at most, and upper end: mains, harmonics, converters [Hz]."""
 _FREQUENCIES_PER_DECADE = 28
-"""Number of frequencies per decade at which the gain is evaluated."""
 
 
 @dataclass(frozen=True)
@@ -126,23 +121,15 @@ class SupplyRipple:
 
     low_hz: float
     high_hz: float
-    """Ends of the band that is searched, as `ripple_band_hz` gives them."""
+    """Ends of the band that is searched: half the cutoff, at most 30 Hz, and 100 kHz."""
     worst_hz: float
-    """Frequency of the largest gain."""
     gain: float
     """Largest gain from the supply to the filtered signal in this band [V/V]."""
     max_v: float
-    """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold.
-
-    In variant article: the peak that alone makes the diode conduct.
-    """
+    """Peak of the ripple [V] that alone brings the envelope's mean to the detector's threshold, or in variant article
+    makes the diode conduct."""
     force_n: float = 0.0
     """Force on the sensor in the worst case [N]; 0: it is open, as always where the supply feeds the bridge."""
-
-
-def ripple_band_hz(cutoff_hz: float) -> tuple[float, float]:
-    """Band in which supply ripple counts [Hz]: from half the cutoff, at most 30 Hz, to 100 kHz."""
-    return min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
 
 
 def compute_supply_ripple(
@@ -153,8 +140,7 @@ def compute_supply_ripple(
     threshold_v: float,
     envelope_gain: float | None,
 ) -> SupplyRipple:
-    """Compute the effect of supply ripple on a board."""
-    band_hz = ripple_band_hz(cutoff_hz)
+    band_hz = min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
     # What VREF and VMID leave of the ripple counts by the bridge's deflection, of which either end may be the larger.
     forces_n = (0.0, MAX_FORCE_N) if any(net.name == VREF for net in circuit.nets) else (0.0,)
     gain, worst_hz, force_n = max(
@@ -186,5 +172,4 @@ def _find_largest_gain(
 
 
 def describe_sensor(ripple: SupplyRipple) -> str:
-    """Describe the sensor in the worst case."""
     return f"with {ripple.force_n:g} N on the sensor" if ripple.force_n else "with the sensor open"

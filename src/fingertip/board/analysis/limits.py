@@ -26,30 +26,6 @@ range; recalled, unverified)."""
 
 
 @dataclass(frozen=True)
-class OutputSwing:
-    """Swing of a voltage follower of the filter around the signal ground [V]."""
-
-    up_v: float
-    """Upward swing, limited by the output."""
-    down_v: float
-    """Typical downward swing, limited by the output or the input, whichever ends first."""
-    guaranteed_down_v: float
-    """Downward swing that the data sheet guarantees."""
-    has_phase_reversal: bool
-    """True if the output jumps to the upper end when the input leaves its range below."""
-
-
-def compute_output_swing(amplifier: Amplifier, supply: Supply, supply_v: float) -> OutputSwing:
-    """Compute the swing of an amplifier as a voltage follower on a supply, as in the filter's second stage."""
-    up_v = supply.upper_headroom_v(supply_v) - amplifier.output_from_rail_v
-    typical, guaranteed = (
-        supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
-        for input_margin_v in amplifier.input_from_lower_v
-    )
-    return OutputSwing(up_v, typical, guaranteed, amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v)
-
-
-@dataclass(frozen=True)
 class VoltageLimits:
     """Voltage limits [V] against ground, unless stated otherwise."""
 
@@ -95,9 +71,7 @@ class VoltageLimits:
     has_filtered_output: bool
     """True if the filtered signal is at the output connector too."""
     adc_low_v: float
-    """Lower end of the ADC's input range."""
     adc_range_v: float
-    """Upper end of the ADC's input range."""
 
     @property
     def adc_overrange_v(self) -> float:
@@ -109,7 +83,6 @@ class VoltageLimits:
 
     @property
     def adc_range_text(self) -> str:
-        """Input range of the ADC in words."""
         return f"{'plus and minus' if self.adc_low_v else '0 to'} {self.adc_range_v:g} V"
 
 
@@ -117,18 +90,28 @@ def compute_voltage_limits(
     circuit: Circuit,
     supply: Supply,
     supply_v: float,
-    swing: OutputSwing,
+    amplifier: Amplifier,
     gain: float,
     has_diode: bool,
     detector: Detector,
 ) -> VoltageLimits:
-    """Compute the voltage limits of a board."""
+    """Compute the limits of a board whose filter has a dual amplifier of this type and this maximum gain."""
+    # Each amplifier of the filter swings as a voltage follower: down to where its output or its input ends first.
+    up_v = supply.upper_headroom_v(supply_v) - amplifier.output_from_rail_v
+    down_v, guaranteed_down_v = (
+        supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
+        for input_margin_v in amplifier.input_from_lower_v
+    )
     quiescent = build_network(circuit, conducting=[] if has_diode else [RECTIFYING_DIODE])
     tactile_pin_ohm, envelope_pin_ohm = (
         quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, ADC_ENVELOPE)
     )
     # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst cases.
-    open_sensor, pressed = (_operating_point(circuit, supply, supply_v, force_n) for force_n in (0.0, MAX_FORCE_N))
+    networks = (build_network(circuit, sensor_s=sensor_conductance_s(force_n)) for force_n in (0.0, MAX_FORCE_N))
+    rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
+    open_sensor, pressed = (
+        network.restrict(TACTILE, supply.signal_ground).operating_point(rails) for network in networks
+    )
     return VoltageLimits(
         signal_ground_v=open_sensor[supply.signal_ground],
         min_tactile_v=pressed[TACTILE],
@@ -138,12 +121,12 @@ def compute_voltage_limits(
         ),
         max_bridge_input_v=max(volts[net] for volts in (open_sensor, pressed) for net in (SENSOR, REFERENCE)),
         bridge_input_limit_v=supply_v - _INPUT_UPPER_MARGIN_V,
-        filter_peak_v=swing.up_v,
-        filter_trough_v=swing.down_v,
-        filter_guaranteed_trough_v=swing.guaranteed_down_v,
-        has_phase_reversal=swing.has_phase_reversal,
-        vibration_peak_v=min(swing.up_v, swing.down_v) / gain,
-        max_envelope_v=(swing.up_v if has_diode else min(swing.up_v, swing.down_v)) - DIODE_V,
+        filter_peak_v=up_v,
+        filter_trough_v=down_v,
+        filter_guaranteed_trough_v=guaranteed_down_v,
+        has_phase_reversal=amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v,
+        vibration_peak_v=min(up_v, down_v) / gain,
+        max_envelope_v=(up_v if has_diode else min(up_v, down_v)) - DIODE_V,
         clamp_low_rail_v=0.0,
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,
@@ -154,13 +137,7 @@ def compute_voltage_limits(
     )
 
 
-def _operating_point(circuit: Circuit, supply: Supply, supply_v: float, force_n: float) -> dict[str, float]:
-    network = build_network(circuit, sensor_s=sensor_conductance_s(force_n))
-    return network.restrict(TACTILE, supply.signal_ground).operating_point({GND: 0.0, VCC: supply_v, VEE: -supply_v})
-
-
 def describe_filter_swing(limits: VoltageLimits) -> str:
-    """Describe the swing of the filter's signals."""
     if not limits.has_phase_reversal:
         return (
             f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down (typical, into "
@@ -174,7 +151,6 @@ def describe_filter_swing(limits: VoltageLimits) -> str:
 
 
 def describe_adc_range(limits: VoltageLimits) -> str:
-    """Describe whether the range of the ADC covers the board's outputs."""
     if not limits.adc_overrange_v:
         return f"an ADC with a range of {limits.adc_range_text} covers all signals"
     return (

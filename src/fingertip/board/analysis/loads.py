@@ -85,7 +85,6 @@ class OutputCurrent:
     amplifier: str
     """Reference, with the letter of its unit."""
     reference: str
-    """Reference of its component."""
     gain: Spectrum
     """Voltage of the output [V/V]."""
     filter_s: Spectrum
@@ -206,7 +205,7 @@ def compute_two_pole_gain(circuit: Circuit, network: Network, f_hz: Array) -> Sp
     """
     part = network.drive(TACTILE).restrict(FILTERED)
     n, s = len(part.nets), 2j * math.pi * f_hz
-    G, C = part.matrices()
+    G, C = part.matrices
     matrices = G[:, :n] + s[:, None, None] * C[:, :n]
     for component in circuit.components:
         data = AMPLIFIERS.get(component.symbol.name)

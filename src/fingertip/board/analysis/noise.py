@@ -38,7 +38,6 @@ from fingertip.board.parts.circuit import (
     TACTILE,
     Circuit,
     Component,
-    Net,
     format_component_value,
     parse_component_value,
 )
@@ -48,7 +47,6 @@ from fingertip.foundation.numerics import Array
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
 """Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""
 NOISE_BAND_HZ = (0.1, 1e6)
-"""Band over which noise is integrated."""
 NOISE_FORCE_N = 0.8
 """Force on the sensor: the middle one of the article's voltages."""
 HALF_WAVE_MEAN = 1.0 / math.sqrt(2.0 * math.pi)
@@ -85,9 +83,7 @@ class NoiseLevels:
     """RMS noise over `NOISE_BAND_HZ` against supply ground [V], for typical data-sheet values."""
 
     tactile_v: float
-    """RMS noise of the tactile voltage."""
     filtered_v: float
-    """RMS noise ahead of the rectifier."""
     filtered_without_limit_v: float
     """RMS noise ahead of the rectifier without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
@@ -107,8 +103,6 @@ class NoiseAlternative:
 
 @dataclass(frozen=True, eq=False)
 class NoisyNetwork:
-    """Network of a circuit with the sources of its noise and its offsets."""
-
     network: Network
     sources: tuple[Source, ...]
 
@@ -165,15 +159,11 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
 
 
 def _thermal_noise(value: float) -> float:
-    """Johnson-Nyquist noise density sqrt(4 k T x).
-
-    It is a current density for a conductance [S] and a voltage density for a resistance [ohm].
-    """
+    """Johnson-Nyquist noise density sqrt(4 k T x): of the current for a conductance [S], or the voltage for [ohm]."""
     return math.sqrt(4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K * value)
 
 
 def compute_noise_levels(circuit: Circuit, gain_bandwidth_hz: float, envelope_gain: float | None) -> NoiseLevels:
-    """Compute the noise of a board."""
     board = add_noise(circuit, gain_bandwidth_hz)
     filtered_v = board.total_v(FILTERED)
     without_limit_v = filtered_v
@@ -236,19 +226,7 @@ def compare_noise_alternatives(
 
 
 def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    farad = nearest_value(
-        compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz),
-        "E6",
-        1e-12,
-        1e-3,
-    )
-    pins = {STAGE1_OUT: (LIMITING_CAPACITOR, "1"), FEEDBACK: (LIMITING_CAPACITOR, "2")}
-    nets = (Net(n.name, (*n.nodes, pins[n.name])) if n.name in pins else n for n in circuit.nets)
-    return Circuit(
-        circuit.name,
-        (
-            *circuit.components,
-            Component(LIMITING_CAPACITOR, format_component_value(farad), symbols.CAPACITOR, symbols.C_0603, ""),
-        ),
-        tuple(nets),
-    )
+    ideal_f = compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz)
+    value = format_component_value(nearest_value(ideal_f, "E6", 1e-12, 1e-3))
+    capacitor = Component(LIMITING_CAPACITOR, value, symbols.CAPACITOR, symbols.C_0603, "")
+    return circuit.connect(capacitor, {"1": STAGE1_OUT, "2": FEEDBACK})

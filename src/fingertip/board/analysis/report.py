@@ -16,16 +16,12 @@ from fingertip.board.analysis.noise import (
     NETS,
     Contribution,
     NoiseAlternative,
-    NoisyNetwork,
     add_noise,
     compare_noise_alternatives,
     noise_budget,
 )
 from fingertip.board.analysis.response import model_filter
-from fingertip.board.analysis.thresholds import (
-    ComparatorLevels,
-    OutputOffset,
-)
+from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import (
     ARTICLE_CAPACITOR_PERCENT,
     Spread,
@@ -49,44 +45,34 @@ BRIDGE_TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class Analysis:
-    """Results of the analysis of one board."""
-
     noise: tuple[Contribution, ...]
     """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
     noise_total_v: tuple[float, ...]
     noise_alternatives: tuple[NoiseAlternative, ...]
-    """Total noise of this variant and with changes that affect it, and the mean envelope due to it."""
     threshold_v: float
-    """Threshold of the detector, for comparison with the mean envelope due to noise."""
     amplifier: str
     """Dual amplifier of filter and rectifier."""
     aliasing: AliasAttenuation
     voltage_limits: VoltageLimits
     output_offset: OutputOffset | None
-    """Envelope offset; None in variant article."""
     supply_ripple: SupplyRipple
     comparator_levels: ComparatorLevels | None
     tolerance: Tolerance
-    """Tolerances that the design states."""
     offset: tuple[Contribution, ...]
     """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
     the bridge with the worst-case resistors of 0.1 % and no force. U3 is part of `output_offset`."""
     component_percent: dict[str, float]
-    """Tolerance of each component [%], as it is bought."""
     boards: int
-    """Number of boards for which `spread` is computed."""
     spread: dict[str, Spread]
     article_spread: dict[str, Spread]
     """Spread with C1 to C3 of the article's tolerance, for comparison."""
     sensitivity: dict[str, dict[str, float]]
 
     def as_data(self) -> dict[str, Any]:
-        """Return plain mappings and lists for JSON."""
         return {"nets": NETS, **asdict(self)}
 
 
 def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
-    """Analyse a design's board."""
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
     bandwidth_hz, has_diode = find_gain_bandwidth_hz(board), board.variant == "article"
@@ -95,6 +81,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     toleranced = TolerancedFilter(model, network.values)
     noise, total = noise_budget(noisy)
     percent = component_tolerances(circuit)
+    offsets = zip(noisy.sources, zip(*(noisy.offsets_v(net) for net in NETS), strict=True), strict=True)
     return Analysis(
         noise=noise,
         noise_total_v=total,
@@ -110,7 +97,11 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         supply_ripple=values.supply_ripple,
         comparator_levels=values.comparator_levels,
         tolerance=values.tolerance,
-        offset=(*_offsets(noisy), _bridge_offset(network, board.supply_v)),
+        offset=(
+            # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
+            *(Contribution(source.name, volts) for source, volts in offsets if source.offset and any(volts)),
+            _bridge_offset(network, board.supply_v),
+        ),
         component_percent=percent,
         boards=boards,
         spread=monte_carlo(toleranced, percent, boards, seed),
@@ -137,13 +128,6 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
         cells.append(f"{20 * math.log10(find_gain_bandwidth_hz(design.board) / hz):.4f}")
         lines.append(",".join(cells))
     return "\n".join(lines) + "\n"
-
-
-def _offsets(board: NoisyNetwork) -> list[Contribution]:
-    columns = zip(*(board.offsets_v(net) for net in NETS), strict=True)
-    pairs = zip(board.sources, columns, strict=True)
-    # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
-    return [Contribution(source.name, volts) for source, volts in pairs if source.offset and any(volts)]
 
 
 def _bridge_offset(network: Network, supply_v: float) -> Contribution:

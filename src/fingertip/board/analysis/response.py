@@ -44,8 +44,6 @@ _HALVINGS = 36
 
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Characteristics of the frequency response of the filter and the envelope."""
-
     passband_gain: float
     """First maximum of the gain above the poles."""
     passband_gain_db: float
@@ -71,7 +69,6 @@ class Passband:
     gain: float
     """First maximum of the gain above the poles."""
     peak_hz: float
-    """Frequency of the maximum."""
     low_hz: float
     """Lower -3.0103 dB frequency."""
     high_hz: float
@@ -86,7 +83,6 @@ class EnvelopeModel:
     """First-order low-pass: from the filtered voltage (variant article: from the diode's current) to the envelope."""
 
     def decay_s(self, values: Mapping[str, Value]) -> Value:
-        """Time constant [s]."""
         constant, slope = self.stage.evaluate(values).denominator
         return slope / constant
 
@@ -105,13 +101,11 @@ class FilterModel:
     """
 
     ideal: tuple[Stage, ...]
-    """Stages with ideal amplifiers."""
     as_built: tuple[Stage, ...]
     """Stages with amplifiers of finite bandwidth and with input capacitance."""
     envelope: EnvelopeModel
 
     def transfer(self, values: Mapping[str, Value]) -> Rational:
-        """Transfer function as built."""
         return multiply(stage.evaluate(values) for stage in self.as_built)
 
     def first_pole_hz(self, values: Mapping[str, Value]) -> Value:
@@ -126,7 +120,6 @@ class FilterModel:
 
 
 def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
-    """Expand the transfer functions of a circuit's filter and envelope."""
     ideal, as_built = (
         find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED) for bandwidth in (None, 1.0)
     )
@@ -135,23 +128,16 @@ def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
 
 def model_envelope(circuit: Circuit, has_diode: bool) -> EnvelopeModel:
     """Expand the transfer function of a circuit's envelope alone."""
-    return EnvelopeModel(_model_peak_detector(circuit) if has_diode else _model_low_pass(circuit))
-
-
-def _model_low_pass(circuit: Circuit) -> Stage:
-    network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
-    (stage,) = find_stages(network, FILTERED, ENVELOPE)
-    return stage
-
-
-def _model_peak_detector(circuit: Circuit) -> Stage:
-    """Voltage over the diode's current; the pole ahead of the ADC, which loads it by a hundredth, is left out."""
+    if not has_diode:
+        network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
+        return EnvelopeModel(*find_stages(network, FILTERED, ENVELOPE))
+    # Voltage over the diode's current. The pole ahead of the ADC, which loads it by a hundredth, is left out.
     terms = build_network(circuit.without("R7")).restrict(ENVELOPE).terms
     admittance = tuple(
         tuple((term.factor, (term.quantity,)) for term in terms if term.net == ENVELOPE and term.order == order)
         for order in (0, 1)
     )
-    return Stage((((1.0, ()),),), admittance)
+    return EnvelopeModel(Stage((((1.0, ()),),), admittance))
 
 
 def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
@@ -228,7 +214,6 @@ def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
 
 
 def compute_response(model: FilterModel, values: Mapping[str, Value], gain_bandwidth_hz: float) -> FrequencyResponse:
-    """Compute the response of a board."""
     section_hz, quality = model.section(values)
     passband = find_passband(model.transfer(values), search_band_hz(model, values))
     decay_s = float(model.envelope.decay_s(values))

@@ -43,7 +43,6 @@ class ComparatorLevels:
     threshold_bias_v: float
     """Typical increase of the ON threshold by the current of the other input, if both inputs draw the same."""
     averaging_tau_s: float
-    """Time constant of the averaging low-pass [s]."""
 
 
 def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_ground: str) -> ComparatorLevels:
@@ -104,7 +103,6 @@ class OutputOffset:
 def compute_output_offset(
     circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, low_offset: Amplifier
 ) -> OutputOffset:
-    """Compute the envelope offset of a board with a precision rectifier."""
     conducting, blocked = (
         _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode) for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
     )
@@ -215,7 +213,6 @@ def _tolerance_v(network: Network, rails: Mapping[str, float], tolerance: float)
 
 
 def describe_threshold_spread(spread: ThresholdSpread) -> str:
-    """Describe mean, worst case and the trimmer's reach."""
     largest = max(spread.shifts, key=lambda shift: shift.worst_v)
     return (
         f"with the trimmer at its midpoint the threshold of a board is {1e3 * spread.mean_v:.1f} mV on average and "

@@ -27,11 +27,9 @@ from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3", "C14", "C20")
 """Components of the filter that have a tolerance. Variant article has neither C14 nor C20."""
 CUTOFF_CAPACITORS = ("C1", "C2", "C3")
-"""Capacitors that set the cutoff."""
 ARTICLE_CAPACITOR_PERCENT = 5.0
 """Tolerance [%] of the article's capacitors, with which others are compared."""
 QUANTITIES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", "section_hz")
-"""Quantities of the filter whose tolerance is computed."""
 
 
 @dataclass(frozen=True)
@@ -81,11 +79,9 @@ class Spread:
     low_95: float
     """Lower end of the central interval that contains 95 % of the boards."""
     high_95: float
-    """Upper end of the central interval that contains 95 % of the boards."""
     worst_low: float
     """Minimum over all corners of the tolerances."""
     worst_high: float
-    """Maximum over all corners of the tolerances."""
 
 
 def monte_carlo(
@@ -178,27 +174,20 @@ class ResponseBand:
     target: Array
     """Third-order Butterworth high-pass of the design's gain and cutoff."""
     nominal: Array
-    """Board with nominal values."""
     low: Array
     """Lower end of the band at each frequency by itself."""
     high: Array
-    """Upper end of the band at each frequency by itself."""
     target_cutoff_hz: float
     lower_hz: float
-    """Lower cutoff of the nominal board."""
     lower_ends_hz: Ends
     """Ends of the band of lower cutoffs."""
     upper_hz: float
-    """Upper cutoff of the nominal board."""
     upper_ends_hz: Ends
-    """Ends of the band of upper cutoffs."""
     percent: dict[str, float]
-    """Tolerance of each component [%], as it is bought."""
     boards: int
 
 
 def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -> ResponseBand:
-    """Compute the band of a design's board."""
     settings = design.board
     circuit = board_circuit(board_values(design))
     network = build_network(circuit, find_gain_bandwidth_hz(settings))
@@ -241,25 +230,25 @@ def _find_ends(values: Array) -> Ends:
 # Plot of the filter's response: target, nominal board and the band of boards within their tolerances.
 
 FORMATS = {".png": to_png, ".svg": to_svg}
-"""Renderers by the suffix of the file."""
 _FLOOR_DB = -25.0
 """Lowest level of the axis relative to the maximum [dB]: three times below it, nothing tells boards apart."""
 _HEADROOM_DB = 8.0
 
 
 def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
-    """Plot a band as PNG or SVG.
-
-    The file holds no date and no version, so the same band gives the same bytes.
-    """
+    """Plot a band as PNG or SVG, without date and version, so that the same band gives the same bytes."""
     figure = new_figure(9, 5.4)
     axes = figure.add_subplot()
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
     nominal_db = _decibel(band.nominal)
     maximum_db = float(nominal_db.max())
+    groups: dict[float, list[str]] = {}
+    for name, value in band.percent.items():
+        groups.setdefault(value, []).append(name)
+    tolerances = "; ".join(f"{', '.join(names)} {value:g} %" for value, names in sorted(groups.items()))
     axes.fill_between(
         band.f_hz, _decibel(band.low), _decibel(band.high), color=BLUE, alpha=0.22, linewidth=0,
-        label=f"95 % of boards ({describe_tolerances(band.percent)})",
+        label=f"95 % of boards ({tolerances})",
     )  # fmt: skip
     axes.plot(band.f_hz, _decibel(band.target), color=ORANGE, linewidth=1.4, linestyle=(0, (5, 2)),
               label=f"target: Butterworth, third order, {format_figure(band.target_cutoff_hz)} Hz")  # fmt: skip
@@ -270,8 +259,9 @@ def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
     for hz, ends_hz, side in ((band.lower_hz, band.lower_ends_hz, -1), (band.upper_hz, band.upper_ends_hz, 1)):
         axes.plot([hz], [level_db], marker="o", color=RED, markersize=5)
         axes.hlines(level_db, *ends_hz, color=RED, linewidth=2.5)
+        ends = " to ".join(format_figure(end_hz, 3) for end_hz in ends_hz)
         axes.annotate(
-            f"−3 dB at {format_figure(hz)} Hz\n95 %: {describe_ends(ends_hz)} Hz", (hz, level_db),
+            f"−3 dB at {format_figure(hz)} Hz\n95 %: {ends} Hz", (hz, level_db),
             (14 * side, 4), textcoords="offset points", ha="left" if side > 0 else "right", va="bottom",
             color=RED, fontsize=9,
         )  # fmt: skip
@@ -283,20 +273,6 @@ def draw_response(band: ResponseBand, title: str, suffix: str) -> bytes:
     style_axes(axes, "both")
     axes.legend(loc="upper left", frameon=False, fontsize=9)
     return FORMATS[suffix](figure)
-
-
-def describe_tolerances(percent: Mapping[str, float]) -> str:
-    """Describe the tolerances of the components: "R1, R2 1 %; C1, C2 10 %"."""
-    groups: dict[float, list[str]] = {}
-    for name, value in percent.items():
-        groups.setdefault(value, []).append(name)
-    parts = (f"{', '.join(names)} {value:g} %" for value, names in sorted(groups.items()))
-    return "; ".join(parts)
-
-
-def describe_ends(ends_hz: Ends) -> str:
-    """Describe the ends of a band of frequencies."""
-    return " to ".join(format_figure(hz, 3) for hz in ends_hz)
 
 
 def _decibel(magnitude: Array) -> Array:

@@ -35,7 +35,6 @@ from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 
 TONE = "TONE"
 """Net that the generator drives, above ground."""
-_MIDDLE = "TONE_MIDDLE"
 COUPLING_OHM, COUPLING_F = "R99", "C99"
 COUPLING_FARAD = 100e-9
 TONE_V = 0.3
@@ -48,8 +47,6 @@ _TONE_RATIOS = (0.6, 1.0, 2.0)
 
 @dataclass(frozen=True)
 class Bench:
-    """Parts and tones for the tests of one board."""
-
     dummy_ohm: tuple[float, float]
     """Resistors in place of the sensor: for the lighter and the firmer of two forces."""
     coupling_ohm: float
@@ -59,7 +56,6 @@ class Bench:
 
 
 def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, swing_v: float) -> Bench:
-    """Select parts and tones for a board."""
     # Values of E24 are in any kit of resistors; the expected readings follow from the values that are used.
     light_ohm, firm_ohm = (
         nearest_value(1.0 / sensor_conductance_s(force_n), "E24") for force_n, _ in ARTICLE_POINTS[1:]
@@ -79,9 +75,8 @@ def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:
         COUPLING_OHM, f"{bench.coupling_ohm:.10g}", RESISTOR, R_0603, "test: from the generator to the sensor"
     )
     capacitor = Component(COUPLING_F, f"{COUPLING_FARAD:.10g}", CAPACITOR, C_0603, "test: blocks direct current")
-    nets = [Net(net.name, (*net.nodes, (COUPLING_OHM, "2"))) if net.name == SENSOR else net for net in circuit.nets]
-    nets += [Net(_MIDDLE, ((COUPLING_OHM, "1"), (COUPLING_F, "2"))), Net(TONE, ((COUPLING_F, "1"),))]
-    return Circuit(circuit.name, (*circuit.components, resistor, capacitor), tuple(nets))
+    middle = "TONE_MIDDLE"
+    return circuit.connect(resistor, {"1": middle, "2": SENSOR}).connect(capacitor, {"1": TONE, "2": middle})
 
 
 # Faults of single parts: what goes wrong when a board is soldered, each as a changed circuit.
@@ -93,8 +88,6 @@ _WRONG_VALUES = ((0.1, "a tenth of its value"), (0.5, "half its value"), (2.0, "
 
 @dataclass(frozen=True)
 class Fault:
-    """Fault of one part."""
-
     reference: str
     """Reference of the part; empty for a board without a fault."""
     description: str
@@ -107,45 +100,32 @@ class Fault:
 
     @property
     def sentence(self) -> str:
-        """The part and what is wrong with it."""
         return f"{self.reference} {self.description}"
 
 
 def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> Iterator[Fault]:
     """Yield the faults of a circuit, one part at a time."""
-    for component in circuit.components:
-        if component.symbol.name in ("R", "C"):
-            yield from _list_passive_faults(circuit, component)
-        elif component.symbol.name == "1N4148W":
-            yield from _list_diode_faults(circuit, component)
+    for part in circuit.components:
+        name, kind = part.reference, part.symbol.name
+        bridged = Fault(name, "is bridged", circuit.replace(name, _SHORT_OHM, RESISTOR), 1)
+        if kind in ("R", "C"):
+            opened = circuit.replace(name, _OPEN_OHM if kind == "R" else _OPEN_FARAD)
+            yield Fault(name, "is open: not soldered, or cracked", opened)
+            yield bridged
+            for factor, description in _WRONG_VALUES:
+                value = f"{factor * parse_component_value(part.value):.10g}"
+                yield Fault(name, f"has {description}", circuit.replace(name, value), 2)
+        elif kind == "1N4148W":
+            swapped = {(name, "1"): (name, "2"), (name, "2"): (name, "1")}
+            nets = tuple(Net(net.name, tuple(swapped.get(node, node) for node in net.nodes)) for net in circuit.nets)
+            yield Fault(name, "is reversed", replace(circuit, nets=nets))
+            yield Fault(name, "is open: not soldered", circuit.without(name))
+            yield bridged
     for output in list_amplifiers(circuit):
         if output.net in ends_v:
             for volts, end in zip(ends_v[output.net], ("lowest", "highest"), strict=True):
                 what = f"holds {output.net} at its {end} voltage: rotated, not soldered, or with bridged pins"
                 yield Fault(output.reference, what, circuit, 3, {output.net: volts})
-
-
-def _list_passive_faults(circuit: Circuit, part: Component) -> Iterator[Fault]:
-    reference, is_resistor = part.reference, part.symbol.name == "R"
-    value = parse_component_value(part.value)
-    opened = circuit.replace(reference, _OPEN_OHM if is_resistor else _OPEN_FARAD)
-    yield Fault(reference, "is open: not soldered, or cracked", opened)
-    yield Fault(reference, "is bridged", _replace(circuit, replace(part, symbol=RESISTOR, value=_SHORT_OHM)), 1)
-    for factor, description in _WRONG_VALUES:
-        yield Fault(reference, f"has {description}", circuit.replace(reference, f"{factor * value:.10g}"), 2)
-
-
-def _list_diode_faults(circuit: Circuit, part: Component) -> Iterator[Fault]:
-    swapped = {(part.reference, "1"): (part.reference, "2"), (part.reference, "2"): (part.reference, "1")}
-    nets = tuple(Net(net.name, tuple(swapped.get(node, node) for node in net.nodes)) for net in circuit.nets)
-    yield Fault(part.reference, "is reversed", Circuit(circuit.name, circuit.components, nets))
-    yield Fault(part.reference, "is open: not soldered", circuit.without(part.reference))
-    yield Fault(part.reference, "is bridged", _replace(circuit, replace(part, symbol=RESISTOR, value=_SHORT_OHM)), 1)
-
-
-def _replace(circuit: Circuit, part: Component) -> Circuit:
-    components = tuple(part if c.reference == part.reference else c for c in circuit.components)
-    return Circuit(circuit.name, components, circuit.nets)
 
 
 # Readings at the pins of J3: what the controller will see, behind the resistors and capacitors ahead of it.
@@ -155,7 +135,6 @@ def _replace(circuit: Circuit, part: Component) -> Circuit:
 
 HOST = "J3"
 METER_OHM = 10e6
-"""Input resistance of a multimeter."""
 TOP_HZ = 400.0
 """Tone at which S is measured: the upper end of a simple meter's range, where C25 attenuates most."""
 
@@ -174,12 +153,10 @@ class OutputPin:
 
     @property
     def constant_name(self) -> str:
-        """Name of the reading of its constant voltage with the sensor open."""
         return f"j3_{self.letter.lower()}_open_v"
 
     @property
     def tone_name(self) -> str:
-        """Name of the reading of its tone."""
         return f"j3_{self.letter.lower()}_{TOP_HZ:.0f}hz_v"
 
 
@@ -192,7 +169,6 @@ _PINS = (
 
 
 def list_output_pins(circuit: Circuit) -> tuple[OutputPin, ...]:
-    """List the pins of J3 that are measured."""
     nets = {net.name for net in circuit.nets if any(reference == HOST for reference, _ in net.nodes)}
     return tuple(pin for pin in _PINS if pin.net in nets)
 
@@ -204,28 +180,17 @@ def has_tone(pin: OutputPin) -> bool:
 
 def connect_meter(circuit: Circuit) -> Circuit:
     """Connect a meter between each measured pin and supply ground."""
-    pins = {pin.net: pin for pin in list_output_pins(circuit)}
-    meters = tuple(
-        Component(pin.meter, f"{METER_OHM:.10g}", RESISTOR, R_0603, "test: input of the meter") for pin in pins.values()
-    )
-    nets = []
-    for net in circuit.nets:
-        if net.name in pins:
-            nets.append(Net(net.name, (*net.nodes, (pins[net.name].meter, "1"))))
-        elif net.name == GND:
-            nets.append(Net(net.name, (*net.nodes, *((meter.reference, "2") for meter in meters))))
-        else:
-            nets.append(net)
-    return Circuit(circuit.name, (*circuit.components, *meters), tuple(nets))
+    for pin in list_output_pins(circuit):
+        meter = Component(pin.meter, f"{METER_OHM:.10g}", RESISTOR, R_0603, "test: input of the meter")
+        circuit = circuit.connect(meter, {"1": pin.net, "2": GND})
+    return circuit
 
 
 def predict_constants(circuit: Circuit, sources_v: Mapping[str, float]) -> dict[str, float]:
     """Constant voltages of the pins above supply ground [V], from those of the nets that feed them."""
     pins = list_output_pins(circuit)
     network = build_network(connect_meter(circuit)).drive(*(pin.source for pin in pins))
-    path = network.restrict(*(pin.net for pin in pins))
-    given = {name: sources_v.get(name, 0.0) for name in path.inputs}
-    volts = path.operating_point(given)
+    volts = network.restrict(*(pin.net for pin in pins)).operating_point(sources_v)
     return {pin.constant_name: volts[pin.net] for pin in pins}
 
 
@@ -240,14 +205,6 @@ def attenuate_tones(circuit: Circuit) -> dict[str, float]:
 
 def largest_drop_v(circuit: Circuit, expected_v: Mapping[str, float]) -> float:
     """Largest voltage that the meter's own current takes from a pin [V]."""
-    return max(
-        (abs(expected_v[pin.constant_name]) * (1.0 / ratio - 1.0) for pin, ratio in _ratios(circuit).items()),
-        default=0.0,
-    )
-
-
-def _ratios(circuit: Circuit) -> dict[OutputPin, float]:
-    """Share of each source's constant voltage that its pin has with the meter connected."""
-    pins = list_output_pins(circuit)
-    volts = predict_constants(circuit, {pin.source: 1.0 for pin in pins})
-    return {pin: volts[pin.constant_name] for pin in pins}
+    # The share of each source's constant voltage that its pin has with the meter connected.
+    ratios = predict_constants(circuit, {pin.source: 1.0 for pin in list_output_pins(circuit)})
+    return max((abs(expected_v[name]) * (1.0 / ratio - 1.0) for name, ratio in ratios.items()), default=0.0)

@@ -7,7 +7,7 @@ mistake is named ahead of all faults if it explains the readings better than any
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from fingertip.board.bringup.bench import HOST, Fault, list_faults
@@ -30,8 +30,6 @@ _GROUND = name_voltage(VMID)
 
 @dataclass(frozen=True)
 class Mistake:
-    """Way to take the readings wrongly."""
-
     sentence: str
     remedy: str
     apply: Callable[[Voltages], Voltages]
@@ -48,55 +46,38 @@ def is_direct(name: str) -> bool:
     return not is_tone(name) or name.startswith(tuple(f"{POINTS[net].lower()}_" for net in (ENVELOPE, RECT_OUT)))
 
 
-def _from_supply_ground(values: Voltages) -> Voltages:
-    ground_v = values[_GROUND]
-    return {name: v + ground_v if is_above_signal_ground(name) else v for name, v in values.items()}
-
-
-def _from_signal_ground(values: Voltages) -> Voltages:
-    ground_v = values[_GROUND]
-    return {name: v - ground_v if _is_at_host(name) else v for name, v in values.items()}
-
-
-def is_above_signal_ground(name: str) -> bool:
-    """Return whether a reading is a direct voltage with the black probe at signal ground."""
-    return is_direct(name) and name != _GROUND and not _is_at_host(name)
-
-
-def _is_at_host(name: str) -> bool:
-    return name.startswith(f"{HOST.lower()}_") and is_direct(name)
-
-
-def _replace_ground(values: Voltages, ratio: float) -> Voltages:
-    return {**values, _GROUND: ratio * values[_GROUND]}
+def _exchange_ground(values: Voltages, *, at_host: bool) -> Voltages:
+    """Take the direct voltages at the host's connector against signal ground, or all others against supply ground."""
+    moved = {name for name in values if is_direct(name) and name.startswith(f"{HOST.lower()}_") == at_host} - {_GROUND}
+    shift_v = -values[_GROUND] if at_host else values[_GROUND]
+    return {name: v + shift_v if name in moved else v for name, v in values.items()}
 
 
 _TWO_GROUNDS = (
     Mistake(
         "the direct voltages were taken with the black probe at supply ground (GND) instead of signal ground (TP5)",
         f"move the black probe to TP5, for all but {_GROUND} and those at {HOST}, and measure again",
-        _from_supply_ground,
+        lambda values: _exchange_ground(values, at_host=False),
     ),
     Mistake(
         f"the direct voltages at {HOST} were taken with the black probe at signal ground (TP5)",
         "move the black probe to supply ground (GND) for them, and measure again",
-        _from_signal_ground,
+        lambda values: _exchange_ground(values, at_host=True),
     ),
     Mistake(
         f"{_GROUND} was taken with the black probe at TP5 and the red one at supply ground (GND)",
         "exchange the probes for it, and measure again",
-        lambda values: _replace_ground(values, -1.0),
+        lambda values: {**values, _GROUND: -values[_GROUND]},
     ),
     Mistake(
         f"{_GROUND} was taken with both probes at signal ground (TP5)",
         "move the black probe to supply ground (GND) for it, and measure again",
-        lambda values: _replace_ground(values, 0.0),
+        lambda values: {**values, _GROUND: 0.0},
     ),
 )
 
 
 MIN_READINGS = 3
-"""Least number of readings for a diagnosis."""
 _MODEL_RATIO = 0.03
 """Error of a predicted reading beyond that of a good board, as a ratio of it."""
 _ALIKE = 4.0
@@ -130,10 +111,7 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Result of comparing readings with a board's limits."""
-
     failed: tuple[str, ...]
-    """Readings beyond their limits."""
     likely: tuple[Explanation, ...]
     """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed, or if no
     fault explains any that did."""
@@ -199,11 +177,21 @@ def explain(
     predicted = list(predicted)
     expected = {name: limits[name].expected_v for name in readings}
     no_fault = _misfit(expected, readings, limits)
+    failing = {name: v for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v}
+
+    def explains_one(values: Mapping[str, float]) -> bool:
+        """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
+        return any(
+            abs(_difference(name, values[name], v, limits))
+            <= _CLOSER * abs(_difference(name, expected[name], v, limits))
+            for name, v in failing.items()
+        )
+
     # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
     alone = [
         Explanation(fault, misfit)
         for fault, values in predicted
-        if fault.reference and _explains_one(values, expected, readings, limits)
+        if fault.reference and explains_one(values)
         if (misfit := _misfit(values, readings, limits)) < no_fault
     ]
     likely = _select_closest(alone, len(readings)) if alone else ()
@@ -230,21 +218,6 @@ def _select_closest(found: list[Explanation], count: int) -> tuple[Explanation, 
     # The readings do not tell these apart; the more common ones come first.
     close.sort(key=lambda each: (each.fault.rarity, each.misfit))
     return tuple(close[:_MOST])
-
-
-def _explains_one(
-    predicted: Mapping[str, float],
-    expected: Mapping[str, float],
-    readings: Mapping[str, float],
-    limits: Mapping[str, Limits],
-) -> bool:
-    """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
-    return any(
-        abs(_difference(name, predicted[name], v, limits))
-        <= _CLOSER * abs(_difference(name, expected[name], v, limits))
-        for name, v in readings.items()
-        if not limits[name].low_v <= v <= limits[name].high_v
-    )
 
 
 def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
@@ -277,7 +250,10 @@ def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
         # An offset that the fault lets through shows, unless it happens to be nearly none.
         values = fit_offset(board, fault, found, beyond)
         is_within = all(limits.low_v <= values[name] <= limits.high_v for name, limits in plan.levels.items())
-        if is_within and not any(_list_wrong_resistances(plan, fault)):
+        resistances = resistance_limits(replace(board, circuit=fault.circuit)) if is_within else {}
+        if is_within and all(
+            limits.low_v <= resistances[name].expected_v <= limits.high_v for name, limits in plan.before_power.items()
+        ):
             what = fault.description.removeprefix("is ").partition(":")[0]
             hidden.setdefault(what, []).append(fault.reference)
     return hidden
@@ -286,10 +262,3 @@ def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
 def list_unsimulated(plan: BringUp) -> list[str]:
     """List the clamps, whose faults are not simulated: without them every reading is as it should be."""
     return [part.reference for part in plan.board.circuit.components if part.symbol.name == "BAT54S"]
-
-
-def _list_wrong_resistances(plan: BringUp, fault: Fault) -> Iterator[str]:
-    found = resistance_limits(replace(plan.board, circuit=fault.circuit))
-    for name, limits in plan.before_power.items():
-        if not limits.low_v <= found[name].expected_v <= limits.high_v:
-            yield name

@@ -67,8 +67,6 @@ METER_DC, METER_AC = (0.005, 0.003), (0.02, 0.005)
 _TEST_PART_RATIO = {COUPLING_OHM: 0.01, COUPLING_F: 0.1}
 """Tolerances of the parts that connect the generator. Measure the resistor to know it better."""
 _DUMMY_RATIO = 0.01
-_HOLDING = "C4"
-"""Capacitor that holds the envelope."""
 SUPPLY_PERCENT = 2.0
 """Tolerance of the supply during the tests: all levels of a bridge scale with it."""
 
@@ -107,8 +105,9 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     filtered = levels[name_tone(FILTERED, board.bench.tones_hz[-1])]
     middle = tone_v * float(batch_level(path, board.bench.tones_hz[-1], FILTERED))
     tones_v = [tone_v * float(level) / middle for level in (middle, filtered.min(), filtered.max())]
-    circuits = [board.circuit, *(_change(board, _HOLDING, sign) for sign in (-1.0, 1.0))]
-    nominal, *ends = predict(board, [Fault("", "", circuit) for circuit in circuits], *tones_v)
+    c4_f, ratio = parse_component_value(board.circuit.component("C4").value), _find_tolerance("C4", board)
+    circuits = (board.circuit.replace("C4", f"{c4_f * factor:.10g}") for factor in (1.0 - ratio, 1.0 + ratio))
+    nominal, *ends = predict(board, [Fault("", "", circuit) for circuit in (board.circuit, *circuits)], *tones_v)
     limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
     limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
     limits |= _limit_envelope(board, values, nominal, ends)
@@ -200,14 +199,8 @@ def _draw(path: Network, board: Board, random: np.random.Generator) -> dict[str,
     return drawn
 
 
-def _change(board: Board, reference: str, sign: float) -> Circuit:
-    value = parse_component_value(board.circuit.component(reference).value)
-    return board.circuit.replace(reference, f"{value * (1.0 + sign * _find_tolerance(reference, board)):.10g}")
-
-
 def _find_tolerance(reference: str, board: Board) -> float:
-    parts = {part.reference: part for part in board.circuit.components}
-    requirement = parts[reference].requirement if reference in parts else None
+    requirement = next((part.requirement for part in board.circuit.components if part.reference == reference), None)
     return requirement.tolerance_percent / 100.0 if requirement else 0.0
 
 
@@ -238,13 +231,10 @@ def resistance_between(circuit: Circuit, first: str, second: str) -> float:
     """Resistance between two nets through the resistors alone [ohm]; infinite if they do not join them."""
     edges = []
     for part in circuit.components:
-        if part.symbol.name == "R" and part.reference != GAIN_RESISTOR:
-            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, "2"]
+        far_pin = {"R": "2", "R_Potentiometer": "3"}.get(part.symbol.name)
+        if far_pin and part.reference != GAIN_RESISTOR:
+            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, far_pin]
             edges.append((*ends, 1.0 / parse_component_value(part.value)))
-        elif part.symbol.name == "R_Potentiometer":
-            ohm = parse_component_value(part.value)
-            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, "3"]
-            edges.append((*ends, 1.0 / ohm))
     reached, grew = {first}, True
     while grew:
         added = {net for a, b, _ in edges for net in (a, b) if a in reached or b in reached} - reached
@@ -265,29 +255,22 @@ def resistance_between(circuit: Circuit, first: str, second: str) -> float:
 
 def supply_current_a(board: Board) -> float:
     """Typical current into the positive supply with an open sensor [A]."""
-    circuit, total = board.circuit, 0.0
+    circuit = board.circuit
+    chips_a = {"AD623ARMZ": AD623_SUPPLY_A, "LMV331": COMPARATOR_SUPPLY_A}
+    chips_a |= {name: amplifier.supply_current_a * len(amplifier.units) for name, amplifier in AMPLIFIERS.items()}
     fed = (VCC, VREF) if VREF in circuit.net_by_pin.values() else (VCC,)
+    total, branches = 0.0, []
     for part in circuit.components:
-        symbol = part.symbol.name
-        if symbol in AMPLIFIERS:
-            total += AMPLIFIERS[symbol].supply_current_a * len(AMPLIFIERS[symbol].units)
-        elif symbol == "AD623ARMZ":
-            total += AD623_SUPPLY_A
-        elif symbol == "LMV331":
-            total += COMPARATOR_SUPPLY_A
-    resistors = [
-        (part, circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, "2"])
-        for part in circuit.components
-        if part.symbol.name == "R" and part.reference != GAIN_RESISTOR
-    ]
-    ends = {other for _, a, b in resistors for one, other in ((a, b), (b, a)) if one in fed and other not in fed}
-    wanted = sorted((ends | set(fed)) - set(board.rails_v))
+        total += chips_a.get(part.symbol.name, 0.0)
+        if part.symbol.name == "R" and part.reference != GAIN_RESISTOR:
+            a, b = (circuit.net_by_pin[part.reference, pin] for pin in "12")
+            ohm = parse_component_value(part.value)
+            branches += [(one, other, ohm) for one, other in ((a, b), (b, a)) if one in fed and other not in fed]
+    wanted = sorted(({other for _, other, _ in branches} | set(fed)) - set(board.rails_v))
     volts, _ = solve_constant(board, Fault("", "", circuit), 0.0, wanted)
     volts = {**volts, **board.rails_v}
-    for part, a, b in resistors:
-        for one, other in ((a, b), (b, a)):
-            if one in fed and other not in fed:
-                total += (volts[one] - volts[other]) / parse_component_value(part.value)
+    for one, other, ohm in branches:
+        total += (volts[one] - volts[other]) / ohm
     return total
 
 
@@ -309,7 +292,7 @@ class BringUp:
 
     board: Board
     identity: str
-    """Identifies the board by the values of its components."""
+    """Hash of the values of its components."""
     before_power: Mapping[str, Limits]
     current: Mapping[str, Limits]
     levels: Mapping[str, Limits]
@@ -319,14 +302,8 @@ class BringUp:
 
     @property
     def all(self) -> dict[str, Limits]:
-        """All readings in the order in which they are taken."""
         levels = {name: self.levels[name] for name in _list_levels_in_order(self.board) if name in self.levels}
         return {**self.before_power, **self.current, **levels, **self.others}
-
-    @property
-    def voltages(self) -> frozenset[str]:
-        """Names of the readings at the board itself that are voltages."""
-        return frozenset({*self.levels, QUIET} & set(self.all))
 
 
 def _list_levels_in_order(board: Board) -> list[str]:
@@ -348,17 +325,12 @@ def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> 
     levels = compute_limits(board, values, tone_v)
     return BringUp(
         board,
-        identify_board(board),
+        hash_parameters({part.reference: part.value for part in board.circuit.components})[:8],
         resistance_limits(board),
         {SUPPLY_MA: _scale(1e3 * supply_current_a(board), CURRENT_RATIOS)},
         levels,
         _others(board, values, levels, tone_v),
     )
-
-
-def identify_board(board: Board) -> str:
-    """Identify a board by the references and values of its components."""
-    return hash_parameters({part.reference: part.value for part in board.circuit.components})[:8]
 
 
 def resistance_limits(board: Board) -> dict[str, Limits]:

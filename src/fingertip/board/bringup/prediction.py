@@ -90,7 +90,6 @@ class Board:
 
     @classmethod
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
-        """Board of a design with its circuit."""
         supply, supply_v = SUPPLIES[design.board.supply], design.board.supply_v
         rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
         margin_v = max(
@@ -140,18 +139,14 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         )
         if RECT_OUT in means:
             values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
-        values |= _predict_pins(board, faults[i].circuit, values)
+        # The pins of J3 are above supply ground, the other readings above signal ground.
+        middle_v = values[name_voltage(VMID)] if board.signal_ground == VMID else 0.0
+        sources_v = {
+            pin.source: values[name_voltage(pin.source)] + (0.0 if pin.source == VMID else middle_v)
+            for pin in list_output_pins(faults[i].circuit)
+        }
+        values |= predict_constants(faults[i].circuit, {**board.rails_v, **sources_v})
     return readings
-
-
-def _predict_pins(board: Board, circuit: Circuit, values: Mapping[str, float]) -> dict[str, float]:
-    """Constant voltages at the pins of J3 above supply ground, from the readings above signal ground."""
-    ground_v = values[name_voltage(VMID)] if board.signal_ground == VMID else 0.0
-    sources_v = {
-        pin.source: values[name_voltage(pin.source)] + (0.0 if pin.source == VMID else ground_v)
-        for pin in list_output_pins(circuit)
-    }
-    return predict_constants(circuit, {**board.rails_v, **sources_v})
 
 
 def name_voltage(net: str, ohm: float | None = None) -> str:
@@ -165,7 +160,6 @@ def name_tone(net: str, hz: float) -> str:
 
 
 def is_tone(name: str) -> bool:
-    """Return whether a reading is taken while the tone sounds."""
     return name.endswith(_TONE_END)
 
 
@@ -181,11 +175,10 @@ def list_levels(bench: Bench) -> tuple[tuple[str, float], ...]:
 def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str, float], tuple[Drive, Drive]]:
     """Readings up to the filter's output, and what drives the rectifier: nothing but a level, and the tone."""
     nets = tuple(net for net in board.nets if net != ENVELOPE)
-    values: dict[str, float] = {}
     light, firm = board.bench.dummy_ohm
     volts, _ = solve_constant(board, fault, 0.0, nets)
     ground = board.signal_ground
-    values |= {name_voltage(net): volts[net] - (volts[ground] if net != ground else 0.0) for net in nets}
+    values = {name_voltage(net): volts[net] - (volts[ground] if net != ground else 0.0) for net in nets}
     for ohm in (firm, light):
         volts, held = solve_constant(board, fault, 1.0 / ohm, nets)
         values[name_voltage(TACTILE, ohm)] = volts[TACTILE] - volts[ground]
@@ -229,18 +222,13 @@ def solve_constant(
         if not beyond or len(held) > _MAX_SATURATED:
             return volts, held
         # The first amplifier along the path saturates; those behind it may be within their swing then.
-        first = min(beyond, key=_rank)
+        first = min(beyond, key=lambda net: _PATH.index(net) if net in _PATH else len(_PATH))
         held[first] = beyond[first]
-
-
-def _rank(net: str) -> int:
-    return _PATH.index(net) if net in _PATH else len(_PATH)
 
 
 def _clipped_rms(level: float, peak: float, swing_v: tuple[float, float]) -> float:
     """RMS of a tone's alternating part [V], clipped at the ends of the output's swing."""
-    wave = np.clip(level + peak * _SINE, *swing_v)
-    return float(np.std(wave))
+    return float(np.std(np.clip(level + peak * _SINE, *swing_v)))
 
 
 def batch_constant(network: Network, rails_v: Mapping[str, float], net: str, ground: str) -> Array:
@@ -256,7 +244,7 @@ def batch_level(network: Network, hz: float, net: str) -> Array:
 
 def _solve(network: Network, omega: float, given: Mapping[str, float], net: str) -> Array:
     n = len(network.nets)
-    G, C = network.matrices()
+    G, C = network.matrices
     equations = G + 1j * omega * C if omega else G
     right = -equations[..., n:] @ np.array([given.get(name, 0.0) for name in network.inputs])
     solution: Array = np.linalg.solve(equations[..., :n], right[..., None])[..., 0]

@@ -10,7 +10,7 @@ from typing import Any
 
 from fingertip.board.bringup.bench import HOST, TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
-from fingertip.board.bringup.plan import QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
+from fingertip.board.bringup.plan import QUIET, QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
 from fingertip.board.parts.circuit import RECT_OUT, VCC, VMID
 from fingertip.design.parameters.declaration import suggest_name
@@ -28,8 +28,6 @@ _SUPPLY_RATIO = 1.1
 
 @dataclass(frozen=True)
 class Readings:
-    """Readings that were taken."""
-
     tone_v: float
     """RMS of the generator's tone [V]."""
     values: Mapping[str, float]
@@ -37,7 +35,6 @@ class Readings:
 
 
 def unit_of(name: str) -> str:
-    """Unit of a reading, by the end of its name."""
     return next(unit for end, unit in UNITS.items() if name.endswith(end))
 
 
@@ -85,7 +82,7 @@ def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterat
         elif name == TONE and not TONE_V / MAX_TONE_RATIO <= value <= TONE_V * MAX_TONE_RATIO:
             low, high = TONE_V / MAX_TONE_RATIO, TONE_V * MAX_TONE_RATIO
             yield Issue(name, f"{value:g} V is no tone for this test; measure again with {low:g} to {high:g} V RMS.")
-        elif name in plan.voltages and abs(value) > (bound := _SUPPLY_RATIO * plan.board.rails_v[VCC]):
+        elif name in {*plan.levels, QUIET} and abs(value) > (bound := _SUPPLY_RATIO * plan.board.rails_v[VCC]):
             volts = value / 1e3
             remedy = f"write {volts:g} if the meter showed mV" if abs(volts) <= bound else "measure again, or write nan"
             yield Issue(
@@ -119,7 +116,6 @@ class Sources:
     sentences: tuple[str, ...] = ()
     """Sentences on them, each without a full stop."""
     explain_all: bool = False
-    """True if they explain every reading that fails."""
 
 
 def find_sources(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Sources:
@@ -180,15 +176,14 @@ def _find_ratio(names: Iterable[str], limits: Mapping[str, Limits], readings: Ma
     failed = any(not limits[n].low_v <= readings[n] <= limits[n].high_v for n in names)
     if not failed or not 0.0 <= ratio <= _MOST:
         return None
-    return ratio if all(_fits(readings[n], ratio, limits[n]) for n in names) else None
-
-
-def _fits(volts: float, ratio: float, limits: Limits) -> bool:
-    """Return whether a reading lies where the ratio moves its limits, which keep the meter's constant error."""
-    below, above = limits.expected_v - limits.low_v, limits.high_v - limits.expected_v
-    width = max(ratio, 0.1) if abs(limits.expected_v) >= _LEAST_V else 1.0
-    expected_v = ratio * limits.expected_v
-    return expected_v - width * below <= volts <= expected_v + width * above
+    for n in names:
+        # The ratio moves the limits of a reading, which keep the meter's constant error.
+        below, above = limits[n].expected_v - limits[n].low_v, limits[n].high_v - limits[n].expected_v
+        width = max(ratio, 0.1) if abs(limits[n].expected_v) >= _LEAST_V else 1.0
+        expected_v = ratio * limits[n].expected_v
+        if not expected_v - width * below <= readings[n] <= expected_v + width * above:
+            return None
+    return ratio
 
 
 # Readings of a board against their limits, and the likely fault, as data and as text.
@@ -275,7 +270,7 @@ def format_assessment(data: dict[str, Any]) -> str:
         measured = "infinite" if row["measured"] is None else f"{row['measured']:.4g}"
         low, high = row["limits"]
         bounds = f"above {low:.4g}" if high is None else f"{low:.4g} to {high:.4g}"
-        expected = _text(row["expected"], "-")
+        expected = "-" if row["expected"] is None else f"{row['expected']:.4g}"
         mark = "" if row["passed"] else "  FAILS"
         lines.append(f"{row['name']:20} {measured:>10} {expected:>10}   {bounds:24}{row['unit']:4}{mark}")
     if data["missing"]:
@@ -329,7 +324,3 @@ def _name_faults(names: list[str], is_explained: bool, again: str) -> str:
 def _round(value: float) -> float | None:
     """Round to five significant digits; None for infinity."""
     return float(f"{value:.5g}") if math.isfinite(value) else None
-
-
-def _text(value: float | None, missing: str) -> str:
-    return missing if value is None else f"{value:.4g}"

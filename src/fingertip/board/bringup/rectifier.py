@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.circuits.network import Network, build_network, list_amplifiers
+from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.parts.circuit import ENVELOPE, FILTERED, RAILS, RECT_OUT, Circuit
 from fingertip.foundation.numerics import Array
@@ -75,9 +75,11 @@ class _Batch:
         # What the envelope depends on while all diodes conduct is what it depends on at all.
         conducting = build_network(first, conducting=diodes).drive(*given).restrict(ENVELOPE)
         nets = conducting.nets
-        networks = [_restrict(build_network(d.circuit, bandwidth_hz).drive(*given), nets) for d in drives]
+        # The equations of these nets; the others are inputs of 0 V.
+        networks = [build_network(d.circuit, bandwidth_hz).drive(*given) for d in drives]
+        networks = [network.drive(*(name for name in network.nets if name not in nets)) for network in networks]
         size, inputs = len(nets), networks[0].inputs
-        G, C = zip(*(network.matrices() for network in networks), strict=True)
+        G, C = zip(*(network.matrices for network in networks), strict=True)
         self._G, self._C = np.array(G)[:, :, :size], np.array(C)[:, :, :size]
         self._G_in = np.array(G)[:, :, size:]
         self._given = np.array([[d.given_v.get(name, 0.0) for name in inputs] for d in drives])
@@ -87,10 +89,14 @@ class _Batch:
         self._low_v, self._high_v = swing_v
         # Ends of each diode as columns of (nets, inputs); a row of the batch may have them reversed.
         column = {name: i for i, name in enumerate((*nets, *inputs))}
-        pins = [[_find_ends(d.circuit, r, column) for r in diodes] for d in drives]
-        self._diodes = np.array(pins, dtype=int).reshape(len(drives), len(diodes), 2)
-        is_fitted = [[has_diode(d.circuit, r) for r in diodes] for d in drives]
-        self._fitted = np.array(is_fitted, dtype=float).reshape(len(drives), len(diodes))
+        self._diodes = np.zeros((len(drives), len(diodes), 2), dtype=int)
+        self._fitted = np.zeros((len(drives), len(diodes)))
+        for i, drive in enumerate(drives):
+            for part in drive.circuit.components:
+                if part.symbol.name == "1N4148W" and part.reference in diodes:
+                    k = diodes.index(part.reference)
+                    self._diodes[i, k] = [column[drive.circuit.net_by_pin[part.reference, pin]] for pin in "21"]
+                    self._fitted[i, k] = 1.0
         self._size, self._rows = size, np.arange(len(drives))
 
     def rest(self, level: Array) -> Array:
@@ -147,20 +153,3 @@ class _Batch:
                 for other, factor in ((anode, 1.0), (cathode, -1.0)):
                     both = own[other[own] < self._size]
                     jacobian[both, end[both], other[both]] += sign * factor * conductance[both]
-
-
-def has_diode(circuit: Circuit, reference: str) -> bool:
-    """Return whether a circuit has a diode of this reference."""
-    return any(c.reference == reference and c.symbol.name == "1N4148W" for c in circuit.components)
-
-
-def _find_ends(circuit: Circuit, reference: str, column: Mapping[str, int]) -> tuple[int, int]:
-    if not has_diode(circuit, reference):
-        return 0, 0
-    return column[circuit.net_by_pin[reference, "2"]], column[circuit.net_by_pin[reference, "1"]]
-
-
-def _restrict(network: Network, nets: Sequence[str]) -> Network:
-    """Part of a network with the equations of these nets; the others are inputs of 0 V."""
-    others = [name for name in network.nets if name not in nets]
-    return network.drive(*others) if others else network

@@ -40,13 +40,11 @@ _ROW, _HEAD, _FOOT, _GAP = 24, 34, 4, 26
 """Height of a pin's row, of the heading above the rows, of the space below them, and gap between connectors."""
 _BOARD_LEFT, _BOARD_RIGHT = 370, 590
 _PLUG = 96
-"""Width of a connector."""
 _DEVICE = 190
 """Width of what a connector leads to on the left."""
 _HOST_LEFT = 700
 _SIZE = 13
 _LINE = 19
-"""Distance of the lines of the notes."""
 _STROKE = 'stroke-width="2" fill="none"'
 
 
@@ -64,7 +62,8 @@ _SENSOR = Signal("FSR", "either wire", _GREEN)
 
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
     """Name the nets at the connectors of supply and controller, of a board with this supply [V]."""
-    is_for_controller = _is_for_controller(circuit)
+    # A board that gives its filtered signal to a controller has grounds between its pins, which have no mark.
+    is_for_controller = ADC_FILTERED in {net.name for net in circuit.nets}
     plus = Signal("+", f"+{supply_v:g} V", _RED)
     return {
         VCC: plus,
@@ -79,23 +78,13 @@ def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
     }
 
 
-def _name_supply_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
-    """Name the nets at the supply's connector, where ground is marked as the negative pole of a single supply."""
-    signals = name_signals(circuit, supply_v)
-    if VEE in {net.name for net in circuit.nets}:
-        return signals
-    return signals | {GND: replace(signals[GND], print="-")}
-
-
-def _is_for_controller(circuit: Circuit) -> bool:
-    """Return whether the board gives its filtered signal to a controller; grounds between its pins have no mark."""
-    return ADC_FILTERED in {net.name for net in circuit.nets}
-
-
 def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
-    """Draw the wiring of a board."""
     sensor, supply, host = (circuit.component(r) for r in (SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR))
-    signals, supply_signals = name_signals(circuit, supply_v), _name_supply_signals(circuit, supply_v)
+    nets = {net.name for net in circuit.nets}
+    signals = name_signals(circuit, supply_v)
+    # Ground is marked as the negative pole of a single supply.
+    supply_signals = signals if VEE in nets else signals | {GND: replace(signals[GND], print="-")}
+    controller = "controller" if ADC_FILTERED in nets else "ADC or controller"
     top = 2 * _MARGIN + _SIZE
     left_heights = [_height(circuit, part) for part in (sensor, supply)]
     host_height = _height(circuit, host)
@@ -113,7 +102,7 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
         _text((_BOARD_LEFT + _BOARD_RIGHT) / 2, top + 26, "slip-filter board", anchor="middle", weight="bold"),
         *_connector(circuit, sensor, {}, left_top, "sensor", is_left=True),
         *_connector(circuit, supply, supply_signals, left_top + left_heights[0] + _GAP, "supply", is_left=True),
-        *_connector(circuit, host, signals, host_top, _name_host(circuit), is_left=False),
+        *_connector(circuit, host, signals, host_top, controller, is_left=False),
         *(
             _text(_MARGIN, top + board_height + _GAP + _LINE * i + _SIZE, note, colour=_GREY)
             for i, note in enumerate(notes)
@@ -139,14 +128,14 @@ def list_pins(circuit: Circuit, connector: Component) -> list[tuple[str, str]]:
 def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
     locking = circuit.component(HOST_CONNECTOR).footprint in LOCKING_CONNECTORS
+    outputs = {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
         yield "J3 is drawn with pin 1 on top. On the board pin 1 is the lower end, and T the lowest letter."
     else:
         yield "Pin 1 is the square one."
-    nets = dict(list_pins(circuit, circuit.component(SENSOR_CONNECTOR)))
     yield "The sensor's wires may be exchanged."
-    if nets["2"] == VMID:
+    if circuit.net_by_pin[SENSOR_CONNECTOR, "2"] == VMID:
         upper_ohm, lower_ohm = (parse_component_value(circuit.component(r).value) for r in ("R22", "R23"))
         ratio = lower_ohm / (upper_ohm + lower_ohm)
         yield (
@@ -158,9 +147,9 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     else:
         yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
-    if VMID_OUT in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
+    if VMID_OUT in outputs:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
-    if ADC_FILTERED in {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}:
+    if ADC_FILTERED in outputs:
         yield NEEDED_PINS.replace("`", "")
         yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
         tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
@@ -171,10 +160,6 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Twist each signal's wire with the ground beside it."
     else:
         yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."
-
-
-def _name_host(circuit: Circuit) -> str:
-    return "controller" if ADC_FILTERED in {net.name for net in circuit.nets} else "ADC or controller"
 
 
 def _height(circuit: Circuit, connector: Component) -> int:

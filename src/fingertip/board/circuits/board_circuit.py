@@ -25,7 +25,6 @@ a reversed supply the gate is at the positive end, and both block.
 
 from __future__ import annotations
 
-import csv
 import functools
 from pathlib import Path
 
@@ -49,6 +48,7 @@ from fingertip.board.parts.circuit import (
     format_component_value,
 )
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
+from fingertip.board.parts.table import read_rows
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design.formulas.filter import DIVIDERS_OHM
 from fingertip.foundation.errors import BoardError
@@ -79,9 +79,7 @@ _SIZES = {"filter": symbols.C_1206, "small": symbols.C_0603, "supply": symbols.C
 
 @functools.cache
 def load_rows() -> tuple[dict[str, str], ...]:
-    """Load the rows of the table."""
-    with (Path(__file__).parent / "components.csv").open(encoding="utf-8", newline="") as file:
-        return tuple(csv.DictReader(file))
+    return tuple(read_rows(Path(__file__).parent / "components.csv"))
 
 
 def board_circuit(values: ComponentValues) -> Circuit:
@@ -110,7 +108,6 @@ def _list_properties(variant: str, supply: Supply) -> frozenset[str]:
 
 
 def _make_component(row: dict[str, str], values: ComponentValues, supply: Supply) -> Component:
-    """Make the component of a row, with footprint and rating for purchase."""
     reference, kind, role = row["reference"], row["kind"], row["role"]
     match kind:
         case "resistor" | "precision":

@@ -49,7 +49,6 @@ class AmplifierOutput(NamedTuple):
     amplifier: str
     """Reference of its component, with the letter of its unit: "U1a", or "U2" for a single amplifier."""
     reference: str
-    """Reference of its component."""
     net: str
 
 
@@ -81,8 +80,6 @@ class StateSpace:
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """Equations of a circuit, by terms."""
-
     terms: tuple[Term, ...]
     values: Mapping[str, Value]
     """Value of each quantity: conductance [S] of a resistor, capacitance [F]."""
@@ -119,15 +116,11 @@ class Network:
         return replace(self, terms=tuple(term for term in self.terms if term.equation in found))
 
     def with_values(self, values: Mapping[str, Value]) -> Network:
-        """Network with other values of some quantities."""
         return replace(self, values={**self.values, **values})
 
+    @functools.cached_property
     def matrices(self) -> tuple[Array, Array]:
         """Matrices (G, G_in) and (C, C_in) side by side, (..., nets, nets + inputs), batched like the values."""
-        return self._matrices
-
-    @functools.cached_property
-    def _matrices(self) -> tuple[Array, Array]:
         row = {name: i for i, name in enumerate(self.nets)}
         column = {name: i for i, name in enumerate((*self.nets, *self.inputs))}
         batch = np.broadcast_shapes(*(np.shape(self.values[t.quantity]) for t in self.terms if t.quantity), ())
@@ -141,7 +134,7 @@ class Network:
     def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
         """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0."""
         n, s = len(self.nets), 2j * math.pi * f_hz[:, None, None]
-        G, C = self.matrices()
+        G, C = self.matrices
         given = np.array([inputs.get(name, 0.0) for name in self.inputs])
         right = -(G[:, n:] @ given + s[:, :, 0] * (C[:, n:] @ given))
         solution = np.linalg.solve(G[:, :n] + s * C[:, :n], right[:, :, None])[:, :, 0]
@@ -154,7 +147,7 @@ class Network:
         equations serves all of them (adjoint method).
         """
         n = len(self.nets)
-        G, C = self.matrices()
+        G, C = self.matrices
         matrices = G[:, :n] + 2j * math.pi * f_hz[:, None, None] * C[:, :n]
         selector = np.zeros((len(f_hz), n, 1))
         selector[:, self.nets.index(net)] = 1.0
@@ -172,25 +165,20 @@ class Network:
     def steady_state(self) -> Array:
         """States for constant voltages of the inputs, (..., states, inputs)."""
         n = len(self.nets)
-        G, _ = self.matrices()
+        G, _ = self.matrices
         volts = np.linalg.solve(G[..., :n], -G[..., n:])
-        charge = self.state_space().charge
+        charge = self.state_space.charge
         return np.asarray(charge[..., :n] @ volts + charge[..., n:])
 
+    @functools.cached_property
     def state_space(self) -> StateSpace:
-        """State equations of the network.
+        """State equations of the network. Raises LinAlgError.
 
         The states are the charges of the nets with capacitances, each divided by its own net's capacitance, so that
         their unit is the volt; and the outputs of amplifiers of finite bandwidth.
-
-        Raises LinAlgError.
         """
-        return self._state_space
-
-    @functools.cached_property
-    def _state_space(self) -> StateSpace:
         n = len(self.nets)
-        G, C = self.matrices()
+        G, C = self.matrices
         has_state = [any(t.order and t.equation == name for t in self.terms) for name in self.nets]
         state, algebraic = np.flatnonzero(has_state), np.flatnonzero(~np.array(has_state))
         own = C[..., state, state][..., None]
@@ -252,7 +240,13 @@ def build_network(
             if reference in conducting:
                 add(reference, CONDUCTING_S, pins["1"], pins["2"])
         elif symbol == "AD623ARMZ":
-            _add_instrumentation_amplifier(terms, values, pins, GAIN_RESISTOR, gain_bandwidth_hz is not None)
+            # v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain.
+            out = pins["6"]
+            for quantity, factor in ((UNITY, 1.0), (GAIN_RESISTOR, GAIN_CONSTANT_OHM)):
+                terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
+                if gain_bandwidth_hz is not None:
+                    terms.append(Term(out, out, quantity, -factor / (math.tau * AD623_BANDWIDTH_HZ), 1))
+            terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]
         elif symbol in AMPLIFIERS:
             data = AMPLIFIERS[symbol]
             for unit, (plus, minus, out) in data.units.items():
@@ -288,15 +282,3 @@ def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
         elif symbol in AMPLIFIERS:
             for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
                 yield AmplifierOutput(f"{reference}{unit}", reference, circuit.net_by_pin[reference, out])
-
-
-def _add_instrumentation_amplifier(
-    terms: list[Term], values: dict[str, Value], pins: Mapping[str, str], resistor: str, has_pole: bool
-) -> None:
-    """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain."""
-    out = pins["6"]
-    for quantity, factor in ((UNITY, 1.0), (resistor, GAIN_CONSTANT_OHM)):
-        terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
-        if has_pole:
-            terms.append(Term(out, out, quantity, -factor / (math.tau * AD623_BANDWIDTH_HZ), 1))
-    terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]

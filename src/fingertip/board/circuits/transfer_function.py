@@ -28,8 +28,6 @@ Coefficients = list[Value]
 
 @dataclass(frozen=True)
 class Rational:
-    """Ratio of two polynomials in s."""
-
     numerator: Coefficients
     denominator: Coefficients
 
@@ -37,7 +35,6 @@ class Rational:
         return Rational(_convolve(self.numerator, other.numerator), _convolve(self.denominator, other.denominator))
 
     def at(self, f_hz: float) -> complex:
-        """Value at a frequency [Hz]."""
         s = 2j * math.pi * f_hz
         return complex(_horner(self.numerator[::-1], s) / _horner(self.denominator[::-1], s))
 
@@ -68,7 +65,6 @@ class Stage:
     denominator: SymbolicPolynomial
 
     def evaluate(self, values: Mapping[str, Value]) -> Rational:
-        """Transfer function for these values."""
         return Rational(_evaluate(self.numerator, values), _evaluate(self.denominator, values))
 
 
@@ -98,7 +94,6 @@ def find_stages(network: Network, source: str, output: str) -> tuple[Stage, ...]
 
 
 def multiply(stages: Iterable[Rational]) -> Rational:
-    """Transfer function of stages in a row."""
     return functools.reduce(Rational.__mul__, stages)
 
 

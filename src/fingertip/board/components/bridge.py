@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fingertip.board.components.selection import neighbouring_values, values_around
 from fingertip.catalogues.amplifiers import CATALOGUE
@@ -103,20 +103,12 @@ class Bridge:
     """Resistances [ohm] of the bridge and its amplifier."""
 
     sensor_top_ohm: float
-    """Resistance from the supply to the sensor."""
     sensor_shunt_ohm: float
-    """Resistance parallel to the sensor."""
     reference_top_ohm: float
-    """Resistance from the supply to the reference."""
     reference_bottom_ohm: float
-    """Resistance from the reference to the signal ground."""
     gain_ohm: float
-    """Resistance that sets the amplifier's gain."""
     signal_ground_ratio: float = 0.0
-    """Voltage of the signal ground as a ratio of the supply: 0 is ground.
-
-    The lower ends of the bridge and the amplifier's output refer to it.
-    """
+    """Voltage to which its lower ends and the amplifier's output refer, as a ratio of the supply: 0 is ground."""
     excitation_ratio: float = 1.0
     """Voltage that feeds the bridge as a ratio of the supply: 1, or `VREF_RATIO`."""
 
@@ -129,7 +121,6 @@ class Bridge:
 
     @property
     def gain(self) -> float:
-        """Gain A of the amplifier."""
         return 1.0 + GAIN_CONSTANT_OHM / self.gain_ohm
 
     def sensor_v(self, conductance_s: float, supply_v: float) -> float:
@@ -196,16 +187,11 @@ def size_bridge(
     gain = _slope(points)
     offset_v = sum(gain * x - v for x, v in points) / len(points)
     candidates = (
-        Bridge(
-            sensor_top_ohm, sensor_shunt_ohm, reference_top_ohm, reference_bottom_ohm, gain_ohm, signal_ground_ratio,
-            excitation_ratio,
-        )
+        replace(arm, reference_top_ohm=top_ohm, reference_bottom_ohm=bottom_ohm, gain_ohm=gain_ohm)
         for gain_ohm in neighbouring_values(GAIN_CONSTANT_OHM / (gain - 1.0), series)
-        for reference_top_ohm in values_around(sensor_top_ohm, series)
-        for reference_bottom_ohm in neighbouring_values(
-            reference_top_ohm * offset_v / (gain * excitation_v - offset_v), series
-        )
-    )  # fmt: skip
+        for top_ohm in values_around(sensor_top_ohm, series)
+        for bottom_ohm in neighbouring_values(top_ohm * offset_v / (gain * excitation_v - offset_v), series)
+    )
     return min(candidates, key=lambda bridge: (article_error_v(bridge, supply_v, targets), bridge.reference_top_ohm))
 
 

@@ -178,8 +178,13 @@ def select_filter(board: Board) -> FilterSelection:
     if board.variant == "article":
         return FilterSelection(ideal, preferred, None, None)
     c20_f = nearest_capacitance(pole_hz(preferred.r5_ohm, board.band_limit_hz), board.capacitor_series)
-    c14_f = _select_series_capacitor_f(preferred.r4_ohm, pole_hz(preferred.r1_ohm, preferred.c_f))
-    capacitors = FirstStageCapacitors(c14_f, c20_f, pole_hz(preferred.r5_ohm, c20_f))
+    # C14 in series with R4 is the smallest whose corner frequency is at least a decade below the cutoff. For the
+    # article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, it is the
+    # largest.
+    cutoff_hz = pole_hz(preferred.r1_ohm, preferred.c_f)
+    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * preferred.r4_ohm * cutoff_hz)
+    c14_uf = next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1])
+    capacitors = FirstStageCapacitors(to_farads(c14_uf), c20_f, pole_hz(preferred.r5_ohm, c20_f))
     return FilterSelection(ideal, preferred, capacitors, select_rectifier_ohm(choose_amplifier(board)))
 
 
@@ -203,16 +208,6 @@ def select_resistors(ideal: FilterComponents, series: str, *, jointly: bool) -> 
         r5_ohm=r5_ohm,
         r_lp_ohm=nearest_value(ideal.r_lp_ohm, series),
     )
-
-
-def _select_series_capacitor_f(r4_ohm: float, cutoff_hz: float) -> float:
-    """Select C14 in series with R4 [F]: the smallest whose corner frequency is at least a decade below the cutoff [Hz].
-
-    For the article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, the
-    largest is selected.
-    """
-    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * r4_ohm * cutoff_hz)
-    return to_farads(next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1]))
 
 
 def select_capacitors(board: Board) -> Board:
@@ -301,7 +296,11 @@ def choose_jointly(ideal_ohm: tuple[float, float, float], series: str) -> tuple[
     Of equal deviations the smaller resistors are chosen. Every combination is compared at a few frequencies of the
     band. What is worse there than a known combination is in the whole band cannot be the best, and is left out.
     """
-    candidates = [_list_candidates(ohm, series) for ohm in ideal_ohm]
+    ratio = SEARCH_RATIOS[series]
+    candidates = [
+        _list_values(max(ohm / ratio, MIN_OHM), min(ohm * ratio, MAX_OHM), series) or (nearest_value(ohm, series),)
+        for ohm in ideal_ohm
+    ]
     first, second, third = (np.array(values) / ohm for values, ohm in zip(candidates, ideal_ohm, strict=True))
     x = _squared_frequencies()
     coarse = x[::_FINE]
@@ -326,13 +325,6 @@ def _deviations_db(first: Array, second: Array, third: Array) -> Array:
     """Deviations [dB] of combinations of R1, R2 and R3 over their ideal values."""
     x = _squared_frequencies()
     return np.asarray(np.abs(_stage_db(first, x) + _section_db(second, third, x)).max(axis=-1))
-
-
-def _list_candidates(ideal_ohm: float, series: str) -> tuple[float, ...]:
-    """List the preferred values around an ideal one within the search ratio, or the nearest if there is none."""
-    ratio = SEARCH_RATIOS[series]
-    low, high = max(ideal_ohm / ratio, MIN_OHM), min(ideal_ohm * ratio, MAX_OHM)
-    return _list_values(low, high, series) or (nearest_value(ideal_ohm, series),)
 
 
 @functools.cache

@@ -40,26 +40,19 @@ from fingertip.design.parameters import Board
 
 @dataclass(frozen=True)
 class Supply:
-    """One way of supplying the board."""
-
     name: str
     signal_ground: str
     """Net to which the signals refer."""
     negative_rail: str
-    """Net of the amplifiers' negative supply pins."""
     description: str
-    """Short description for titles."""
     nominal_v: float
-    """Nominal supply voltage [V]."""
     bridge_supply: str
-    """Net that feeds the bridge."""
     signal_ground_ratio: float
     """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
     is_for_controller: bool
     """True for a board for a controller: protected, with the filtered signal at its output too."""
 
     def signal_ground_v(self, supply_v: float) -> float:
-        """Voltage of the signal ground above ground [V]."""
         return self.signal_ground_ratio * supply_v
 
     def upper_headroom_v(self, supply_v: float) -> float:
@@ -99,16 +92,13 @@ class ComparatorStage:
     """Preferred resistances [ohm] and capacitance [F] around the comparator."""
 
     averaging_ohm: float
-    """Resistance of the averaging low-pass."""
     averaging_f: float
-    """Capacitance of the averaging low-pass."""
     trimmer_top_ohm: float
     """Resistance from the supply to the trimmer."""
     hysteresis_ohm: float
     """Resistance from the output back to the threshold."""
 
     def by_reference(self) -> dict[str, float]:
-        """Value of each component [ohm, F] by its reference designator."""
         return {
             "R18": self.averaging_ohm, "C17": self.averaging_f, "R19": self.trimmer_top_ohm,
             "R20": self.hysteresis_ohm, "R21": PULL_UP_OHM, "RV1": TRIMMER_OHM,
@@ -130,7 +120,6 @@ class AdcInterface:
     """Section from the envelope to its pin."""
 
     def by_reference(self) -> dict[str, float]:
-        """Value of each component [ohm, F] by its reference designator."""
         return {
             "R7": self.envelope_ohm, "C8": self.envelope_f, "R8": self.first_ohm, "C9": self.first_f,
             "R9": self.second_ohm, "C19": self.second_f,
@@ -143,10 +132,7 @@ class AdcInterface:
 
 @dataclass(frozen=True)
 class ComponentValues:
-    """Values of the components of one design's board."""
-
     variant: str
-    """Name of the board's variant."""
     supply: str
     """Name of the supply: split, single or single_3v3."""
     amplifier: str
@@ -161,9 +147,7 @@ class ComponentValues:
     """Both resistors of the precision rectifier; None in variant article."""
     tolerance: Tolerance
     bridge: Bridge
-    """Preferred values of the bridge ahead of the filter."""
     adc_interface: AdcInterface
-    """Values of the anti-aliasing poles."""
     comparator_stage: ComparatorStage | None
     """Values around the comparator; None in variants without one."""
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import Part, load_sources, read_rows
+from fingertip.board.parts.table import load_sources, load_table
 
 COLUMNS = (
     "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", "Source",
@@ -24,32 +24,13 @@ COLUMNS = (
 class BomLine:
     """Line of a bill of materials: equal components."""
 
-    components: tuple[Component, ...]
-
-    @property
-    def references(self) -> list[str]:
-        """References of the components."""
-        return [component.reference for component in self.components]
-
-    @property
-    def value(self) -> str:
-        """Value of each component."""
-        return self.components[0].value
-
-    @property
-    def footprint(self) -> str:
-        """Name of the footprint without its library."""
-        return self.components[0].footprint.split(":")[1]
-
-    @property
-    def rating(self) -> str:
-        """Requirements for purchase."""
-        return self.components[0].rating
-
-    @property
-    def selection(self) -> Selection:
-        """Part to buy."""
-        return select_part(self.components[0])
+    components: list[Component]
+    references: list[str]
+    value: str
+    footprint: str
+    """Name of the footprint without its library."""
+    rating: str
+    selection: Selection
 
 
 def bill_of_materials(circuit: Circuit) -> bytes:
@@ -59,10 +40,14 @@ def bill_of_materials(circuit: Circuit) -> bytes:
     """
     rows = []
     for line in list_bom(circuit):
-        fields, selection = line.selection.fields, line.selection
-        what = (str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating)
-        alternate, source = _format_part(selection.alternate), _format_source(selection)
-        rows.append((*what, fields["Manufacturer"], fields["MPN"], alternate, fields["LCSC"], source, selection.reason))
+        fields, part, alternate = line.selection.fields, line.selection.part, line.selection.alternate
+        sources = dict.fromkeys(load_sources()[each.source].title for each in (part, alternate) if each)
+        rows.append((
+            str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
+            fields["Manufacturer"], fields["MPN"],
+            f"{alternate.manufacturer} {alternate.number}".strip() if alternate else "",
+            fields["LCSC"], "; alternate: ".join(sources), line.selection.reason,
+        ))  # fmt: skip
     return format_csv(COLUMNS, rows)
 
 
@@ -71,7 +56,10 @@ def list_bom(circuit: Circuit) -> list[BomLine]:
     groups: dict[tuple[str, str, str], list[Component]] = {}
     for component in purchased_components(circuit):
         groups.setdefault((component.value, component.footprint, component.rating), []).append(component)
-    return [BomLine(tuple(components)) for components in groups.values()]
+    return [
+        BomLine(found, [c.reference for c in found], value, footprint.split(":")[1], rating, select_part(found[0]))
+        for (value, footprint, rating), found in groups.items()
+    ]
 
 
 def purchased_components(circuit: Circuit) -> list[Component]:
@@ -80,22 +68,11 @@ def purchased_components(circuit: Circuit) -> list[Component]:
 
 
 def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> bytes:
-    """Content of a CSV file, UTF-8."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(rows)
     return text.getvalue().encode()
-
-
-def _format_source(selection: Selection) -> str:
-    parts = (selection.part, selection.alternate)
-    titles = [load_sources()[part.source].title for part in parts if part]
-    return "; alternate: ".join(dict.fromkeys(titles))
-
-
-def _format_part(part: Part | None) -> str:
-    return f"{part.manufacturer} {part.number}".strip() if part else ""
 
 
 # Files in the columns of the assembly house JLCPCB: bill of materials, and placement with its rotations.
@@ -118,7 +95,6 @@ class RotationOffset:
     rotation_deg: int
     """Anticlockwise rotation to add to KiCad's [degree]."""
     source: str
-    """Key of the source."""
 
 
 def is_assembled(component: Component) -> bool:
@@ -163,16 +139,20 @@ def _list_assembled(circuit: Circuit) -> list[BomLine]:
     return [line for line in list_bom(circuit) if is_assembled(line.components[0])]
 
 
-def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:
-    """Centres [mm] and rotations [degree] of the components that the house fits.
+def placement_file(circuit: Circuit, placement: Placement, *, for_house: bool) -> bytes:
+    """Places [mm] and rotations [degree] of the components that are not soldered by hand.
 
-    The origin is the lower left corner of the board, as in the gerbers.
+    They are those that KiCad states, or for the house the centres of the pads, and its rotations. The origin is the
+    lower left corner of the board, as in the gerbers.
     """
     rows = []
     for component in filter(is_assembled, purchased_components(circuit)):
         part = placement.parts[component.reference]
-        x, y = part.pad_centre
-        rotation = (part.angle + find_rotation_deg(component.footprint)) % 360
+        (x, y), rotation = (part.x, part.y), part.angle
+        if for_house:
+            x, y = part.pad_centre
+            offset = find_rotation(component.footprint)
+            rotation = (rotation + (offset.rotation_deg if offset else 0)) % 360
         rows.append((component.reference, f"{x:.4f}mm", f"{placement.height - y:.4f}mm", "Top", str(rotation)))
     return format_csv(PLACEMENT_COLUMNS, rows)
 
@@ -180,17 +160,10 @@ def assembly_placement_file(circuit: Circuit, placement: Placement) -> bytes:
 @functools.cache
 def load_rotations() -> tuple[RotationOffset, ...]:
     """Load the rotation offsets. The first whose pattern matches holds."""
-    rows = read_rows("rotations.csv")
-    return tuple(RotationOffset(row["footprint"], int(row["rotation_deg"]), row["source"]) for row in rows)
+    return load_table(RotationOffset, "rotations.csv")
 
 
 def find_rotation(footprint: str) -> RotationOffset | None:
     """Find the rotation offset of a footprint, "library:name"; None if the table has none."""
     name = footprint.split(":")[1]
     return next((offset for offset in load_rotations() if re.match(offset.pattern, name)), None)
-
-
-def find_rotation_deg(footprint: str) -> int:
-    """Find the rotation offset of a footprint [degree]; 0 if the table has none."""
-    offset = find_rotation(footprint)
-    return offset.rotation_deg if offset else 0

@@ -13,19 +13,15 @@ import re
 import shutil
 import subprocess
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 from fingertip.board.fabrication.bom import (
     ASSEMBLY_BOM,
     ASSEMBLY_PLACEMENT,
-    PLACEMENT_COLUMNS,
     assembly_bom_file,
-    assembly_placement_file,
-    format_csv,
-    is_assembled,
-    purchased_components,
+    placement_file,
 )
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit
@@ -70,10 +66,7 @@ STEPS = {
 
 
 def fabrication_files(
-    board_files: dict[str, bytes],
-    circuit: Circuit,
-    placement: Placement,
-    progress: Progress = lambda message: None,
+    board_files: dict[str, bytes], circuit: Circuit, placement: Placement, progress: Progress = lambda message: None
 ) -> dict[str, bytes]:
     """Export the fabrication files of a board. Raises MissingLibraryError or BoardError."""
     name = circuit.name
@@ -105,8 +98,8 @@ def fabrication_files(
         return {
             f"{name}_gerbers.zip": gerbers,
             ASSEMBLY_BOM: assembly_bom_file(circuit),
-            ASSEMBLY_PLACEMENT: assembly_placement_file(circuit, placement),
-            f"{name}_placement.csv": placement_file(circuit, placement),
+            ASSEMBLY_PLACEMENT: placement_file(circuit, placement, for_house=True),
+            f"{name}_placement.csv": placement_file(circuit, placement, for_house=False),
             **{file: (folder / file).read_bytes() for file in exported},
         }
 
@@ -143,28 +136,11 @@ def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
     )  # fmt: skip
     # The job file is left out: board houses do not need it, and it contains the date.
     exported = sorted(path for path in (folder / "gerbers").iterdir() if path.suffix != ".gbrjob")
-    return _zip_files((path.name, _DATE.sub(b"", path.read_bytes())) for path in exported)
-
-
-def placement_file(circuit: Circuit, placement: Placement) -> bytes:
-    """Positions [mm] and rotations [degree] of the components that are not soldered by hand, as KiCad states them.
-
-    The origin is the lower left corner of the board, as in the gerbers.
-    """
-    rows = []
-    for component in filter(is_assembled, purchased_components(circuit)):
-        part = placement.parts[component.reference]
-        y = placement.height - part.y
-        rows.append((component.reference, f"{part.x:.4f}mm", f"{y:.4f}mm", "Top", str(part.angle)))
-    return format_csv(PLACEMENT_COLUMNS, rows)
-
-
-def _zip_files(files: Iterable[tuple[str, bytes]]) -> bytes:
-    """Zip files with a fixed date, so that the same gerbers give the same bytes."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files:
-            archive.writestr(zipfile.ZipInfo(name, _ZIP_DATE), data, zipfile.ZIP_DEFLATED)
+        for path in exported:
+            data = _DATE.sub(b"", path.read_bytes())
+            archive.writestr(zipfile.ZipInfo(path.name, _ZIP_DATE), data, zipfile.ZIP_DEFLATED)
     return buffer.getvalue()
 
 
@@ -204,17 +180,13 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
     ]
     for name, digest in recorded.items():
         if not name.startswith(_PARENT):
-            differences += _compare_file(folder, name, digest)
+            path = folder / name
+            try:
+                if _sha256(read_input(path, OUTPUT_LIMIT, below=folder)) != digest:
+                    differences.append(f"{path}: was changed after it was made.")
+            except InputFileError as error:
+                differences += [str(issue) for issue in error.issues]
     return differences
-
-
-def _compare_file(folder: Path, name: str, digest: str) -> list[str]:
-    path = folder / name
-    try:
-        is_unchanged = _sha256(read_input(path, OUTPUT_LIMIT, below=folder)) == digest
-    except InputFileError as error:
-        return [str(issue) for issue in error.issues]
-    return [] if is_unchanged else [f"{path}: was changed after it was made."]
 
 
 def _sha256(data: bytes) -> str:

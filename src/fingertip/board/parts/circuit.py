@@ -15,8 +15,6 @@ from fingertip.foundation.errors import BoardError, Issue
 
 @dataclass(frozen=True)
 class ResistorRequirement:
-    """Requirement for a resistor."""
-
     tolerance_percent: float
     """Largest tolerance [%]; 0 asks for the tightest that exists."""
     power_w: float
@@ -35,10 +33,7 @@ class ResistorRequirement:
 
 @dataclass(frozen=True)
 class CapacitorRequirement:
-    """Requirement for a capacitor."""
-
     dielectrics: tuple[str, ...]
-    """Permitted dielectrics."""
     voltage_v: float
     """Smallest rated voltage [V]."""
     tolerance_percent: float
@@ -108,8 +103,6 @@ class Pin:
 
 @dataclass(frozen=True)
 class Symbol:
-    """Symbol of KiCad's own libraries."""
-
     library: str
     name: str
     description: str
@@ -153,8 +146,6 @@ Node = tuple[str, str]
 
 @dataclass(frozen=True)
 class Net:
-    """Pins that are connected to each other."""
-
     name: str
     nodes: tuple[Node, ...]
 
@@ -169,7 +160,6 @@ class Circuit:
 
     @functools.cached_property
     def net_by_pin(self) -> Mapping[Node, str]:
-        """Name of the net of each connected pin."""
         return {node: net.name for net in self.nets for node in net.nodes}
 
     def component(self, reference: str) -> Component:
@@ -180,14 +170,23 @@ class Circuit:
         raise KeyError(reference)
 
     def without(self, *references: str) -> Circuit:
-        """The circuit without some components."""
         nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
         return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
 
-    def replace(self, reference: str, value: str) -> Circuit:
-        """The circuit with another value of one component."""
-        components = (replace(c, value=value) if c.reference == reference else c for c in self.components)
-        return Circuit(self.name, tuple(components), self.nets)
+    def replace(self, reference: str, value: str, symbol: Symbol | None = None) -> Circuit:
+        """The circuit with another value of one component, and with another symbol if one is given."""
+        components = (
+            replace(c, value=value, symbol=symbol or c.symbol) if c.reference == reference else c
+            for c in self.components
+        )
+        return replace(self, components=tuple(components))
+
+    def connect(self, component: Component, pins: Mapping[str, str]) -> Circuit:
+        """The circuit with one more component, by pin number -> net name; a net that does not exist is made."""
+        nodes = {net.name: net.nodes for net in self.nets}
+        for number, net in pins.items():
+            nodes[net] = (*nodes.get(net, ()), (component.reference, number))
+        return Circuit(self.name, (*self.components, component), tuple(Net(*each) for each in nodes.items()))
 
 
 def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:

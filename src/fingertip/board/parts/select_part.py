@@ -22,8 +22,7 @@ from fingertip.board.parts.table import (
     load_capacitors,
     load_named_parts,
     load_resistors,
-    parse_value,
-    read_rows,
+    load_table,
 )
 from fingertip.design.formulas.filter import MAX_1206_F, find_preferred_neighbours
 
@@ -52,13 +51,11 @@ class OrderingCode:
     source: str
 
     def is_made(self, ohm: float) -> bool:
-        """Return whether a resistance [ohm] is a value of the series, within its range."""
         if not self.min_ohm <= ohm <= self.max_ohm:
             return False
         return any(low == high for low, high in (find_preferred_neighbours(ohm, series) for series in self.series))
 
     def compose(self, ohm: float) -> ChipResistor:
-        """Compose the resistor of this series with a resistance [ohm]."""
         number = f"{self.prefix}{resistance_code(ohm)}{self.suffix}"
         part = Part(self.manufacturer, number, "", self.source)
         return ChipResistor(ohm, self.tolerance_percent, self.drift_ppm_per_k, self.power_w, self.package, part)
@@ -67,22 +64,7 @@ class OrderingCode:
 @functools.cache
 def load_ordering_codes() -> tuple[OrderingCode, ...]:
     """Load the ordering codes. Of several that fit, the first is to be preferred."""
-    return tuple(
-        OrderingCode(
-            row["manufacturer"],
-            row["prefix"],
-            row["suffix"],
-            float(row["tolerance_percent"]),
-            float(row["drift_ppm_per_k"] or "inf"),
-            float(row["power_w"]),
-            row["package"],
-            parse_value(row["min_ohm"]),
-            parse_value(row["max_ohm"]),
-            tuple(row["series"].split()),
-            row["source"],
-        )
-        for row in read_rows("ordering_codes.csv")
-    )
+    return load_table(OrderingCode, "ordering_codes.csv")
 
 
 def resistance_code(ohm: float) -> str:
@@ -212,7 +194,6 @@ _X7R = CapacitorRequirement(("X7R",), 16.0, 0.0)
 _LARGE = CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
 """Large capacitors have no direct voltage across them and set no cutoff."""
 SUPPLY_CAPACITOR = CapacitorRequirement(("X7R",), 25.0, 10.0)
-"""Decoupling capacitors."""
 BULK_CAPACITOR = CapacitorRequirement(("X5R", "X7R"), 25.0, 10.0)
 """Large capacitors at the entry of the supply and across dividers, whose capacitance matters little."""
 

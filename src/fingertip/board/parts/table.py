@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any, TypeVar, cast
 
 from fingertip.board.parts.circuit import Circuit, Component
 
 FOLDER = Path(__file__).parent
 _EXPONENTS = {"M": 6, "k": 3, "u": -6, "n": -9, "p": -12}
+
+Row = TypeVar("Row")
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,6 @@ class Part:
     manufacturer: str
     """Name of the manufacturer; empty where the source names none."""
     number: str
-    """Manufacturer's part number."""
     lcsc: str
     """Number of the distributor LCSC, which is the assembly house's too; empty where no source gives it."""
     source: str
@@ -43,8 +45,6 @@ class Part:
 
 @dataclass(frozen=True)
 class ChipResistor:
-    """Chip resistor of the table."""
-
     ohm: float
     tolerance_percent: float
     drift_ppm_per_k: float
@@ -56,14 +56,11 @@ class ChipResistor:
 
 @dataclass(frozen=True)
 class ChipCapacitor:
-    """Chip capacitor of the table."""
-
     farad: float
     dielectric: str
     voltage_v: float
     tolerance_percent: float
     package: str
-    """Size by its inch code, such as 1206."""
     part: Part
 
 
@@ -74,57 +71,31 @@ class NamedPart:
     value: str
     """Value of the component in the circuit."""
     footprint: str
-    """Name of the footprint without its library."""
     part: Part | None
     reason: str
-    """Reason why there is no part."""
 
 
 @functools.cache
 def load_sources() -> dict[str, Source]:
-    """Load all sources by key."""
-    return {row["key"]: Source(**row) for row in read_rows("sources.csv")}
+    return {source.key: source for source in load_table(Source, "sources.csv")}
 
 
 @functools.cache
 def load_resistors() -> tuple[ChipResistor, ...]:
     """Load the chip resistors. Of several that fit, the first is to be preferred."""
-    return tuple(
-        ChipResistor(
-            parse_value(row["resistance_ohm"]),
-            float(row["tolerance_percent"]),
-            float(row["drift_ppm_per_k"]),
-            float(row["power_w"]),
-            row["package"],
-            _part(row),
-        )
-        for row in read_rows("resistors.csv")
-    )
+    return load_table(ChipResistor, "resistors.csv")
 
 
 @functools.cache
 def load_capacitors() -> tuple[ChipCapacitor, ...]:
     """Load the chip capacitors. Of several that fit, the first is to be preferred."""
-    return tuple(
-        ChipCapacitor(
-            parse_value(row["capacitance"]),
-            row["dielectric"],
-            float(row["voltage_v"]),
-            float(row["tolerance_percent"]),
-            row["package"],
-            _part(row),
-        )
-        for row in read_rows("capacitors.csv")
-    )
+    return load_table(ChipCapacitor, "capacitors.csv")
 
 
 @functools.cache
 def load_named_parts() -> tuple[NamedPart, ...]:
     """Load the parts that are bought by name. Of several that fit, the first is to be preferred."""
-    return tuple(
-        NamedPart(row["value"], row["footprint"], _part(row) if row["number"] else None, row["reason"])
-        for row in read_rows("named_parts.csv")
-    )
+    return load_table(NamedPart, "named_parts.csv")
 
 
 def parse_value(text: str) -> float:
@@ -133,35 +104,50 @@ def parse_value(text: str) -> float:
     return float(text) if exponent is None else float(f"{text[:-1]}e{exponent}")
 
 
-def read_rows(name: str) -> Iterator[dict[str, str]]:
-    """Read the rows of one of the table's files, each by column."""
+def read_rows(name: str | Path) -> Iterator[dict[str, str]]:
+    """Read the rows of one of the table's files, or of another with its whole path, each by column."""
     with (FOLDER / name).open(encoding="utf-8", newline="") as file:
         yield from csv.DictReader(file)
 
 
-def _part(row: dict[str, str]) -> Part:
-    return Part(row["manufacturer"], row["number"], row["lcsc"], row["source"])
+_READERS: dict[str, Callable[[str], Any]] = {
+    "str": str,
+    "int": int,
+    "float": parse_value,
+    "tuple[str, ...]": lambda text: tuple(text.split()),
+}
+
+
+def load_table(kind: type[Row], name: str) -> tuple[Row, ...]:
+    """Load the rows of one of the table's files, whose columns are the fields; four of them make the field `part`."""
+
+    def read(row: dict[str, str], field: str, field_type: str) -> Any:
+        if field == "part":
+            numbers = (row[column] for column in ("manufacturer", "number", "lcsc", "source"))
+            return Part(*numbers) if row["number"] else None
+        return _READERS[field_type](row[field])
+
+    columns = [(field.name, str(field.type)) for field in fields(cast(Any, kind))]
+    return tuple(kind(*(read(row, *column) for column in columns)) for row in read_rows(name))
 
 
 # Mating parts: the plug of each connector, its contacts or finished leads, and the wires they take.
-
-_PER_CONNECTOR, _PER_WIRE, _PER_TWO_WIRES = "connector", "wire", "two wires"
 
 
 @dataclass(frozen=True)
 class MatingPart:
     """Part that a person buys for the cable of one connector."""
 
+    footprint: str
     item: str
     per: str
     """Use of one of them: for the connector, for each of its wires, or for two of them."""
     part: Part | None
     reason: str
-    """Reason why there is no part."""
 
     def count(self, wires: int) -> int:
         """Count how many a cable of so many wires takes."""
-        return {_PER_CONNECTOR: 1, _PER_WIRE: wires, _PER_TWO_WIRES: (wires + 1) // 2}[self.per]
+        return {"connector": 1, "wire": wires, "two wires": (wires + 1) // 2}[self.per]
 
 
 @dataclass(frozen=True)
@@ -199,13 +185,13 @@ class PlugWire:
 def list_mating_parts(component: Component) -> tuple[MatingPart, ...]:
     """List what to buy for the cable of a connector."""
     name = component.footprint.split(":")[1]
-    return tuple(mating for footprint, mating in _load_mating_parts() if footprint == name)
+    return tuple(mating for mating in load_table(MatingPart, "mating_parts.csv") if mating.footprint == name)
 
 
 def find_plug_wire(component: Component) -> PlugWire | None:
     """Find the wires that the plug of a connector takes; None for pin headers, of which no maker is named."""
-    name = component.footprint.split(":")[1]
-    return next((wire for prefix, wire in _load_plug_wires() if name.startswith(prefix)), None)
+    name = component.footprint.split(":")[1].replace("_", " ")
+    return next((wire for wire in load_table(PlugWire, "plug_wires.csv") if name.startswith(f"{wire.series} ")), None)
 
 
 def count_wires(component: Component) -> int:
@@ -225,37 +211,3 @@ def group_plug_wires(circuit: Circuit) -> dict[PlugWire, list[str]]:
         if wire := find_plug_wire(connector):
             found.setdefault(wire, []).append(connector.reference)
     return found
-
-
-@functools.cache
-def _load_mating_parts() -> tuple[tuple[str, MatingPart], ...]:
-    return tuple(
-        (
-            row["footprint"],
-            MatingPart(
-                row["item"],
-                row["per"],
-                _part(row) if row["number"] else None,
-                row["reason"],
-            ),
-        )
-        for row in read_rows("mating_parts.csv")
-    )
-
-
-@functools.cache
-def _load_plug_wires() -> tuple[tuple[str, PlugWire], ...]:
-    return tuple(
-        (
-            row["footprint_prefix"],
-            PlugWire(
-                row["series"],
-                int(row["min_awg"]),
-                int(row["max_awg"]),
-                float(row["min_insulation_mm"]),
-                float(row["max_insulation_mm"]),
-                row["source"],
-            ),
-        )
-        for row in read_rows("plug_wires.csv")
-    )

@@ -23,7 +23,6 @@ from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 
 TIME_LIMIT_S = 180.0
-"""Time after which the process is stopped [s]."""
 POLL_S = 0.5
 """Time between two looks at the files of the process [s]."""
 STATUS_FILE = "status.txt"
@@ -35,7 +34,6 @@ class StepJob:
     """Parts to write as STEP files, and further solids to measure."""
 
     title: str
-    """Name of the assembly."""
     parts: tuple[tuple[str, Solid, tuple[float, float, float]], ...]
     """Name, solid and colour of each part."""
     measured_solids: tuple[tuple[str, Solid], ...] = ()
@@ -54,14 +52,10 @@ class BrepMeasurements:
 
 @dataclass(frozen=True)
 class StepFiles:
-    """Result of a STEP job."""
-
     contents: dict[str, bytes]
     """File name -> bytes."""
     measurements: dict[str, BrepMeasurements]
-    """Part name -> measurements."""
     volumes_mm3: dict[str, float]
-    """Name of a measured solid -> volume [mm3]."""
 
 
 class StepProcess:
@@ -105,18 +99,10 @@ class StepProcess:
         self._folder.remove()
 
     def _steps(self) -> list[str]:
-        """Steps that the process has begun."""
         status_file = self._folder.path / STATUS_FILE
         return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
 
-    def _share_begun(self) -> float:
-        """Share of the steps that have begun: each part is made and written, each measured solid is measured."""
-        steps = len(("starting", "loading", "hardware", "assembly"))
-        steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
-        return (len(self._steps()) - 1) / steps
-
     def _kill(self) -> None:
-        """Kill the process and its child process, if they still run."""
         if sys.platform == "win32":
             self._process.kill()
             return
@@ -131,7 +117,9 @@ class StepProcess:
         while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 _, stderr = self._process.communicate(timeout=min(POLL_S, left_s))
-            advance(self._share_begun())
+            steps = len(("starting", "loading", "hardware", "assembly"))
+            steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
+            advance((len(self._steps()) - 1) / steps)
         if stderr is None:
             status = self._steps()[-1]
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."

@@ -129,12 +129,10 @@ class _ForkedJob:
             raise self._crash_error()
 
     def wait_for_solids(self) -> None:
-        """Wait until the solids have been saved."""
         if self._process and isinstance(error := self._receive(), FingertipError):
             raise error
 
     def wait_for_measurements(self) -> JobMeasurements:
-        """Wait for the measurements."""
         answer = self._receive() if self._process else JobMeasurements({}, {})
         assert isinstance(answer, JobMeasurements)
         return answer
@@ -181,10 +179,7 @@ def main() -> None:
     try:
         answer: dict[str, object] = asdict(run_job(job, folder))
     except FingertipError as error:
-        answer = {
-            "error": type(error).__name__,
-            "issues": [[issue.field, issue.message] for issue in error.issues],
-        }
+        answer = {"error": type(error).__name__, "issues": [[issue.field, issue.message] for issue in error.issues]}
     (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")
 
 

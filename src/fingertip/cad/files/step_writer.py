@@ -67,7 +67,7 @@ def _sort_colour_blocks(text: str) -> str:
         return text
     end = text.index("ENDSEC;", starts[-1])
     blocks = [text[a:b] for a, b in zip(starts, [*starts[1:], end], strict=True)]
-    blocks.sort(key=_coloured_entity)
+    blocks.sort(key=lambda block: int(_STYLED_ITEM.findall(block)[0]))
     blocks = list(_place_colours(blocks))
     old = [number for block in blocks for number in _ENTITY.findall(block)]
     new = dict(zip(old, sorted(old, key=int), strict=True))
@@ -82,10 +82,3 @@ def _place_colours(blocks: list[str]) -> Iterator[str]:
         own = _COLOUR.sub("", block)
         used = [number for number in _REFERENCE.findall(own) if number in colours]
         yield own + "".join(colours.pop(number) for number in dict.fromkeys(used))
-
-
-def _coloured_entity(block: str) -> int:
-    """Return the number of the entity that a colour block colours."""
-    styled = _STYLED_ITEM.search(block)
-    assert styled is not None, "a colour block without a styled item"
-    return int(styled[1])

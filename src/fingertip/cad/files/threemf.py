@@ -45,9 +45,7 @@ class Item:
     mesh: str
     """Mesh as `encode_mesh` writes it. Files that hold the same part share it."""
     note: str = ""
-    """Description of the object."""
     rotation: Array | None = None
-    """Rotation of the object, shape (3, 3); None for none."""
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Translation after the rotation [mm]."""
     settings: tuple[tuple[str, str], ...] = ()

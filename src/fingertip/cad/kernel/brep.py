@@ -49,13 +49,11 @@ try:
     from OCP.TopoDS import TopoDS_Shape
 except ImportError as error:
     extras.require("STEP", "cadquery", alternative="leave STEP out with --formats stl,3mf")
-    raise MissingLibraryError(
-        Issue(
-            "STEP",
-            f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, "
-            "or leave STEP out with --formats stl,3mf.",
-        )
-    ) from error
+    message = (
+        f"cadquery cannot be loaded ({error}); on Debian or Ubuntu: apt-get install libgl1 libx11-6 libexpat1, or "
+        "leave STEP out with --formats stl,3mf."
+    )
+    raise MissingLibraryError(Issue("STEP", message)) from error
 
 ControlPoint = tuple[float, float, float]
 """Control point of a plane rational Bezier curve: (x, y, weight)."""
@@ -81,9 +79,8 @@ class BrepEvaluator:
         bodies = shape.Solids()
         if len(bodies) != 1 or not shape.isValid():
             found = f"{len(bodies)} solids, {'valid' if shape.isValid() else 'invalid'}"
-            raise GeometryError(
-                Issue("", f"the B-rep kernel returned {found}; one valid solid was expected; use --formats stl,3mf.")
-            )
+            message = f"the B-rep kernel returned {found}; one valid solid was expected; use --formats stl,3mf."
+            raise GeometryError(Issue("", message))
         return bodies[0]
 
     def _evaluate(self, solid: Solid) -> Any:
@@ -119,7 +116,6 @@ class BrepEvaluator:
 
 
 def assemble(title: str, parts: Iterable[tuple[str, cq.Solid, tuple[float, float, float]]]) -> cq.Assembly:
-    """Join named, coloured solids in an assembly."""
     assembly = cq.Assembly(name=title)
     for name, solid, colour in parts:
         assembly.add(solid, name=name, color=cq.Color(*colour))
@@ -167,7 +163,6 @@ def save(shape: Any, path: Path) -> None:
 
 
 def load(path: Path) -> Any:
-    """Read a shape that `save` wrote."""
     shape = TopoDS_Shape()
     BinTools.Read_s(shape, str(path))
     return cq.Shape.cast(shape)
@@ -191,10 +186,7 @@ def _prism(p: Prism) -> Any:
 
 def _elbow(e: ElbowTube) -> Any:
     down = cq.Solid.makeCylinder(
-        e.radius,
-        e.start_z - e.exit_z - e.bend_radius,
-        cq.Vector(0, e.start_y, e.start_z),
-        cq.Vector(0, 0, -1),
+        e.radius, e.start_z - e.exit_z - e.bend_radius, cq.Vector(0, e.start_y, e.start_z), cq.Vector(0, 0, -1)
     )
     turn_y, turn_z = e.start_y + e.bend_radius, e.exit_z + e.bend_radius
     circle = cq.Wire.makeCircle(e.radius, cq.Vector(0, e.start_y, turn_z), cq.Vector(0, 0, -1))
@@ -288,10 +280,7 @@ def _patch(quadrant: Any, rows: Any) -> Any:
 
 def _end(section: CrossSection, z: float, scale: float) -> Any:
     """Create the flat end face at height `z` [mm], bounded by the section's four arcs."""
-    edges = []
-    for quadrant in _quadrants(section):
-        row = [(x * scale, y * scale, w) for x, y, w in quadrant]
-        edges.append(_arc(row, z))
+    edges = [_arc([(x * scale, y * scale, w) for x, y, w in quadrant], z) for quadrant in _quadrants(section)]
     return cq.Face.makeFromWires(cq.Wire.assembleEdges(edges))
 
 

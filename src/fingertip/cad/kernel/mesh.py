@@ -24,23 +24,17 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 GRID_MM = 2.0**-17
-"""Spacing of the grid to which vertices are rounded [mm].
-
-Binary32 numbers, as in STL, hold multiples of it exactly up to 128 mm. An STL file therefore holds the mesh itself, and
-rounding errors of floating-point arithmetic do not reach the files.
-"""
+"""Spacing of the grid to which vertices are rounded [mm]. Binary32 numbers, as in STL, hold multiples of it exactly up
+to 128 mm. An STL file therefore holds the mesh itself, and rounding errors of floating-point arithmetic do not reach
+the files."""
 _SHORT_EDGE_MM = 8 * GRID_MM
-"""Length up to which edges are collapsed [mm]."""
 MIN_TRIANGLE_HEIGHT_MM = 1e-6
 """Height below which a triangle counts as degenerate: single-precision files cannot represent its area [mm]."""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Closed triangle mesh.
-
-    Vertices and triangles are in canonical order, so that the same solid always gives the same bytes.
-    """
+    """Closed triangle mesh in canonical order, so that the same solid always gives the same bytes."""
 
     vertices: Array
     """Coordinates, shape (n, 3) [mm]."""
@@ -53,7 +47,6 @@ class Mesh:
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
     def area(self) -> float:
-        """Compute the surface area [mm2]."""
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 

@@ -35,10 +35,7 @@ Point2: TypeAlias = tuple[float, float]
 
 
 def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Array, Triangles]:
-    """Tessellate a primitive as a closed triangle mesh.
-
-    Returns coordinates (n, 3) [mm] and vertex indices (m, 3), counter-clockwise seen from outside.
-    """
+    """Tessellate a primitive: points (n, 3) [mm], and indices (m, 3) of triangles counter-clockwise from outside."""
     match solid:
         case Box(low, high):
             ring = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]

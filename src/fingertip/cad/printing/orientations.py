@@ -29,7 +29,6 @@ class Orientation:
     rotate_x_deg: float
     """Rotation about the x axis of the part's file [degrees]."""
     face_on_plate: str
-    """Face that lies on the build plate, in words."""
     needs_supports: bool
 
 
@@ -63,16 +62,10 @@ def _orient_lid(design: Design) -> Orientation:
 
 
 def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
-    """Measure how far a part in its print orientation exceeds the printer's build volume [mm]; negative if it fits.
-
-    The part may be rotated by 90 degrees on the bed.
-    """
+    """Measure how far a part, turned on the bed or not, exceeds the build volume [mm]; negative if it fits."""
     rotation, printer = math.radians(print_orientations(design)[name].rotate_x_deg), design.printer
     x, y, z = mesh.vertices.T
-    depth, height = (
-        math.cos(rotation) * y - math.sin(rotation) * z,
-        math.sin(rotation) * y + math.cos(rotation) * z,
-    )
+    depth, height = (math.cos(rotation) * y - math.sin(rotation) * z, math.sin(rotation) * y + math.cos(rotation) * z)
     footprint = sorted(float(along.max() - along.min()) for along in (x, depth))
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
     excess = [size - limit for size, limit in zip(footprint, bed, strict=True)]
@@ -101,12 +94,12 @@ class Supports:
 
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
-    """Return the supports of each printed part of a design."""
     dims, orientations = design.dimensions, print_orientations(design)
+    bridges = "nowhere: all ceilings are short bridges"
     every = {
         "bone": _bone(design),
-        "mold_palmar": _mold("hollows, which silicone, bone, keys and nuts touch"),
-        "mold_dorsal": _mold("hollows, which silicone, bone, screw and syringe touch"),
+        "mold_palmar": Supports((), bridges, "hollows, which silicone, bone, keys and nuts touch"),
+        "mold_dorsal": Supports((), bridges, "hollows, which silicone, bone, screw and syringe touch"),
         "core": Supports(
             (_everywhere(design, top=0.0), *_facet(design, design.mold.sleeve_interference_mm, dims.shrinkage)),
             f"under the foot of the collar, outside{_rim(design)}",
@@ -156,18 +149,12 @@ def _lid(design: Design, lies: Orientation) -> Supports:
 
 
 def _rim(design: Design) -> str:
-    """Name the rim of the chaplet's facet, which may be a ledge; silicone covers it, and nothing else touches it."""
     return "; at the distal rim of the facet" if design.dimensions.chaplet else ""
 
 
 def _facet(design: Design, inset_mm: float = 0.0, growth: float = 1.0) -> tuple[Solid, ...]:
     """Build the air that the facet of the chaplet leaves; none without one."""
     return tuple(scaled(cut, growth) for cut in facet_cut(design, inset_mm))
-
-
-def _mold(hollows: str) -> Supports:
-    """Supports of a mold half: none, because all its ceilings are short bridges."""
-    return Supports((), "nowhere: all ceilings are short bridges", hollows)
 
 
 def _reach(design: Design) -> float:

@@ -30,11 +30,9 @@ class Pose:
     """Translation after the rotation [mm]."""
 
     def apply(self, mesh: Mesh) -> Mesh:
-        """Move a mesh."""
         return Mesh(mesh.vertices @ self.rotation.T + np.array(self.shift) + 0.0, mesh.triangles)
 
     def size(self, mesh: Mesh) -> tuple[float, float, float]:
-        """Measure the extents of a part in this pose [mm]."""
         moved = mesh.vertices @ self.rotation.T
         x, y, z = (moved.max(axis=0) - moved.min(axis=0)).tolist()
         return x, y, z
@@ -74,7 +72,6 @@ _ON_BED_MM = 0.005
 _THREAD_MM = 0.1
 """Distance of the threads at which a ceiling is measured [mm]."""
 _DIRECTIONS = 12
-"""Number of directions of threads that are tried."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +118,6 @@ def find_ceilings(mesh: Mesh) -> list[Ceiling]:
 def _boundary(
     corners: Array, normal: Array, facet: NDArray[np.int64], side: NDArray[np.int64], beside: NDArray[np.int64]
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Collect sides of facets, and tell whether they are held: concave ones are, because air lies beside them."""
     edges = np.stack([corners[facet, side], corners[facet, (side + 1) % 3]], axis=1)
     # Of the facet beside, only the corner off the common edge leaves the plane of the ceiling's facet.
     away = (corners[beside] - edges[:, :1]) @ normal[facet, :, None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -22,8 +22,6 @@ _SHIFT_DIGITS = 3
 
 @dataclass(frozen=True)
 class PlateKind:
-    """Process for which plates are made."""
-
     name: str
     gap_mm: float
     """Distance between two parts, seen from above [mm]."""
@@ -64,12 +62,7 @@ Plate = tuple[Placed, ...]
 
 
 def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, float], gap: float) -> tuple[Plate, ...]:
-    """Place parts on as few plates as a simple search finds, each in the middle of its bed.
-
-    A part that is larger than the bed has a plate of its own, beyond whose edges it reaches.
-
-    Units: `footprints` [mm], `bed` [mm], `gap` [mm].
-    """
+    """Place parts [mm] on as few plates as a simple search finds, mid-bed; those that are too large stand alone."""
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
     best: list[list[Placed]] = []
@@ -88,9 +81,15 @@ def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, flo
 def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, float], gap: float) -> None:
     """Place a part on the first plate with room, as near to its front left corner as possible; else on a new one."""
     for plate in plates:
+        # At the left or the front edge of the bed, or right of or behind another part.
+        spots = (
+            Placed(part.name, part.is_turned, x, y, part.width, part.depth)
+            for x in (0.0, *(other.x + other.width + gap for other in plate))
+            for y in (0.0, *(other.y + other.depth + gap for other in plate))
+        )
         free = [
             spot
-            for spot in _spots(plate, part, gap)
+            for spot in spots
             if spot.x + spot.width <= bed[0] + _ROUNDING_MM
             and spot.y + spot.depth <= bed[1] + _ROUNDING_MM
             and all(spot.distance(other) >= gap - _ROUNDING_MM for other in plate)
@@ -99,14 +98,6 @@ def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, floa
             plate.append(min(free, key=lambda spot: (spot.y + spot.depth, spot.x)))
             return
     plates.append([part])
-
-
-def _spots(plate: Sequence[Placed], part: Placed, gap: float) -> Iterator[Placed]:
-    """List the places of a part at the left or the front edge of the bed, or right of or behind another part."""
-    columns = [0.0, *(other.x + other.width + gap for other in plate)]
-    rows = [0.0, *(other.y + other.depth + gap for other in plate)]
-    for x, y in product(columns, rows):
-        yield Placed(part.name, part.is_turned, x, y, part.width, part.depth)
 
 
 def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:
@@ -134,12 +125,10 @@ _MOLD_INFILL_PERCENT, _SOLID_PERCENT = 40, 100
 
 
 def infill_percent(part: str) -> int:
-    """Infill of a part."""
     return _MOLD_INFILL_PERCENT if part.startswith("mold") else _SOLID_PERCENT
 
 
 def needs_brim(orientation: Orientation) -> bool:
-    """Return whether a part gets a brim: those that stand on end do."""
     return orientation.rotate_x_deg == 0.0
 
 
@@ -190,8 +179,6 @@ PRINT_FOLDER = "print"
 
 @dataclass(frozen=True)
 class PrintFiles:
-    """Files of the printed parts."""
-
     contents: Mapping[str, bytes]
     """File name -> bytes; no file has been written."""
     plates: Mapping[str, tuple[str, ...]]
@@ -201,10 +188,7 @@ class PrintFiles:
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
-    """Make the files of the printed parts.
-
-    Plates are made if all printed parts are there, so that none leaves out a part.
-    """
+    """Make the files of the printed parts; plates only if all parts are there, so that none leaves out a part."""
     orientations = print_orientations(design)
     poses = {name: bed_pose(meshes[name], lies.rotate_x_deg) for name, lies in orientations.items() if name in meshes}
     contents, plates = {}, {}

@@ -21,7 +21,6 @@ _OVERLAP_MM = 0.2
 
 
 def bone(design: Design) -> Solid:
-    """Build the printable bone."""
     added, removed = interface_of(design).shapes(design)
     cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design), tie_hole(design))
     hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
@@ -60,17 +59,13 @@ def sensor_recess(design: Design) -> Solid:
 
 
 def trough(design: Design, fold: TailFold) -> Solid:
-    """Build the trough for the end of a folded tail, open on the dorsal side."""
     half_width = design.dimensions.tail_half_width
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal  # past the bone
     return Box((-half_width, fold.floor_y, fold.nose_z - _OVERLAP_MM), (half_width, dorsal, fold.trough_end_z))
 
 
 def tail_space(design: Design) -> Solid:
-    """Build the space under the lid of the trough: low over the film, and higher over crimps and wires.
-
-    Beside the tabs, where no film lies even if the tail is longer than stated, the lid stands on two feet.
-    """
+    """Build the space under the trough's lid, higher over crimps and wires; it stands on feet beside the tabs."""
     fold = design.dimensions.fold
     assert fold
     half = design.dimensions.tail_half_width
@@ -120,20 +115,14 @@ def cable_channel(design: Design) -> Solid:
             (-half, floor, dims.cable_groove_end_z), (half, 2 * section.dorsal, dims.fold.window_low_z + _OVERLAP_MM)
         )
     return ElbowTube(
-        start_y=-dims.flat_depth + dims.channel_depth,
-        start_z=dims.relief_proximal_z + dims.relief_half_length,
-        exit_z=dims.channel_exit_z,
-        end_y=section.dorsal + bone.channel_diameter_mm,
-        bend_radius=bone.channel_bend_radius_mm,
-        radius=bone.channel_diameter_mm / 2,
-    )
+        start_y=-dims.flat_depth + dims.channel_depth, start_z=dims.relief_proximal_z + dims.relief_half_length,
+        exit_z=dims.channel_exit_z, end_y=section.dorsal + bone.channel_diameter_mm,
+        bend_radius=bone.channel_bend_radius_mm, radius=bone.channel_diameter_mm / 2,
+    )  # fmt: skip
 
 
 def tie_hole(design: Design) -> Solid:
-    """Build the hole for a cable tie (strain relief), across the dorsal side of the base.
-
-    It lies one wall thickness proximal to the opening of the cable channel, or to the window of a folded tail.
-    """
+    """Build the hole for a cable tie across the dorsal side, a wall proximal to the cables' opening or the window."""
     dims = design.dimensions
     half_width = dims.bone_outline.section.half_width
     radius = design.bone.tie_hole_diameter_mm / 2
@@ -182,7 +171,6 @@ def genus(design: Design) -> int:
 
 
 TAPE_MM = 0.1
-"""Thickness of the tape [mm]. An assumption."""
 TAPE_RIM_MM = 0.5
 """Width by which the tape reaches past what it covers [mm]."""
 _INTO_COLLAR_MM = 0.3
@@ -215,15 +203,10 @@ def passage_seal(design: Design) -> tuple[Solid, ...]:
     return (difference(passage, sensor_body(design)),)
 
 
-def lid_seal(design: Design) -> tuple[Solid, ...]:
-    """Build the adhesive around the lid of a folded tail, above the space of the tail; none without a lid."""
-    fold = design.dimensions.fold
-    if fold is None:
-        return ()
-    around = intersection(trough(design, fold), filled_bone(design))
-    return (difference(around, lid(design), tail_space(design)),)
-
-
 def seals(design: Design) -> tuple[Solid, ...]:
-    """Build everything that closes the hollows of the bone in the mold."""
-    return (tape(design), *passage_seal(design), *lid_seal(design), *pilot_hole(design))
+    """Build what closes hollows: tape, adhesive in the passage of the tail and around the lid, and the screw."""
+    found = [tape(design), *passage_seal(design)]
+    if fold := design.dimensions.fold:
+        around = intersection(trough(design, fold), filled_bone(design))
+        found.append(difference(around, lid(design), tail_space(design)))
+    return (*found, *pilot_hole(design))

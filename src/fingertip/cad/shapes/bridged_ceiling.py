@@ -12,30 +12,19 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
-from fingertip.design.geometry.solids import (
-    Box,
-    Prism,
-    Solid,
-    difference,
-)
+from fingertip.design.geometry.solids import Box, Prism, Solid, difference
 
 BRIDGE_STEP_MM = 0.25
-"""Height of a step [mm]: more than a layer of 0.2 mm, at the smallest scale of a print too (printer.scale_percent).
-
-One layer at least then lies in each step, wherever its layers begin. Finer layers print a bridge of two of them.
-"""
+"""Height of a step [mm]: more than a layer of 0.2 mm, at the smallest scale of a print too (printer.scale_percent). One
+layer at least then lies in each step, wherever its layers begin. Finer layers print a bridge of two of them."""
 _STEPS = 3
 CEILING_STEPS_MM = _STEPS * BRIDGE_STEP_MM
-"""Height of all steps together [mm]."""
 
 
 def bridge_ceiling(
     pocket: Solid, centre: tuple[float, float], ceiling: float, upwards: float, hole_radius: float, reach: float
 ) -> Solid:
-    """Fill the steps of the ceiling into a pocket along y, which reaches past its ceiling by `CEILING_STEPS_MM`.
-
-    Units: `centre` [mm], `ceiling` [mm], `hole_radius` [mm], `reach` [mm].
-    """
+    """Fill the ceiling's steps into a pocket along y [mm], which reaches past its ceiling by `CEILING_STEPS_MM`."""
     z, x = centre
     half = half_slot(hole_radius)
     first, second, third = (ceiling + upwards * step * BRIDGE_STEP_MM for step in range(_STEPS))
@@ -67,20 +56,14 @@ def half_slot(hole_radius: float) -> float:
 
 
 def ceiling_steps_volume_mm3(slot_area_mm2: float, hole_radius: float) -> float:
-    """Compute the volume [mm3] that the steps add to a pocket and its hole, in closed form.
-
-    Units: `hole_radius` [mm].
-    """
+    """Compute the volume [mm3] that the steps add to a pocket and its hole [mm], in closed form."""
     half = half_slot(hole_radius)
     square, octagon = 4.0 * half**2, 8.0 * (math.sqrt(2.0) - 1.0) * half**2
     return BRIDGE_STEP_MM * (slot_area_mm2 + square + octagon - _STEPS * math.pi * hole_radius**2)
 
 
 def hexagon_slot_area_mm2(width: float, half: float) -> float:
-    """Compute the area [mm2] of a hexagon within a slot of half width `half` that joins two of its corners.
-
-    `width` is measured across flats [mm].
-    """
+    """Compute the area [mm2] of a hexagon, `width` across flats, in a slot of half width `half` through two corners."""
     radius = width / math.sqrt(3.0)
     return 4.0 * half * radius - 2.0 * half**2 / math.sqrt(3.0)
 

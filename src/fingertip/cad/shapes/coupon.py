@@ -20,7 +20,6 @@ from fingertip.cad.shapes.coupon_layout import (
     LETTERS,
     RIB_MM,
     Layout,
-    Spot,
     has_key,
     lay_out,
     tail_mm,
@@ -44,7 +43,6 @@ from fingertip.design.geometry.solids import (
 )
 
 SLICE_MM = 2.4
-"""Height of the slice of the bone's base [mm]."""
 RING_MM = 1.8
 """Height of the recess in which the slice is tried [mm]."""
 _RIB_TOP_MM = 1.2
@@ -54,7 +52,6 @@ _FLOOR_MM = 0.6
 _LEDGE_MM = 1.2
 """Width of the pocket's floor around the hole through which the sensor is pushed out [mm]."""
 _WALL_TOP_MM = 2.2
-"""Top of the thin walls [mm]."""
 _LUER_TOP_MM = NOZZLE_DEPTH_MM + 0.5
 """Mouth of the Luer cone above the bed [mm]: a nozzle sits within it, and the cone's end lies below the bed."""
 _PAST_MM = 1.0
@@ -78,13 +75,20 @@ def frame_with_fits(design: Design) -> Solid:
         layout.sensor.box(0.0, tile), layout.ring.box(0.0, RING_MM), layout.tongue.box(0.0, _tongue_top_mm(design)),
     ]  # fmt: skip
     hollows = [_pocket(design, layout), *_sensor_hole(design, layout), _recess(design, layout)]
-    hollows += _nut_trap(design, layout)
+    x, z = design.mold_layout.bolts[0]
+    face = (x, -design.mold_layout.palmar_height, z)
+    at = (*layout.tongue.centre, _tongue_top_mm(design))
+    hollows += [_place(cut(design)[0], _UP_FROM_PALMAR, face, at) for cut in (nut_traps, bolt_holes)]
     if layout.socket:
+        x, z, _ = design.mold_layout.keys[0]
+        at = (*layout.socket.centre, _socket_top_mm(design))
         features.append(layout.socket.box(0.0, _socket_top_mm(design)))
-        hollows.append(_socket(design, layout.socket))
-    if layout.luer:
+        hollows.append(_place(key_sockets(design)[0], _UP_FROM_DORSAL, (x, 0.0, z), at))
+    if layout.luer and (inlet := design.mold_layout.inlet):
+        (cone,) = luer_cone(design)
+        face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
         features.append(layout.luer.box(0.0, _LUER_TOP_MM))
-        hollows.append(_luer(design, layout.luer))
+        hollows.append(_place(cone, _UP_FROM_DORSAL, face, (*layout.luer.centre, _LUER_TOP_MM)))
     if layout.text:
         features.append(layout.text.box(0.0, tile))
         hollows += _letters(design, layout)
@@ -95,16 +99,8 @@ def _frame(layout: Layout) -> Solid:
     """Build the ribs: the outline with the slot, around three windows."""
     (width, depth), slot = layout.size, layout.slot
     (left, _), (right, back) = slot.low, slot.high
-    outline = (
-        (0.0, 0.0),
-        (left, 0.0),
-        (left, back),
-        (right, back),
-        (right, 0.0),
-        (width, 0.0),
-        (width, depth),
-        (0.0, depth),
-    )
+    at_slot = ((left, 0.0), (left, back), (right, back), (right, 0.0))
+    outline = ((0.0, 0.0), *at_slot, (width, 0.0), (width, depth), (0.0, depth))
     holes = tuple(
         (spot.low, (spot.low[0], spot.high[1]), spot.high, (spot.high[0], spot.low[1])) for spot in layout.windows
     )
@@ -159,7 +155,6 @@ def list_heights(design: Design) -> tuple[Height, ...]:
 
 
 def _pocket(design: Design, layout: Layout) -> Solid:
-    """Build the sensor's pocket with the beginning of its tail's slot, open at the top of its tile."""
     dims, spot = design.dimensions, layout.sensor
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     low, high = dims.sensor_z - head - tail_mm(design), dims.sensor_z + head + _PAST_MM
@@ -180,7 +175,6 @@ def _sensor_hole(design: Design, layout: Layout) -> tuple[Solid, ...]:
 
 
 def _recess(design: Design, layout: Layout) -> Solid:
-    """Build the recess of the slice, through its ring."""
     flat = design.dimensions.base_flat_depth + design.mold.fit_clearance_mm
     at = (layout.ring.centre[0], layout.ring.low[1] + AROUND_MM, 0.0)
     recess = base_recess(design)[0]
@@ -188,28 +182,6 @@ def _recess(design: Design, layout: Layout) -> Solid:
     reach = 2 * max(layout.ring.size)
     near = Box((-reach, -reach, low - _PAST_MM), (reach, reach, low + RING_MM + _PAST_MM))
     return Placed(intersection(recess, near), 0, (at[0], at[1] + flat, -low))
-
-
-def _nut_trap(design: Design, layout: Layout) -> tuple[Solid, ...]:
-    """Build the trap of the first bolt's nut, and the hole of the bolt below it."""
-    x, z = design.mold_layout.bolts[0]
-    face = (x, -design.mold_layout.palmar_height, z)
-    at = (*layout.tongue.centre, _tongue_top_mm(design))
-    return tuple(_place(cut(design)[0], _UP_FROM_PALMAR, face, at) for cut in (nut_traps, bolt_holes))
-
-
-def _socket(design: Design, spot: Spot) -> Solid:
-    """Build the socket of the larger key, open at the top."""
-    x, z, _ = design.mold_layout.keys[0]
-    return _place(key_sockets(design)[0], _UP_FROM_DORSAL, (x, 0.0, z), (*spot.centre, _socket_top_mm(design)))
-
-
-def _luer(design: Design, spot: Spot) -> Solid:
-    """Build the Luer cone, its mouth at the top."""
-    inlet, (cone,) = design.mold_layout.inlet, luer_cone(design)
-    assert inlet
-    face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
-    return _place(cone, _UP_FROM_DORSAL, face, (*spot.centre, _LUER_TOP_MM))
 
 
 def _letters(design: Design, layout: Layout) -> list[Solid]:
@@ -227,7 +199,6 @@ def _letters(design: Design, layout: Layout) -> list[Solid]:
 
 
 def _place(solid: Solid, turns: Literal[-1, 1], point: Point3, at: Point3) -> Solid:
-    """Turn a solid and move it, such that a point of the design comes to lie at a point of the coupon."""
     x, y, z = point
     return Placed(solid, turns, (at[0] - x, at[1] + turns * z, at[2] - turns * y))
 
@@ -238,7 +209,6 @@ def _slice_z() -> float:
 
 
 def _tongue_top_mm(design: Design) -> float:
-    """Height of the tongue above the bed [mm]."""
     return design.mold.nut_depth_mm + _FLOOR_MM
 
 
@@ -260,4 +230,3 @@ COUPON_PARTS: dict[str, Part] = {
         Part("coupon_slice", loose_slice, lambda design: 0, (0.93, 0.89, 0.80), True),
     )
 }
-"""Both pieces of the coupon, by name."""

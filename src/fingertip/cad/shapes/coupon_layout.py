@@ -17,7 +17,6 @@ from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.solids import Box
 
 WALLS_MM = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2)
-"""Thicknesses of the thin walls [mm]."""
 TONGUE_MM = 10.0
 """Width of the tongue and of the slot [mm], unless the nut needs a wider block."""
 LETTERS = "AB"
@@ -25,7 +24,6 @@ LETTERS = "AB"
 MIN_SIZE_MM = 42.0
 """Least length and width of the frame [mm]."""
 RIB_MM = 1.6
-"""Width of the ribs of the frame [mm]."""
 _TILE_MM = 0.8
 """Thickness of the tiles between the ribs [mm], unless pocket or letters need more."""
 _TILE_FLOOR_MM = 0.4
@@ -37,11 +35,9 @@ _WINDOW_MM = 4.0
 _TAIL_MM = 3.0
 """Length of the tail's slot beside the sensor's pocket [mm]."""
 _WALL_LENGTH_MM = 5.0
-"""Length of the thin walls [mm]."""
 _WALL_GAP_MM = 2.4
 """Gap between two thin walls [mm], for the tips of the calipers."""
 GAP_MM = 1.8
-"""Distance between features [mm]."""
 INTO_RIB_MM = 0.5
 """Length by which a feature overlaps the rib that carries it [mm]."""
 
@@ -55,12 +51,10 @@ class Spot:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Centre of the rectangle."""
         return self.low[0] + self.size[0] / 2, self.low[1] + self.size[1] / 2
 
     @property
     def high(self) -> tuple[float, float]:
-        """Corner opposite to `low`."""
         return self.low[0] + self.size[0], self.low[1] + self.size[1]
 
     def box(self, low_z: float, high_z: float) -> Box:
@@ -78,7 +72,6 @@ class Layout:
 
     size: tuple[float, float]
     tile_mm: float
-    """Thickness of the tiles."""
     sensor: Spot
     ring: Spot
     """Wall around the recess of the slice."""
@@ -91,7 +84,6 @@ class Layout:
     text: Spot | None
     """Letters; None if the design asks for no engraving."""
     windows: tuple[Spot, Spot, Spot]
-    """Openings of the frame, from bottom to top."""
     slot: Spot
     """Slot as wide as the tongue, open at the bottom edge."""
     walls: tuple[Spot, ...]
@@ -99,10 +91,10 @@ class Layout:
 
 @lru_cache(maxsize=8)
 def lay_out(design: Design) -> Layout:
-    """Lay out the frame and its features."""
     dims, mold = design.dimensions, design.mold
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    reach, unit = _socket_radius(design) + AROUND_MM, text_unit_mm(design)
+    socket_radius = design.mold_layout.keys[0][2] / 2 + mold.key_clearance_mm * math.hypot(1.0, dims.draft_slope)
+    reach, unit = socket_radius + AROUND_MM, text_unit_mm(design)
     tongue = max(TONGUE_MM, 2 * (design.mold_layout.nut_circumradius + AROUND_MM))
     tower = LUER_MOUTH_MM + 2 * AROUND_MM
     around = 2 * (mold.fit_clearance_mm + AROUND_MM)
@@ -188,12 +180,6 @@ def _recess_half_width(design: Design) -> float:
     return grown + design.mold.fit_clearance_mm
 
 
-def _socket_radius(design: Design) -> float:
-    """Radius of the key's socket at its mouth [mm]."""
-    _, _, root = design.mold_layout.keys[0]
-    return root / 2 + design.mold.key_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
-
-
 def tail_mm(design: Design) -> float:
     """Length of the tail's slot on the coupon [mm]: it ends before the relief of a short tail begins."""
     dims = design.dimensions
@@ -204,5 +190,4 @@ def tail_mm(design: Design) -> float:
 
 
 def slice_height(design: Design) -> float:
-    """Height of the slice from its palmar flat to its dorsal side [mm]."""
     return design.dimensions.base_flat_depth + design.dimensions.bone_outline.section.dorsal

@@ -25,7 +25,6 @@ ADVANCE = 6.0
 HEIGHT = 6.0
 """Height of a letter, measured between the centre lines of its strokes [grid units]."""
 STROKE_WIDTH = 0.8
-"""Width of a stroke [grid units]."""
 MIN_STROKE_MM = 0.4
 """Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
 assumption."""
@@ -50,11 +49,8 @@ _GLYPHS = {
 
 @dataclass(frozen=True)
 class TextLine:
-    """Line of text to engrave."""
-
     text: str
     unit_mm: float
-    """Size of a grid unit [mm]."""
     baseline_mm: float
     """Signed distance of the baseline from the centre of the face [mm]."""
     centre_z_mm: float
@@ -113,10 +109,7 @@ def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
 
 
 def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...]]:
-    """Return the strokes of a letter as rectangles in grid units, counter-clockwise.
-
-    Each rectangle extends past both ends of its stroke by half the stroke width, so that strokes overlap at a corner.
-    """
+    """Return the strokes of a letter as rectangles [grid units], counter-clockwise, which overlap at a corner."""
     rectangles = []
     for polyline in _GLYPHS[letter.upper()].split("|"):
         points = [(float(xy[0]), float(xy[1])) for xy in polyline.split()]
@@ -125,10 +118,7 @@ def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...
 
 
 def _grid_unit_mm(design: Design, text: str, length_mm: float) -> float:
-    """Compute the size of a grid unit [mm].
-
-    Letters have the requested height, unless the free length of the face or the space between the nut traps limits it.
-    """
+    """Compute the grid unit [mm]: letters are smaller than requested where the face or the nut traps limit them."""
     layout = design.mold_layout
     across = layout.bolts[-1][0] - layout.nut_circumradius - _NUT_DISTANCE_MM
     return min(

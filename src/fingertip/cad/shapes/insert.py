@@ -12,6 +12,7 @@ from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceilin
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
 from fingertip.design.geometry.features import Chaplet
+from fingertip.design.geometry.seat import sleeve_inset_mm
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -39,7 +40,6 @@ def facet_cut(design: Design, inset_mm: float = 0.0) -> tuple[Solid, ...]:
 
 
 def pilot_hole(design: Design) -> tuple[Solid, ...]:
-    """Build the hole in the bone for the screw; none without a chaplet."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
@@ -48,24 +48,13 @@ def pilot_hole(design: Design) -> tuple[Solid, ...]:
 
 
 def boss(design: Design) -> tuple[Solid, ...]:
-    """Build the boss as it stands in the mold's cavity, widened by its draft; none without one.
-
-    A sleeve's core, and the boss on it, are enlarged by the shrinkage of the silicone.
-    """
+    """Build the boss in the cavity, widened by its draft; a core's is enlarged by the shrinkage. None without one."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
     if design.mold.method == "sleeve":
         return (scaled(_boss(design, chaplet, design.mold.sleeve_interference_mm), design.dimensions.shrinkage),)
     return (_boss(design, chaplet),)
-
-
-def hole_in_skin(design: Design) -> tuple[Solid, ...]:
-    """Build the hole that the boss leaves in the finished skin; none without one."""
-    chaplet = design.dimensions.chaplet
-    if chaplet is None:
-        return ()
-    return (_boss(design, chaplet, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0),)
 
 
 def _boss(design: Design, chaplet: Chaplet, inset_mm: float = 0.0) -> Solid:
@@ -86,10 +75,7 @@ def contact_y(design: Design) -> float:
 
 
 def screw_hole(design: Design) -> tuple[Solid, ...]:
-    """Build the hole of the screw through the dorsal half, and the counterbore of its head; none without a chaplet.
-
-    The half is printed on its outer face, so the bottom of the counterbore is a ceiling, which prints in bridges.
-    """
+    """Build the hole of the chaplet's screw through the dorsal half, and its counterbore; none without one."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
@@ -109,7 +95,6 @@ def axis_z(design: Design) -> float:
 
 
 def head_y(design: Design) -> float:
-    """Height of the bottom of the counterbore, under the head of the screw [mm]."""
     chaplet = design.dimensions.chaplet
     assert chaplet
     length = chaplet.screw_length(design.mold_layout.dorsal_height)
@@ -124,23 +109,16 @@ coincident faces."""
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
-    """Build the bone with its channel, pocket and holes filled: outline with flats, facet, groove and collar.
-
-    All surfaces but the collar's lie `inset_mm` inside the bone's.
-    """
+    """Build the bone without hollows; its surfaces but the collar's lie `inset_mm` inside the bone's."""
     body = add_groove(design.bone, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_facets(design, body, inset_mm), collar(design))
 
 
 def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    """Cut the palmar flats and the facet on which the chaplet stands."""
-    cut = _cut_flat(design, body, inset_mm)
-    facets = facet_cut(design, inset_mm)
-    return difference(cut, *facets) if facets else cut
+    return difference(_cut_flat(design, body, inset_mm), *facet_cut(design, inset_mm))
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    """Cut the palmar flat, `inset_mm` deeper than the bone's, and that of the base."""
     section, dims = body.section, design.dimensions
     # The cutting boxes extend past the outline by a length that scales with the design.
     margin = section.half_width
@@ -183,8 +161,7 @@ def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:
 
 def core(design: Design) -> Solid:
     """Build the printable core of a sleeve, with the hole for the screw of the chaplet."""
-    body, holes = sleeve_core(design), pilot_hole(design)
-    return difference(body, *(scaled(hole, design.dimensions.shrinkage) for hole in holes)) if holes else body
+    return difference(sleeve_core(design), *(scaled(hole, design.dimensions.shrinkage) for hole in pilot_hole(design)))
 
 
 def sleeve_core(design: Design) -> Solid:
@@ -207,19 +184,19 @@ def mold_insert(design: Design) -> Solid:
 
 
 def skin_interior(design: Design) -> Solid:
-    """Build the region that the finished, unstretched skin encloses."""
-    return filled_bone(design, design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0)
+    return filled_bone(design, sleeve_inset_mm(design))
 
 
 def skin(design: Design) -> Solid:
     """Build the cured skin at its design size, unstretched, with the hole that the chaplet leaves."""
-    return difference(SuperconicSolid(design.dimensions.outer), skin_interior(design), *hole_in_skin(design))
+    chaplet = design.dimensions.chaplet
+    hole = (_boss(design, chaplet, sleeve_inset_mm(design)),) if chaplet else ()
+    return difference(SuperconicSolid(design.dimensions.outer), skin_interior(design), *hole)
 
 
 def cavity(design: Design) -> Solid:
     """Build the cavity of the closed mold: its outline without the boss of the chaplet."""
-    outline, bosses = cavity_outline(design), boss(design)
-    return difference(outline, *bosses) if bosses else outline
+    return difference(cavity_outline(design), *boss(design))
 
 
 def cavity_outline(design: Design) -> Solid:

@@ -55,10 +55,7 @@ def runners(design: Design) -> tuple[Solid, ...]:
 
 
 def luer_cone(design: Design) -> tuple[Solid, ...]:
-    """Build the cone in the dorsal half on which the syringe sits; none if gravity fills the mold.
-
-    It widens towards the outside, which a casting cannot leave: the nozzle fills most of it.
-    """
+    """Build the cone of the syringe's nozzle, which fills most of it; none if gravity fills the mold."""
     inlet, layout = design.mold_layout.inlet, design.mold_layout
     if inlet is None:
         return ()
@@ -70,7 +67,6 @@ def luer_cone(design: Design) -> tuple[Solid, ...]:
 
 
 def sprue(design: Design, inlet: Inlet) -> Solid:
-    """Build the sprue from the end of the Luer cone to the parting plane."""
     radius = (LUER_MOUTH_MM - LUER_TAPER * LUER_DEPTH_MM) / 2
     top = design.mold_layout.dorsal_height - LUER_DEPTH_MM
     # It reaches into the cone by a length that leaves no coincident face.
@@ -86,10 +82,7 @@ def runner(inlet: Inlet) -> Solid:
 
 
 def groove(course: Sequence[tuple[float, float]], width: float, depth: float) -> Solid:
-    """Build a groove in the dorsal half, along a course of points (x, z) whose legs run along x or z.
-
-    Its corners are mitred, so that its outline is one polygon.
-    """
+    """Build a groove with mitred corners in the dorsal half, along points (x, z) whose legs run along x or z."""
     legs = [(_sign(b[0] - a[0]), _sign(b[1] - a[1])) for a, b in pairwise(course)]
     left, right = [], []
     for i, (x, z) in enumerate(course):
@@ -119,12 +112,10 @@ def gate_and_funnel(design: Design) -> tuple[Solid, ...]:
 
 
 def vents(design: Design) -> tuple[Solid, ...]:
-    """Build the vents."""
     return tuple(_vent(design, vent) for vent in place_vents(design))
 
 
 def side_vents(design: Design) -> tuple[Solid, ...]:
-    """Build the vents in the parting plane."""
     return tuple(_vent(design, vent) for vent in place_vents(design) if vent.kind == "side")
 
 
@@ -163,7 +154,6 @@ def _begin_dorsal(design: Design, vent: Vent) -> float:
 
 
 def openings(design: Design) -> Solid:
-    """Build all of it as one solid."""
     return union(*runners(design), *luer_cone(design))
 
 
@@ -187,10 +177,7 @@ def block(design: Design) -> Solid:
 
 
 def hollow(design: Design) -> Solid:
-    """Build the hollow of the closed mold: cavity, recess, inlet and vents.
-
-    Bolt holes, nut traps and the clearance of the keys are not part of it.
-    """
+    """Build cavity, recess, inlet and vents of the closed mold, without bolts, nut traps and the keys' clearance."""
     return union(cast_hollow(design), *luer_cone(design))
 
 
@@ -237,7 +224,6 @@ def _drafted_extrusion(
 
 
 def bolt_holes(design: Design) -> tuple[Solid, ...]:
-    """Build the clearance holes for the clamp bolts, through both halves."""
     m = design.mold_layout
     radius, low, high = design.mold.bolt_diameter_mm / 2, -2 * m.palmar_height, 2 * m.dorsal_height
     return tuple(cylinder("y", (z, x), low, high, radius) for x, z in m.bolts)
@@ -261,7 +247,6 @@ def keys(design: Design) -> tuple[Solid, ...]:
 
 
 def key_sockets(design: Design) -> tuple[Solid, ...]:
-    """Build the sockets of the palmar half: the keys, larger by their clearance."""
     return key_frustums(design, design.mold.key_clearance_mm)
 
 
@@ -286,10 +271,7 @@ def pry_slots(design: Design) -> tuple[Solid, ...]:
 
 
 def engraved_text(design: Design, half: str) -> tuple[Solid, ...]:
-    """Build the letters cut into the outer face of a half: the names of the design and of the half.
-
-    The text reads correctly from outside.
-    """
+    """Build the letters cut into the outer face of a half: the names of design and half, readable from outside."""
     mold, m = design.mold, design.mold_layout
     dorsal = half == "dorsal"
     height = m.dorsal_height if dorsal else m.palmar_height

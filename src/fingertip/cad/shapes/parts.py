@@ -16,13 +16,12 @@ from fingertip.catalogues.hardware import Thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.solids import Solid, cylinder, difference, hexagon, union
+from fingertip.design.interfaces.clevis import pin_bore
 from fingertip.filling.vents import place_vents
 
 
 @dataclass(frozen=True)
 class Part:
-    """Part of the fingertip that is printed or cast."""
-
     name: str
     solid: Callable[[Design], Solid]
     """Function that builds the part for a design."""
@@ -31,7 +30,6 @@ class Part:
     colour: tuple[float, float, float]
     """Red, green and blue in pictures and STEP files, 0 to 1."""
     is_printed: bool
-    """True for printed parts, False for cast ones."""
     exists_in: Callable[[Design], bool] = lambda design: True
     """Function that tells whether a design has this part."""
 
@@ -65,11 +63,9 @@ PARTS: dict[str, Part] = {
         ),
     )
 }  # fmt: skip
-"""Every part, by name."""
 
 
 def parts_by_name(design: Design) -> dict[str, Part]:
-    """Return the parts of a design by name: all of `PARTS`, but the core only if the skin is a sleeve."""
     return {name: part for name, part in PARTS.items() if part.exists_in(design)}
 
 
@@ -94,35 +90,31 @@ class HardwareItem:
 
 
 def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]:
-    """List the hardware that belongs to the given parts.
-
-    Bolts need both mold halves. A finger in the hand's fork gets a pin as long as its own base is wide.
-    """
+    """List the hardware of the given parts: both halves' bolts, in a hand's fork a pin as long as the base is wide."""
     items: list[HardwareItem] = []
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
     if {"mold_palmar", "mold_dorsal"} <= set(parts):
         items += _mold_bolts(design)
-    if "mold_dorsal" in parts and design.dimensions.chaplet:
+    if "mold_dorsal" in parts and (chaplet := design.dimensions.chaplet):
         held = tuple(part for part in ("bone", "core") if part in parts)
-        items.append(HardwareItem("chaplet_screw", _chaplet_screw(design), _STEEL, held))
-    if "bone" in parts and design.dimensions.joint:
-        items.append(HardwareItem("joint_pin", _joint_pin(design), _STEEL))
+        length = chaplet.screw_length(design.mold_layout.dorsal_height)
+        solid = screw(chaplet.thread, 0.0, axis_z(design), head_y(design), length)
+        items.append(HardwareItem("chaplet_screw", solid, _STEEL, held))
+    if "bone" in parts and (joint := design.dimensions.joint):
+        pin = pin_bore(joint, design.dimensions.pin_length / 2)
+        items.append(HardwareItem("joint_pin", pin, _STEEL))
     return tuple(items)
 
 
 def screw(thread: Thread, x: float, z: float, under_head_y: float, length: float) -> Solid:
-    """Build a screw along y, its head above `under_head_y` [mm].
-
-    The head is as wide as the nut over its flats, and as high as the thread is thick, about as in ISO 4762.
-    """
+    """Build a screw along y below `under_head_y` [mm]; its head has about the sizes of ISO 4762."""
     head = cylinder("y", (z, x), under_head_y, under_head_y + thread.diameter_mm, thread.nut_flats_mm / 2)
     shank = cylinder("y", (z, x), under_head_y - length, under_head_y, thread.diameter_mm / 2)
     return union(head, shank)
 
 
 def _mold_bolts(design: Design) -> list[HardwareItem]:
-    """Build the bolts, which enter from the dorsal face, and their nuts at the bottom of the traps."""
     m, bolts = design.mold_layout, size_clamp_bolts(design.mold, design.mold_layout)
     thread, top = bolts.thread, -m.palmar_height + design.mold.nut_depth_mm
     items = []
@@ -134,16 +126,3 @@ def _mold_bolts(design: Design) -> list[HardwareItem]:
         nut = difference(outline, cylinder("y", (z, x), low, high, thread.diameter_mm / 2))
         items += [HardwareItem(f"mold_bolt_{i}", bolt, _STEEL), HardwareItem(f"mold_nut_{i}", nut, _BRASS)]
     return items
-
-
-def _chaplet_screw(design: Design) -> Solid:
-    chaplet = design.dimensions.chaplet
-    assert chaplet
-    length = chaplet.screw_length(design.mold_layout.dorsal_height)
-    return screw(chaplet.thread, 0.0, axis_z(design), head_y(design), length)
-
-
-def _joint_pin(design: Design) -> Solid:
-    joint, half = design.dimensions.joint, design.dimensions.pin_length / 2
-    assert joint
-    return cylinder("x", (joint.axis_y, joint.axis_z), -half, half, joint.pin_radius)

@@ -57,7 +57,6 @@ _BREP_VOLUME_ERROR = 2e-6
 
 
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
-    """Check identities between the given parts on meshes."""
     if "skin" in parts:
         yield check_zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
@@ -72,8 +71,10 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
     if inside:
         cast = evaluator.manifold(union(*inside.values()))
         for name, half in halves.items():
-            pulled = _demolding_overlap(evaluator.manifold(half), cast, -1.0 if name == HALVES[0] else 1.0)
-            yield check_zero_volume(f"demolding_overlap.{name}", pulled)
+            solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
+            pulled = (solid.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
+            overlap = max(float((position ^ cast).volume()) for position in pulled)
+            yield check_zero_volume(f"demolding_overlap.{name}", overlap)
     if len(halves) == 2:
         yield check_zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))
 
@@ -95,7 +96,6 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
 def check_brep_assembly(
     design: Design, parts: Mapping[str, BrepMeasurements], volumes_mm3: Mapping[str, float]
 ) -> Iterator[Check]:
-    """Check the volume balances on B-rep solids."""
     if "cavity" in volumes_mm3:
         growth = design.dimensions.shrinkage**3
         skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]
@@ -160,12 +160,6 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     return abs(float(room - growth * (silicone + rigid)))
 
 
-def _demolding_overlap(half: Manifold, cast: Manifold, direction: float) -> float:
-    """Compute the largest overlap [mm3] of a half with the cast parts while it is pulled off along y."""
-    pulled = (half.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
-    return max(float((position ^ cast).volume()) for position in pulled)
-
-
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
     """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
     block = mold.block(design)
@@ -179,10 +173,7 @@ def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[S
 
 
 def _cutout_volume_mm3(design: Design) -> float:
-    """Compute the volume [mm3] of bolt holes, nut traps, pry slots and letters in closed form.
-
-    This is exact and saves the B-rep kernel forty booleans.
-    """
+    """Compute bolt holes, traps, slots and letters [mm3] in closed form: exact, and forty B-rep booleans less."""
     d, m = design.mold, design.mold_layout
     radius = d.bolt_diameter_mm / 2
     bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, half_slot(radius))
@@ -229,7 +220,6 @@ _FINGER = ("bone", "lid", "skin")
 
 
 def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the clevis of a design that has one."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     if joint is None:
         return
@@ -242,7 +232,6 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
 
 def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: float) -> Iterator[Check]:
-    """Check the walls of the eyes around the pin and beside the joint's gap."""
     dims, half_length = design.dimensions, 1.0
     reach = 2 * (joint.radius + dims.collar.section.dorsal + dims.collar.section.palmar)
     heights = Box(
@@ -268,7 +257,6 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
 
 
 def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator, wall: float) -> Check:
-    """Check the walls around the tendon's anchor along its first millimetres in each cheek."""
     inner = anchor.inner_half_width
     length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
     hole = cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius)
@@ -292,8 +280,11 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
     travel = design.hand.travel_deg
     angles = [travel * i / _FREE_ANGLES for i in range(_FREE_ANGLES + 1)] if travel else [0.0]
     worst = max(_overlap(finger, hand, joint, angle) for angle in angles)
-    yield Check("joint.travel_overlap", worst, _touching_volume(design, joint, evaluator), "mm3")
-    halfway = [_turn(part, joint, travel / 2) for part in finger]
+    # Surfaces in contact may share a volume, because meshes deviate by up to the tolerance.
+    contact_mm2 = 4 * joint.radius * design.dimensions.bone_outline.section.half_width
+    allowed = VOLUME_TOLERANCE_MM3 + 0.05 * contact_mm2 * evaluator.tolerance_mm
+    yield Check("joint.travel_overlap", worst, allowed, "mm3")
+    halfway = [turn_about_pin(part, joint, travel / 2) for part in finger]
     ahead = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z)  # without the shoulder, which the stops meet
     clearance = search_distance(lambda reach: min(part.min_gap(ahead, reach) for part in halfway), 2 * joint.clearance)
     yield Check("joint.clearance", clearance, 0.9 * joint.clearance - evaluator.tolerance_mm, "mm", "at least")
@@ -304,20 +295,13 @@ def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Ite
 
 
 def _overlap(finger: list[Manifold], hand: Manifold, joint: Joint, angle_deg: float) -> float:
-    """Compute the volume [mm3] that finger and hand share if the finger is bent by an angle."""
-    return float(sum((_turn(part, joint, angle_deg) ^ hand).volume() for part in finger))
+    return float(sum((turn_about_pin(part, joint, angle_deg) ^ hand).volume() for part in finger))
 
 
-def _turn(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
+def turn_about_pin(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
     """Turn a part of the finger about the pin: its tip (+z) to the palmar side (-y), a positive rotation about x."""
     at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
     return at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))
-
-
-def _touching_volume(design: Design, joint: Joint, evaluator: MeshEvaluator) -> float:
-    """Volume that surfaces in contact may share, because meshes deviate by up to the tolerance [mm3]."""
-    area = 4 * joint.radius * design.dimensions.bone_outline.section.half_width
-    return VOLUME_TOLERANCE_MM3 + 0.05 * area * evaluator.tolerance_mm
 
 
 def _wedge(design: Design, joint: Joint) -> float:

@@ -41,7 +41,6 @@ _AREA_TOLERANCE_MM2 = 0.01
 
 
 def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the walls of the bone and the seat of the sensor."""
     yield from _check_walls(design, evaluator)
     yield from _check_sensor_seat(design, evaluator)
 
@@ -60,7 +59,6 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
 
 
 def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the walls around channel or trough, sensor, tie hole and interface."""
     dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
     y_flat = -dims.flat_depth
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
@@ -103,7 +101,6 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
 def _check_folded_walls(
     design: Design, fold: TailFold, evaluator: MeshEvaluator, outside: Manifold, wall: float
 ) -> Iterator[Check]:
-    """Check the walls of trough, lid and window, and of the groove where there is one."""
     dims, recess = design.dimensions, evaluator.manifold(bone.sensor_recess(design))
     trough = _cover_trough(recess, fold).trim_by_plane((0.0, 1.0, 0.0), fold.nose_y)
     yield check_min_distance("bone.wall.trough_to_outside", trough, outside, wall)
@@ -124,7 +121,6 @@ def _check_folded_walls(
 
 
 def _list_holes(design: Design, evaluator: MeshEvaluator) -> tuple[tuple[str, Manifold], ...]:
-    """List tie hole and first hollow of the interface with their names in checks."""
     _, removed = interface_of(design).shapes(design)
     solids = (("tie_hole", bone.tie_hole(design)), ("interface", removed[0]))
     return tuple((name, evaluator.manifold(solid)) for name, solid in solids)
@@ -149,10 +145,7 @@ def _lid_faces(design: Design, evaluator: MeshEvaluator, outside: Manifold) -> t
 
 
 def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the clearance around the sensor, and that its seat is flat from the head to the solder joints.
-
-    A sensor that bends over an unsupported area reads a false force.
-    """
+    """Check clearance and flat seat of the sensor: one that bends over an unsupported area reads a false force."""
     dims = design.dimensions
     solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
     clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm) - evaluator.tolerance_mm
@@ -184,7 +177,6 @@ _BREAKS_BELOW = 1.0
 
 
 def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
-    """Check the safety factors of the bone. A factor above the design's own limit but below 1 warns."""
     limits = design.strength
     checks = [
         Check(

@@ -64,14 +64,8 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("mold.syringe_volume", ("mold.syringe",)),
     ("mold.bone_load", ("mold.thumb_force_n", "mold.syringe", "mold.chaplet_screw")),
     ("mold.opening_force", ("mold.thumb_force_n", "mold.syringe", "mold.bolt_diameter_mm")),
-    (
-        "mold.leak_length",
-        ("mold.seat_tape_mm", "mold.fit_clearance_mm", "printer.offset_mm", "bone.collar_length_mm"),
-    ),
-    (
-        "bone.safety_factor.grip_fdm",
-        ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm"),
-    ),
+    ("mold.leak_length", ("mold.seat_tape_mm", "mold.fit_clearance_mm", "printer.offset_mm", "bone.collar_length_mm")),
+    ("bone.safety_factor.grip_fdm", ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm")),
     (
         "bone.safety_factor.*",
         ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),
@@ -91,10 +85,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
 
 
 def list_causes(check: str) -> tuple[str, ...]:
-    """List the parameters to change if a check of this name fails; none if it would be a fault of the program.
-
-    Raises LookupError.
-    """
+    """List the parameters behind a failing check; none if it were a fault of the program. Raises LookupError."""
     for pattern, parameters in _CAUSES:
         if fnmatchcase(check, pattern):
             return parameters
@@ -164,15 +155,11 @@ def list_warnings(checks: Sequence[Check]) -> list[str]:
 
 
 def check_zero_volume(name: str, volume_mm3: float) -> Check:
-    """Check that a volume is zero, apart from rounding."""
     return Check(name, volume_mm3, VOLUME_TOLERANCE_MM3, "mm3")
 
 
 def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
-    """Check that two solids are at least `min_mm` apart.
-
-    The thickness of a wall is the distance between the solids on both of its sides.
-    """
+    """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
     distance = search_distance(lambda reach_mm: first.min_gap(second, reach_mm), 2.0 * min_mm)
     return Check(name, distance, min_mm, "mm", "at least")
 

@@ -7,7 +7,7 @@ follows from its pressure and the time until it sets.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
 
 _AREA_TOLERANCE_MM2 = 1e-4
-"""Largest undercut area that counts as zero [mm2]."""
 _FACE_DEPTH_MM = 0.01
 """Depth below the distal face at which the openings of gate and vents are counted [mm]."""
 _FIT_RATIO = 0.75
@@ -60,15 +59,24 @@ when they are pressed together."""
 
 
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check both halves of the mold."""
     yield from _check_openings(design, evaluator)
-    clearances = _measure_recess(design, evaluator)
-    yield from _check_recess_clearance(design, evaluator, clearances)
+    base = _insert_base(design, evaluator)
+    clearances = {
+        half: search_distance(partial(base.min_gap, evaluator.manifold(solid(design))), design.mold.fit_clearance_mm)
+        for half, solid in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal))
+    }
+    minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
+    if minimum > 0.0:  # else the mesh is too coarse to measure the clearance; the overlap checks still apply
+        for half, clearance in clearances.items():
+            yield Check(f"{half}.recess_clearance", clearance, minimum, "mm", "at least")
     yield from _check_draft(design, evaluator, clearances)
     if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
-        yield _check_air_trap(design, evaluator)
+        # Air would be trapped in the cavity above the highest vent.
+        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*runners(design)))
+        trapped = body.bounding_box()[5] - (body ^ vented).bounding_box()[5]
+        yield Check("mold.air_trap_height", trapped, 2 * evaluator.tolerance_mm, "mm")
     yield from _check_cavity_walls(design, evaluator)
     yield from _check_runner_walls(design, evaluator)
     yield from _check_fasteners(design, evaluator)
@@ -101,10 +109,7 @@ def _is_open(design: Design, groove: Solid, evaluator: MeshEvaluator) -> bool:
 
 
 def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
-    """Compute the area [mm2] of undercuts in the half that is pulled off in `direction` along y.
-
-    An undercut is a surface that faces back towards the parting plane. It would hold the casting in the half.
-    """
+    """Compute the area [mm2] that faces back to the parting plane, so that the half holds the casting."""
     vertices, triangles = to_arrays(hollow.trim_by_plane((0.0, direction, 0.0), 0.0))
     corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2.0
@@ -114,33 +119,12 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
     return float(area[faces_back].sum())
 
 
-def _measure_recess(design: Design, evaluator: MeshEvaluator) -> tuple[float, float]:
-    """Measure the clearances [mm] of palmar and dorsal half around the base of bone or core."""
-    base = _insert_base(design, evaluator)
-    palmar, dorsal = (
-        search_distance(partial(base.min_gap, evaluator.manifold(half(design))), design.mold.fit_clearance_mm)
-        for half in (mold.mold_palmar, mold.mold_dorsal)
-    )
-    return palmar, dorsal
-
-
-def _check_recess_clearance(
-    design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]
-) -> Iterator[Check]:
-    """Check the clearance between each half and the base of bone or core in the recess."""
-    minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
-    if minimum <= 0.0:
-        return  # the mesh is too coarse to measure the clearance; the overlap checks still apply
-    for half, clearance in zip(("mold_palmar", "mold_dorsal"), clearances, strict=True):
-        yield Check(f"{half}.recess_clearance", clearance, minimum, "mm", "at least")
-
-
 def _insert_base(design: Design, evaluator: MeshEvaluator) -> Manifold:
     """Evaluate the part of bone or core that lies in the recess, below the plane where the skin ends."""
     return evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
 
 
-def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: tuple[float, float]) -> Iterator[Check]:
+def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: Mapping[str, float]) -> Iterator[Check]:
     """Check that the distance to every rigid surface grows as soon as a half is pulled off.
 
     A wall with the draft angle d gains sin(d) times the distance pulled; a wall without draft gains nothing and rubs
@@ -153,8 +137,8 @@ def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: tuple[flo
     keys = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
     search = design.mold.fit_clearance_mm + design.mold.key_clearance_mm + 2 * gain
     for name, half, other, closed, distance in (
-        ("mold_palmar.draft_clearance_gain.bone", palmar, base, clearances[0], -pull),
-        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, clearances[1], pull),
+        ("mold_palmar.draft_clearance_gain.bone", palmar, base, clearances["mold_palmar"], -pull),
+        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, clearances["mold_dorsal"], pull),
         ("mold_palmar.draft_clearance_gain.keys", palmar, keys, palmar.min_gap(keys, search), -pull),
     ):
         gained = half.translate((0.0, distance, 0.0)).min_gap(other, search) - min(closed, search)
@@ -172,15 +156,6 @@ def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
     in_mold = (channel ^ block).volume()
     in_bone = (channel ^ evaluator.manifold(filled_bone(design)) ^ block).volume()
     return check_zero_volume("mold.cable_channel_overlap", in_mold - in_bone)
-
-
-def _check_air_trap(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check the height of the cavity above the highest vent, where air would be trapped."""
-    cavity_body = evaluator.manifold(cavity(design))
-    openings = evaluator.manifold(union(*runners(design)))
-    highest = cavity_body.bounding_box()[5]
-    vented = (cavity_body ^ openings).bounding_box()[5]
-    return Check("mold.air_trap_height", highest - vented, 2 * evaluator.tolerance_mm, "mm")
 
 
 def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -213,7 +188,7 @@ def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
         yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
     # A groove in the parting plane may end in a pry slot.
     grooves = side_vents(design)
-    above = difference(openings(design), *grooves) if grooves else openings(design)
+    above = difference(openings(design), *grooves)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
     clear = evaluator.manifold(intersection(above, mold.block(design)))
     yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
@@ -251,10 +226,7 @@ def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check
 
 
 def _distance_to_faces(inner: Manifold, block: Manifold) -> float:
-    """Compute the smallest distance [mm] from a solid within the block to its six faces; 0 if it reaches through one.
-
-    The faces are normal to the axes, so the distance follows from both bounding boxes.
-    """
+    """Compute the smallest distance [mm] of a solid from the block's six faces; 0 if it reaches through one."""
     i, b = inner.bounding_box(), block.bounding_box()
     return float(max(0.0, min(min(i[axis] - b[axis], b[axis + 3] - i[axis + 3]) for axis in range(3))))
 
@@ -275,7 +247,6 @@ _GRAVITY_M_S2 = 9.81
 
 
 def check_filling(design: Design) -> Iterator[Check]:
-    """Check the filling of a mold with the silicone of its design."""
     prediction, silicone = predict_mold_filling(design), design.silicone.material
     allowed_s = silicone.filling_limit_s
     syringe = design.mold_layout.inlet.syringe if design.mold_layout.inlet else None
@@ -331,7 +302,6 @@ _DEEPER_MM = 0.1
 
 
 def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the seals of an overmolding, and the seat of bone or core."""
     if design.mold.method == "overmold":
         yield Check("mold.open_paths", flooded_mm3(design, evaluator), VOLUME_TOLERANCE_MM3, "mm3")
     yield Check("mold.leak_length", leak_mm(design), _MAX_LEAK_SHARE * design.mold.recess_length_mm, "mm")
@@ -350,16 +320,11 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     top = max(evaluator.manifold(part).bounding_box()[5] for part in recess)
     low = flooded.trim_by_plane((0.0, 0.0, -1.0), -top)
     outside = low.volume() - (low ^ evaluator.manifold(cavity(design))).volume()
-    hollows = evaluator.manifold(_hollows(design))
-    return float(outside + (flooded ^ hollows).volume())
-
-
-def _hollows(design: Design) -> Solid:
-    """Build the hollows of the bone, a little below its surface."""
     hollows = [bone.sensor_recess(design)]
     if not design.dimensions.window_opens_into_gap:
         hollows.append(bone.cable_channel(design))
-    return intersection(union(*hollows), filled_bone(design, _DEEPER_MM))
+    deep = intersection(union(*hollows), filled_bone(design, _DEEPER_MM))
+    return float(outside + (flooded ^ evaluator.manifold(deep)).volume())
 
 
 def leak_mm(design: Design) -> float:

@@ -24,13 +24,12 @@ from fingertip.foundation.numerics import Array
 
 
 def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) -> Iterator[Check]:
-    """Check the topology of a part as read back from its file.
-
-    It must be closed, without degenerate triangles, oriented outwards, a single body, and of the expected genus.
-    """
+    """Check that a file's mesh is closed, not degenerate, oriented outwards, one body, and of the expected genus."""
     prefix = f"{part.name}.{file_format}"
     yield Check(f"{prefix}.open_edges", count_open_edges(mesh), 0, "edges", "exactly")
-    yield Check(f"{prefix}.degenerate_triangles", count_degenerate_triangles(mesh), 0, "triangles", "exactly")
+    # Programs drop triangles without area when they read a file, which leaves holes.
+    degenerate = find_degenerate_triangles(mesh.vertices, mesh.triangles)
+    yield Check(f"{prefix}.degenerate_triangles", len(degenerate), 0, "triangles", "exactly")
     yield Check(f"{prefix}.inverted", float(mesh.volume() <= 0.0), 0, "", "exactly")
     solid = to_manifold(mesh.vertices, mesh.triangles)
     yield Check(f"{prefix}.bodies", len(solid.decompose()), 1, "bodies", "exactly")
@@ -40,22 +39,10 @@ def check_mesh_file(design: Design, part: Part, mesh: Mesh, file_format: str) ->
 def check_brep_solid(
     design: Design, part: Part, mesh: Mesh, measured: BrepMeasurements, scale: float, tolerance_mm: float
 ) -> Iterator[Check]:
-    """Check the genus of a B-rep solid, and its volume against the mesh.
-
-    The volumes may differ by the tolerance times the surface area. The process that makes the solid has verified that
-    it is a single valid one.
-    """
+    """Check a valid B-rep solid's genus, and its volume against the mesh to the tolerance times the surface area."""
     yield Check(f"{part.name}.step.genus", measured.genus, part.genus(design), "through holes", "exactly")
     difference = abs(mesh.volume() - measured.volume_mm3 * scale**3)
     yield Check(f"{part.name}.step.volume_difference_to_mesh", difference, tolerance_mm * mesh.area(), "mm3")
-
-
-def count_degenerate_triangles(mesh: Mesh) -> int:
-    """Count triangles without area, as a vertex on an edge leaves them.
-
-    Many programs drop such triangles when they read a file, which leaves a hole in the surface.
-    """
-    return len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
 
 
 def count_open_edges(mesh: Mesh) -> int:
@@ -102,23 +89,15 @@ def _may_be_supported(
     points = corners.mean(axis=1) + _INTO_AIR_MM * normal
     for place in places:
         region = evaluator.manifold(place)
-        found = _is_within(points, region.bounding_box())
+        low, high = np.split(np.array(region.bounding_box()), 2)
+        found = ((points >= low) & (points <= high)).all(axis=1)
         found[found.nonzero()] = _is_inside(points[found], *to_arrays(region))
         points = points[~found]
     return not len(points)
 
 
-def _is_within(points: Array, box: tuple[float, ...]) -> NDArray[np.bool_]:
-    """Return for each point whether it lies within a bounding box."""
-    low, high = np.array(box[:3]), np.array(box[3:])
-    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
-
-
 def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[np.bool_]:
-    """Return for each point whether a closed mesh encloses it: a ray from it leaves once more than it enters.
-
-    The ray meets no edge, because it is parallel to none of them.
-    """
+    """Return for each point whether a ray from it, which meets no edge, leaves the mesh once more than it enters."""
     seen, at = vertices @ _RAY_AXES.T, points @ _RAY_AXES.T
     corners = seen[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -138,7 +117,6 @@ def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[
 def check_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
 ) -> Iterator[Check]:
-    """Check the files for the printer, read back from their bytes."""
     for file, data in prints.contents.items():
         if file in prints.plates:
             continue
@@ -177,7 +155,6 @@ def _check_plates(
 
 
 def _bounds(item: threemf.Item, mesh: Mesh) -> Array:
-    """Find the lowest and highest corner of an object on its plate, shape (2, 3) [mm]."""
     assert item.rotation is not None
     placed = Pose(item.rotation, item.shift).apply(mesh).vertices
     return np.stack([placed.min(axis=0), placed.max(axis=0)])

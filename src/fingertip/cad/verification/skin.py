@@ -63,8 +63,6 @@ class EnclosingSurface:
         return -max(float((block @ self._planes).max()) for block in blocks)
 
 
-STEPS = 12
-"""Gauss-Newton steps that reduce the error of a distance to rounding."""
 _NEARBY_STEPS = 3
 """Gauss-Newton steps that suffice for points very near the surface."""
 _REACH_MM = 1.5  # exceeds the deviation of every facet, since the tolerance is at most 1 mm
@@ -87,10 +85,7 @@ def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.
 
 
 def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
-    """Measure the distance [mm] of points that lie near the surface, each from the patches it lies over.
-
-    For points farther away the result is an upper bound, or infinite. The flat end is left out.
-    """
+    """Measure the distance [mm] of points near the surface, without its end; an upper bound for others."""
     folded = points.copy()
     folded[:, 0] = np.abs(folded[:, 0])
     best = np.full(len(points), np.inf)
@@ -100,23 +95,8 @@ def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
     return best
 
 
-def distance_to_surface(body: ConicBody, points: Array, steps: int = STEPS) -> Array:
-    """Measure the distance [mm] of each point (n, 3) from the surface."""
-    folded = points.copy()
-    folded[:, 0] = np.abs(folded[:, 0])
-    best = _distance_to_end(body, folded)
-    for patch in surface_patches(body):
-        best = np.minimum(best, patch.distance(folded, steps))
-    return best
-
-
 class Patch:
-    """Patch of the surface, one quadrant of a taper or of the tip.
-
-    It is the tensor product of a section arc (parameter t) and a profile (parameter v).
-
-    Units: `profile` [mm].
-    """
+    """Patch of one quadrant of a taper or of the tip: tensor product of a section arc (t) and a profile [mm] (v)."""
 
     def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
         self.a, self.b, self.profile = a, b, profile
@@ -142,7 +122,6 @@ class Patch:
         return within
 
     def distance(self, points: Array, steps: int) -> Array:
-        """Measure the distance [mm] of points from the patch."""
         if not len(points):
             return np.zeros(0)
         t, v = self._start(points)
@@ -179,10 +158,7 @@ class Patch:
 
 
 def _rational(t: Array, poles: Iterable[tuple[float, float, float]]) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Evaluate both coordinates of a plane rational Bezier curve of degree 1 or 2, each with its derivative.
-
-    The poles are two coordinates and a weight.
-    """
+    """Evaluate a plane rational Bezier curve of degree 1 or 2, and its derivative; poles have a weight."""
     *coordinates, weights = (np.array(column) for column in zip(*poles, strict=True))
     u, is_line = 1.0 - t, len(weights) == 2
     basis = np.array((u, t) if is_line else (u * u, 2.0 * u * t, t * t))
@@ -208,13 +184,6 @@ def surface_patches(body: ConicBody) -> Iterator[Patch]:
             yield Patch(section.half_width, height, weight, profile)
 
 
-def _distance_to_end(body: ConicBody, points: Array) -> Array:
-    """Measure the distance from the flat end for points over it, else infinity; the rim belongs to the side patches."""
-    z, scale = body.stations[0]
-    over = np.array([body.section.half_width_at(y, scale) for y in points[:, 1]]) >= points[:, 0] - 1e-12
-    return np.where(over, np.abs(points[:, 2] - z), np.inf)
-
-
 _STEEP = 0.5
 """Component of a normal from which on it points to the dorsal or palmar side, or to the tip."""
 _PERCENT_SLACK = 1e-3
@@ -224,7 +193,6 @@ _SECTIONS = 24
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
-    """Check the thickness of the skin, with the bone in place and off it, and its mesh against the outer surface."""
     interior, outside = _interior(design, evaluator), _outer_surface(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
@@ -234,7 +202,6 @@ def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator
 
 
 def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
-    """Measure the smallest thickness of the skin [mm]."""
     return _thickness(_interior(design, evaluator), _outer_surface(design, evaluator))
 
 
@@ -250,7 +217,6 @@ def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
 
 
 def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
-    """Evaluate what the skin encloses, above the plane where it is cut square."""
     return above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
 
 

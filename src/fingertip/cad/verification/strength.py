@@ -34,7 +34,6 @@ from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 
 STATIONS = 160
-"""Number of cross-sections."""
 WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
 """Safety factors below which a build warns."""
 
@@ -45,7 +44,6 @@ class Section:
 
     area_mm2: float
     centroid_mm: tuple[float, float]
-    """x and y of the centroid [mm]."""
     second_xx_mm4: float
     """Integral of y^2 [mm4], which resists bending about x."""
     second_yy_mm4: float
@@ -84,18 +82,13 @@ def measure_section(polygons: Sequence[Array]) -> Section | None:
 
 @dataclass(frozen=True)
 class LoadPoint:
-    """Point at which the finger is loaded."""
-
     name: str
     position_mm: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Weakness:
-    """Place and load at which the bone breaks first."""
-
     load: str
-    """Name of the load point."""
     z_mm: float
     """Height of the cross-section."""
     place: str
@@ -105,19 +98,15 @@ class Weakness:
     concentration: float
     """Stress concentration factor that it contains."""
     direction: tuple[float, float, float]
-    """Worst direction of the load."""
     at_shock: bool = True
     """False for what a shock does not load."""
 
 
 @dataclass(frozen=True)
 class BoneStrength:
-    """Safety factors of a bone."""
-
     material: PrintMaterial
     weakest: Weakness
     by_load: tuple[Weakness, ...]
-    """Weakest place for each load point."""
     at_shock: Weakness
     """Weakest place of those that a shock loads."""
     grip_safety_factor: float
@@ -167,7 +156,6 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
 
 
 def _find_weakest(places: Iterable[Weakness]) -> Weakness:
-    """Find the place with the largest stress per newton."""
     return max(places, key=lambda weakness: weakness.stress_per_n)
 
 
@@ -228,10 +216,7 @@ _CutPlane: TypeAlias = tuple[float, Section, StressFactors]
 
 
 def _find_concentration(design: Design, z: float) -> StressFactors:
-    """Find the stress concentration factors of the bone at a height.
-
-    A shoulder acts about half the height of the thinner side far. The collar is one on both sides.
-    """
+    """Find the stress concentration at a height; a shoulder acts half the thinner side's height far."""
     dims, fillet, foot = design.dimensions, design.strength.root_fillet_mm, -design.bone.collar_length_mm
     section, collar = dims.bone_outline.section, dims.collar.section
     base, body = ((2 * section.half_width, section.dorsal + flat) for flat in (dims.base_flat_depth, dims.flat_depth))

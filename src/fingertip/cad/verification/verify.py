@@ -30,8 +30,6 @@ MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
 
 @dataclass(frozen=True)
 class VerifiedParts:
-    """Meshes of the parts, the contents of their files, and the checks made on them."""
-
     meshes: Mapping[str, Mesh]
     contents: Mapping[str, bytes]
     """File name -> bytes; no file has been written."""
@@ -39,7 +37,6 @@ class VerifiedParts:
     """Files of the printed parts as they lie on the bed."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
-    """Strength of the bone; None without a bone."""
 
 
 def verify(
@@ -49,10 +46,7 @@ def verify(
     evaluator: MeshEvaluator,
     progress: Callable[[str], None] = lambda message: None,
 ) -> VerifiedParts:
-    """Make the mesh files of the parts in memory, read them back, and check the parts and their assembly.
-
-    Raises GeometryError.
-    """
+    """Make the mesh files of the parts, read them back, and check parts and assembly. Raises GeometryError."""
     mesh_formats = [file_format for file_format in formats if file_format in MESH_FORMATS]
     solids = {name: PARTS[name].solid(design) for name in parts}
     meshes = {}
@@ -69,7 +63,10 @@ def verify(
         if name in encoded:
             contents[f"{name}.3mf"] = threemf.write_items(name, [threemf.Item(name, encoded[name], note)])
     prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
-    checks = [check for file, data in contents.items() for check in _check_file(design, file, data)]
+    checks: list[Check] = []
+    for file, data in contents.items():
+        name, file_format = file.rsplit(".", 1)
+        checks += check_mesh_file(design, PARTS[name], MESH_FORMATS[file_format].from_bytes(data), file_format)
     checks += check_print_files(design, meshes, encoded, prints)
     checks += check_assembly(design, evaluator, solids)
     checks += check_parts(design, evaluator, meshes)
@@ -103,15 +100,5 @@ def validate_tolerance(tolerance_mm: float) -> None:
     """Raise a `DesignError` unless meshes can be made at this tolerance [mm]."""
     if not MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
         bounds = f"choose {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm"
-        raise DesignError(
-            Issue(
-                "--tolerance-mm",
-                f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer.",
-            )
-        )
-
-
-def _check_file(design: Design, file: str, data: bytes) -> Iterator[Check]:
-    """Check the mesh read back from a file's bytes, not the mesh it was made from."""
-    name, file_format = file.rsplit(".", 1)
-    return check_mesh_file(design, PARTS[name], MESH_FORMATS[file_format].from_bytes(data), file_format)
+        message = f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer."
+        raise DesignError(Issue("--tolerance-mm", message))

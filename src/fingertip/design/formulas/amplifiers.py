@@ -22,15 +22,14 @@ from fingertip.catalogues.amplifiers import (
 from fingertip.design.formulas import filter as filter_components
 from fingertip.design.formulas.filter import smaller_headroom_v, to_farads
 from fingertip.design.parameters import Board
+from fingertip.foundation.numerics import bisect
 
 
 def total_supply_v(board: Board) -> float:
-    """Voltage between both rails of the amplifiers [V]."""
     return 2.0 * board.supply_v if board.supply == "split" else board.supply_v
 
 
 def works_on_supply(amplifier: Amplifier, board: Board) -> bool:
-    """Return whether a board's supply lies within the range of an amplifier."""
     return amplifier.min_supply_v <= total_supply_v(board) <= amplifier.max_supply_v
 
 
@@ -44,7 +43,6 @@ def choose_amplifier(board: Board) -> Amplifier:
 
 
 def choose_automatically(board: Board) -> str:
-    """Return the name of the amplifier that "auto" stands for."""
     if (board.variant, board.supply) == ("article", "split"):
         return ARTICLE_AMPLIFIER
     if board.variant == "comparator":
@@ -53,13 +51,11 @@ def choose_automatically(board: Board) -> str:
 
 
 def choose_low_offset_amplifier(board: Board) -> Amplifier:
-    """Return the amplifier of low offset that works on a board's supply."""
     preferred = CATALOGUE[LOW_OFFSET_AMPLIFIER]
     return preferred if works_on_supply(preferred, board) else CATALOGUE[LOW_VOLTAGE_AMPLIFIER]
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:
-    """Return the gain-bandwidth product of the board's dual amplifier [Hz]."""
     return choose_amplifier(board).bandwidth_hz
 
 
@@ -105,15 +101,12 @@ def divider(upper_ohm: float, upper_f: float, lower_ohm: float, lower_f: float) 
 
 def compute_phase_margin_deg(amplifier: Amplifier, feedback: Feedback) -> float:
     """Compute the phase margin of a loop [degree]: its phase above -180 degrees where its gain falls to 1."""
+
+    def loop_gain(log_hz: float) -> complex:
+        return amplifier.open_loop_gain(math.exp(log_hz)) * feedback(math.exp(log_hz))
+
     low, high = math.log(_LOW_HZ), math.log(_HIGH_HZ)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2.0
-        f_hz = math.exp(middle)
-        if abs(amplifier.open_loop_gain(f_hz) * feedback(f_hz)) > 1.0:
-            low = middle
-        else:
-            high = middle
-    loop = amplifier.open_loop_gain(math.exp(low)) * feedback(math.exp(low))
+    loop = loop_gain(bisect(lambda log_hz: abs(loop_gain(log_hz)) > 1.0, low, high, halvings=_HALVINGS)[0])
     # All poles of the loop together lag by less than 270 degrees, so that the phase wraps once at most.
     phase = math.degrees(math.atan2(loop.imag, loop.real))
     return 180.0 + (phase if phase <= 0.0 else phase - 360.0)
@@ -135,10 +128,7 @@ def select_rectifier_ohm(amplifier: Amplifier) -> float:
 
 
 def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: float) -> float:
-    """Compute the ratio of the filter's largest gain beyond its band to that of the passband [dB].
-
-    Both stages count: the first with its feedback, the second as a follower.
-    """
+    """Compute the ratio of the largest gain of both filter stages beyond the band to the passband's [dB]."""
     largest = 0.0
     for f_hz in _PEAK_HZ:
         gain = amplifier.open_loop_gain(f_hz)
@@ -194,15 +184,12 @@ def compute_charging_current_a(peak_v: float, f_hz: float, ohm: float, farad: fl
     if top_v <= 0.0:
         return 0.0
     omega = math.tau * f_hz
-    low, high = math.asin(DIODE_V / peak_v), math.pi / 2.0
-    for _ in range(50):
-        angle = (low + high) / 2.0
+
+    def is_kept(angle: float) -> bool:
         elapsed_s = (1.5 * math.pi + angle) / omega
-        kept_v = top_v * math.exp(-elapsed_s / (ohm * farad))
-        if peak_v * math.sin(angle) - DIODE_V < kept_v:
-            low = angle
-        else:
-            high = angle
+        return peak_v * math.sin(angle) - DIODE_V < top_v * math.exp(-elapsed_s / (ohm * farad))
+
+    low, _ = bisect(is_kept, math.asin(DIODE_V / peak_v), math.pi / 2.0, halvings=_HALVINGS)
     angles = (low + i / 8.0 * (math.pi / 2.0 - low) for i in range(9))
     return max(farad * omega * peak_v * math.cos(a) + (peak_v * math.sin(a) - DIODE_V) / ohm for a in angles)
 

@@ -104,10 +104,8 @@ def _ratio(numerator: float, denominator: float) -> float:
 
 
 MIN_LIMITING_CAPACITOR_F, MAX_LIMITING_CAPACITOR_F = 10e-12, 1e-6
-"""Range of the capacitor across R5 [F].
-
-Below it the resistor's own capacitance is not negligible, and above it there is no capacitor of its size.
-"""
+"""Range of the capacitor across R5 [F]. Below it the resistor's own capacitance is not negligible, and above it there
+is no capacitor of its size."""
 
 
 def compute_limiting_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
@@ -118,18 +116,14 @@ def compute_limiting_capacitor_f(r5_ohm: float, band_limit_hz: float) -> float:
 SERIES_CAPACITORS_UF = (1.0, 2.2, 4.7, 10.0, 22.0, 47.0, 100.0)
 """Ceramic capacitors available in size 1206 [uF]; those above 10 uF for 6.3 V, with no direct voltage across them."""
 MIN_CUTOFF_RATIO = 10.0
-"""Minimum ratio of the cutoff to the corner frequency of R4 and its series capacitor.
-
-The gain at the cutoff is then reduced by at most 0.5 %.
-"""
+"""Minimum ratio of the cutoff to the corner frequency of R4 and its series capacitor. The gain at the cutoff is then
+reduced by at most 0.5 %."""
 
 
 DIVIDERS_OHM = {"split": None, "single": (10e3, 10e3), "single_3v3": (54.9e3, 44.2e3)}
-"""Upper and lower resistor of the divider [ohm], by the supply's name.
-
-With its capacitor the divider filters the supply's ripple above 3 Hz, or above 0.7 Hz as that of the bridge's supply
-does: both then follow the supply alike, and their ratio stays.
-"""
+"""Upper and lower resistor of the divider [ohm], by the supply's name. With its capacitor the divider filters the
+supply's ripple above 3 Hz, or above 0.7 Hz as that of the bridge's supply does: both then follow the supply alike, and
+their ratio stays."""
 
 CONTROLLER_SUPPLIES = frozenset({"single_3v3"})
 """Supplies of boards for a controller, which give it their filtered signal beside the tactile voltage."""
@@ -163,27 +157,20 @@ def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
 # Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for rules and the board.
 
 MAX_COMPARATOR_V = 5.5
-"""Maximum supply of the comparator [V]."""
 MIN_COMPARATOR_V = 0.011
-"""Minimum threshold [V].
-
-Lower thresholds would need a hysteresis resistor above 10 Mohm, and an offset of 7 mV would be most of the threshold.
-"""
+"""Minimum threshold [V]. Lower thresholds would need a hysteresis resistor above 10 Mohm, and an offset of 7 mV would
+be most of the threshold."""
 BIAS_A, MAX_BIAS_A = 25e-9, 250e-9
-"""Input bias current out of the comparator [A], typical and maximum at 25 degrees Celsius.
-
-It raises the averaged envelope by the voltage across R18.
-"""
+"""Input bias current out of the comparator [A], typical and maximum at 25 degrees Celsius. It raises the averaged
+envelope by the voltage across R18."""
 COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V = 1.7e-3, 7e-3
 """Input offset voltage of the comparator [V], typical and maximum."""
 MAX_BIAS_RATIO = 0.5
 """Maximum ratio of the voltage that the bias current causes to the threshold."""
 
 AVERAGING_OHM = 15e3
-"""Approximate R18 [ohm] of the averaging low-pass.
-
-A larger one raises the bias error, a smaller one needs a larger capacitor.
-"""
+"""Approximate R18 [ohm] of the averaging low-pass. A larger one raises the bias error, a smaller one needs a larger
+capacitor."""
 MAX_AVERAGING_F = 1e-6
 """Largest C17 of the averaging low-pass [F]: the largest X7R of size 0603."""
 
@@ -218,15 +205,7 @@ _TOLERANCE = 1e-9
 
 
 def find_preferred_neighbours(value: float, series: str = CAPACITOR_SERIES) -> tuple[float, float]:
-    """Find the largest preferred value up to `value` and the smallest from it on; both are equal for a preferred one.
-
-    Parameters
-    ----------
-    value
-        Positive and finite, in any unit.
-    series
-        Key of `MANTISSAS`.
-    """
+    """Find the largest preferred value up to a positive one (any unit), and the smallest from it on."""
     decade = MANTISSAS[series]
     exponent = math.floor(math.log10(value)) - len(str(decade[0])) + 1
     values = [_scale(mantissa, e) for e in (exponent - 1, exponent, exponent + 1) for mantissa in decade]

@@ -32,10 +32,7 @@ def shoulder_in_bending(large_mm: float, small_mm: float, fillet_mm: float) -> f
 
 
 def hole_in_tension(hole_mm: float, width_mm: float) -> float:
-    """Factor at a hole in the middle of a flat bar. It multiplies the stress of the section beside the hole.
-
-    In bending, where the stress falls towards the middle, the factor is smaller.
-    """
+    """Factor at a hole in the middle of a flat bar, on the stress of the section beside it; smaller in bending."""
     s = min(hole_mm / width_mm, 1.0)
     return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3
 
@@ -48,7 +45,6 @@ class StressFactors:
     height: float = 1.0
 
     def combined_with(self, other: StressFactors) -> StressFactors:
-        """Take the larger factor in each direction."""
         return StressFactors(max(self.width, other.width), max(self.height, other.height))
 
 
@@ -69,4 +65,3 @@ class LocalStress:
     at_shock: bool = True
     """False for what a shock does not load."""
     direction: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    """Direction of the load."""

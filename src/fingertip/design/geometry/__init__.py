@@ -16,16 +16,12 @@ from fingertip.design.parameters import ELECTRONIC_TABLES, Tables
 
 
 class DesignTables(Tables):
-    """Contents of a design file."""
-
     @cached_property
     def dimensions(self) -> Dimensions:
-        """Lengths and outlines derived from the parameters."""
         return Dimensions(self)
 
     @cached_property
     def mold_layout(self) -> MoldLayout:
-        """Positions of gate, vents, bolts and keys, derived from the parameters."""
         return MoldLayout(self, self.dimensions)
 
     @cached_property

@@ -17,17 +17,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from fingertip.design.parameters.bone import Bone
+    from fingertip.foundation.numerics import Array
 
 
 ELLIPSE = math.sqrt(0.5)
-"""Weight of an elliptic arc."""
 
 
-def arc_point(t: float, w: float) -> tuple[float, float]:
+Parameter = TypeVar("Parameter", float, "Array")
+"""Parameter of a curve, or many of them."""
+
+
+def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
     """Return the point at t in [0, 1] of the unit arc from (1, 0) to (0, 1) with control point (1, 1) of weight `w`."""
     u = 1.0 - t
     side, middle, top = u * u, 2.0 * w * u * t, t * t
@@ -47,31 +51,22 @@ def arc_parameter_at_slope(a: float, b: float, w: float, slope: float) -> float:
 
 
 def arc_parameter_at_height(y: float, w: float) -> float:
-    """Return the parameter t of the unit arc at height y in [0, 1).
-
-    With r = t / (1 - t) it solves (1 - y) r^2 + 2 w (1 - y) r = y.
-    """
+    """Return t of the unit arc at height y in [0, 1); r = t / (1 - t) solves (1 - y) r^2 + 2 w (1 - y) r = y."""
     v = w * (1.0 - y)
     r = y / (v + math.sqrt(v * v + y * (1.0 - y)))
     return r / (1.0 + r)
 
 
 def arc_abscissa(y: float, w: float) -> float:
-    """Return the x of the unit arc at height y in [0, 1]; 0 above it.
-
-    With X = 1 - x the arc satisfies (y - X)^2 = 4 w^2 X (1 - y). The root is computed in the form without cancellation.
-    """
+    """Return the x of the unit arc at height y in [0, 1], whose X = 1 - x satisfies (y - X)^2 = 4 w^2 X (1 - y)."""
     if y >= 1.0:
         return 0.0
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)
-    return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))
+    return 1.0 - 2.0 * y * y / (b + math.sqrt(b * b - 4.0 * y * y))  # the form of the root that does not cancel
 
 
 def weight_of_fullness(fullness: float) -> float:
-    """Return the weight of the arc that has a given width at half of its height.
-
-    With (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y), the equation of the unit arc, and y = 1/2.
-    """
+    """Return the weight of the arc with a width at y = 1/2, from its equation (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y)."""
     return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
 
 
@@ -106,28 +101,20 @@ class CrossSection:
         return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
 
     def dorsal_height_at(self, x: float, scale: float = 1.0) -> float:
-        """Return the height y [mm] of the dorsal side at x [mm], scaled by `scale`; 0 outside the section.
-
-        The arc is symmetric: exchanging x and y maps it on itself.
-        """
+        """Return the height y [mm] of the dorsal side, whose arc is symmetric, at x [mm]; 0 outside."""
         if scale <= 0.0 or abs(x) >= self.half_width * scale:
             return 0.0
         return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
 
     def area(self) -> float:
-        """Return the area [mm2] at scale 1."""
         halves = self.palmar * arc_area(self.palmar_weight) + self.dorsal * arc_area(self.dorsal_weight)
         return 2.0 * self.half_width * halves
 
 
 @dataclass(frozen=True)
 class Tip:
-    """Rounded end of a body."""
-
     z: float
-    """Height of the apex [mm]."""
     weight: float
-    """Weight of the profile's conic."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +134,7 @@ class ConicBody:
             return s1
         return s1 + (s1 - s0) / (z1 - z0) * (self.tip.z - z1)
 
-    def tip_point(self, t: float) -> tuple[float, float]:
+    def tip_point(self, t: Parameter) -> tuple[Parameter, Parameter]:
         """Return (z, scale) on the tip's conic, with t in [0, 1] from the last station to the apex."""
         assert self.tip is not None
         z1, s1 = self.stations[-1]
@@ -186,10 +173,7 @@ TANGENT_STEP_MM = 0.05
 def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
     """Enlarge a section: half width and both half heights grow by `gap_mm` [mm]."""
     return replace(
-        section,
-        half_width=section.half_width + gap_mm,
-        palmar=section.palmar + gap_mm,
-        dorsal=section.dorsal + gap_mm,
+        section, half_width=section.half_width + gap_mm, palmar=section.palmar + gap_mm, dorsal=section.dorsal + gap_mm
     )
 
 
@@ -232,7 +216,6 @@ class DraftedSection:
 
     section: CrossSection
     half_width: float
-    """Half width at the parting plane [mm]."""
     palmar_start: float
     """Parameter of the palmar arcs at which they take over from the straight walls."""
     dorsal_start: float
@@ -240,10 +223,7 @@ class DraftedSection:
 
 
 def add_draft(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:
-    """Replace the steep parts of a section's outline by straight walls with draft.
-
-    Units: `section` [mm], `flat` [mm].
-    """
+    """Replace the steep parts of a section's outline by straight walls with draft; `flat` is a depth [mm]."""
     a = section.half_width
     dorsal = arc_parameter_at_slope(a, section.dorsal, section.dorsal_weight, slope)
     palmar = arc_parameter_at_slope(a, section.palmar, section.palmar_weight, slope)

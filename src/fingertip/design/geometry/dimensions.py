@@ -71,12 +71,10 @@ class Dimensions:
 
     @cached_property
     def taper_end_z(self) -> float:
-        """Height at which the straight taper ends and the rounded tip begins."""
         return self._design.skin.length_mm - self._design.skin.tip_length_mm
 
     @cached_property
     def outer(self) -> ConicBody:
-        """Outer surface of the skin, which is also the mold's cavity."""
         skin = self._design.skin
         section = CrossSection(
             skin.width_mm / 2,
@@ -90,7 +88,6 @@ class Dimensions:
 
     @cached_property
     def joint(self) -> Joint | None:
-        """Joint of a clevis; None for other interfaces."""
         bone, hand = self._design.bone, self._design.hand
         if bone.interface != "clevis":
             return None
@@ -108,7 +105,6 @@ class Dimensions:
 
     @cached_property
     def base_end_z(self) -> float:
-        """Proximal end of the base, with the eyes of a clevis."""
         return self.joint.low_z if self.joint else -self._design.bone.base_length_mm
 
     @cached_property
@@ -134,7 +130,6 @@ class Dimensions:
 
     @cached_property
     def bone_outline(self) -> ConicBody:
-        """Bone with its base, before the palmar flat is cut."""
         skin, bone = self._design.skin, self._design.bone
         half_width = skin.width_mm / 2
         section = CrossSection(
@@ -155,7 +150,6 @@ class Dimensions:
 
     @cached_property
     def sensor_z(self) -> float:
-        """Centre of the active area."""
         return self._design.skin.length_mm - self._design.sensor.distance_from_tip_mm
 
     @cached_property
@@ -181,7 +175,6 @@ class Dimensions:
 
     @cached_property
     def pocket_depth(self) -> float:
-        """Depth of the sensor's pocket: sensor and adhesive film."""
         return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm
 
     @cached_property
@@ -191,18 +184,13 @@ class Dimensions:
 
     @cached_property
     def passage_height(self) -> float:
-        """Height, from its floor, of the tail's passage through the collar.
-
-        It never presses on film and tail. The crimps of the tail are threaded through it, with their wires if it is
-        folded.
-        """
+        """Height of the tail's passage through the collar, which film, crimps and wires are threaded through."""
         crimped = self.sensor.thickness_mm + self._design.sensor.crimp_height_mm + SLIDING_MM
         threaded = self.fold.tabs_space_mm if self.fold else crimped if self.tail_passes_collar else 0.0
         return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm, threaded)
 
     @cached_property
     def fold(self) -> TailFold | None:
-        """Course of a folded tail; None if it is straight."""
         sensor = self._design.sensor
         if sensor.tail == "straight":
             return None
@@ -235,7 +223,6 @@ class Dimensions:
 
     @cached_property
     def tail_passes_collar(self) -> bool:
-        """True if the tail runs out through the collar (a long or folded one) or ends under the skin (a short one)."""
         return self.fold is not None or self.tail_end_z < 0.0
 
     @cached_property
@@ -245,7 +232,6 @@ class Dimensions:
 
     @property
     def relief_proximal_z(self) -> float:
-        """Proximal face of the recess for the solder joints, where the cable channel begins."""
         return self.tail_end_z - self.relief_half_length
 
     @cached_property
@@ -255,11 +241,7 @@ class Dimensions:
 
     @cached_property
     def channel_exit_z(self) -> float:
-        """Centre of the channel opening on the dorsal side of the base, through which the cables leave the bone.
-
-        The opening lies proximal to the skin and to the mold's recess, because overmolding closes the mold with the
-        cables in place.
-        """
+        """Centre of the channel's dorsal opening: outside the mold, which is closed with the cables in place."""
         bone = self._design.bone
         channel_radius = bone.channel_diameter_mm / 2
         covered = max(bone.collar_length_mm, self._design.mold.recess_length_mm)
@@ -269,7 +251,6 @@ class Dimensions:
 
     @cached_property
     def tie_hole_z(self) -> float:
-        """Centre of the hole for the cable tie."""
         bone, fold = self._design.bone, self.fold
         if fold:
             return fold.window_low_z - bone.wall_mm - bone.tie_hole_diameter_mm / 2
@@ -284,20 +265,14 @@ class Dimensions:
 
     @cached_property
     def cheek_top_y(self) -> float:
-        """Height above which the base is cut off beside the window of a folded tail: its cheeks are a wall thick there.
-
-        The outline of the base curves inwards, so that higher cheeks would end in an edge.
-        """
+        """Height at which the cheeks beside a folded tail's window end, a wall thick: higher ones end in an edge."""
         section, bone = self.bone_outline.section, self._design.bone
         needed = self.tail_half_width + bone.wall_mm
         return bisect(lambda y: section.half_width_at(y) >= needed, 0.0, section.dorsal, halvings=40)[0]
 
     @cached_property
     def collar(self) -> ConicBody:
-        """Flange on which the skin ends, and which locates the bone in the mold.
-
-        It has this length at the parting plane. Away from the plane its foot rises by `draft_slope`.
-        """
+        """Flange that carries the skin's end; away from the parting plane its foot rises by `draft_slope`."""
         skin, bone = self._design.skin, self._design.bone
         section = CrossSection(
             skin.width_mm / 2 - bone.collar_inset_mm,
@@ -309,10 +284,7 @@ class Dimensions:
         return ConicBody(section, ((-bone.collar_length_mm, 1.0), (0.0, 1.0)))
 
     def insert_body(self) -> tuple[ConicBody, float, float]:
-        """Return the insert within the skin: its body with the groove, the depth of its flat [mm], and its scale.
-
-        The flat at y = -depth cuts the body. The scale enlarges both, about the origin.
-        """
+        """Return body with groove, depth of the palmar flat [mm] and scale of the insert within the skin."""
         mold, bone = self._design.mold, self._design.bone
         if mold.method != "sleeve":
             return add_groove(bone, self.bone_outline), self.flat_depth, 1.0
@@ -324,7 +296,6 @@ class Dimensions:
 
     @cached_property
     def chaplet(self) -> Chaplet | None:
-        """Support of bone or core near the tip; None without one."""
         mold = self._design.mold
         if mold.chaplet_diameter_mm == 0.0:
             return None
@@ -338,14 +309,10 @@ class Dimensions:
 
     @cached_property
     def shrinkage(self) -> float:
-        """Linear size of the cavity divided by that of the cured skin."""
         return 1.0 / (1.0 - self._design.mold.silicone_shrinkage_percent / 100.0)
 
     def sensor_rim_margin(self, rim_mm: float, clearance_mm: float) -> float:
-        """Compute the margin between the flat's edge and the circle that the sensor's head and its rim need.
-
-        Returns smallest margin along x over 65 heights of the circle [mm]; negative where the flat is too narrow.
-        """
+        """Compute the least margin along x [mm] between the flat's edge and the circle of sensor head and rim."""
         r = self.sensor.head_diameter_mm / 2 + clearance_mm + rim_mm
         margins = []
         for i in range(_RIM_POINTS + 1):

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 _BESIDE_BOSS_MM = 0.5
 """Width of the facet beside the boss, so that a misplaced bone still rests on it [mm]."""
 _FACET_DEPTH_MM = 0.2
-"""Least depth of the facet in the bone [mm]."""
 _ENGAGED_DIAMETERS = 2.0
 """Engaged length of the self-tapping screw, in diameters. An assumption for printed resin."""
 _PILOT_RATIO = 0.8
@@ -56,7 +55,6 @@ class Chaplet:
     z: float
     """Axis, along the finger."""
     facet_y: float
-    """Height of the facet."""
     radius: float
     """Radius of the boss where it meets the facet."""
     facet_radius: float
@@ -64,7 +62,6 @@ class Chaplet:
 
     @property
     def hole_radius(self) -> float:
-        """Radius of the hole in the mold, which the screw passes."""
         return (self.thread.diameter_mm + _HOLE_CLEARANCE_MM) / 2
 
     @property
@@ -74,17 +71,14 @@ class Chaplet:
 
     @property
     def pilot_radius(self) -> float:
-        """Radius of the hole in the bone, into which the screw cuts its thread."""
         return _PILOT_RATIO * self.thread.diameter_mm / 2
 
     @property
     def engaged(self) -> float:
-        """Engaged length of the screw."""
         return _ENGAGED_DIAMETERS * self.thread.diameter_mm
 
     @property
     def pilot_depth(self) -> float:
-        """Depth of the hole in the bone, below the facet."""
         return self.engaged + _PILOT_END_MM
 
     @property
@@ -122,11 +116,9 @@ class Joint:
     axis_z: float
     """Axis of the pin, along the finger."""
     pin_radius: float
-    """Radius of the pin's bore."""
     radius: float
     """Radius within which the hand's knuckle lies, and distance of its shoulder behind the axis."""
     clearance: float
-    """Gap between the bone and the hand."""
     is_fork: bool
     """True if the bone is a fork around the hand's tongue, false if it is a tongue in the hand's fork."""
     half_width: float
@@ -136,7 +128,6 @@ class Joint:
 
     @property
     def eye_radius(self) -> float:
-        """Radius of the bone's eyes."""
         return self.radius - self.clearance
 
     @property
@@ -146,7 +137,6 @@ class Joint:
 
     @property
     def low_z(self) -> float:
-        """Proximal end of the eyes."""
         return self.axis_z - self.radius
 
     def stopped_profile(self, reach: float) -> tuple[tuple[float, float], ...]:
@@ -174,7 +164,6 @@ class TendonAnchor:
     z: float
     radius: float
     distance: float
-    """Distance of the tendon from the joint's axis."""
     inner_half_width: float
     """Half the width of the notch or window that it crosses; beyond it lie the cheeks that hold it."""
 
@@ -194,7 +183,6 @@ class SensorTail:
     film_mm: float
     """Length of the film from the centre of the head to its end."""
     thickness_mm: float
-    """Thickness of the film."""
     tab_length_mm: float
     """Length of the tabs beyond the film."""
     tabs_width_mm: float
@@ -220,9 +208,7 @@ class TailFold:
     floor_y: float
     """Floor of the trough, on which the end of the tail lies."""
     film_end_z: float
-    """End of the film in the trough."""
     tabs_end_z: float
-    """End of the tabs."""
     film_space_mm: float
     """Height between floor and lid beside the tabs."""
     tabs_space_mm: float
@@ -232,7 +218,6 @@ class TailFold:
 
     @property
     def trough_end_z(self) -> float:
-        """Distal end of the trough."""
         return self.tabs_end_z + END_ROOM_MM
 
 

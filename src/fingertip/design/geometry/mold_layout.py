@@ -29,7 +29,6 @@ _GATE_TO_VENT_MM = 1.2
 _BESIDE_BARREL_MM = 0.5
 """Gap between the barrel of the syringe and the heads of the bolts [mm]."""
 _ABOVE_COLLAR_MM = 0.5
-"""Least distance of the gate from the collar [mm]."""
 _GATE_END = 0.95
 """End of the runner inside the cavity, relative to the cavity's half width at the top of the runner."""
 _ABOVE_RUNNER_MM = 1.0
@@ -38,10 +37,7 @@ _ABOVE_RUNNER_MM = 1.0
 
 @dataclass(frozen=True)
 class Inlet:
-    """Way of the silicone from the syringe to the cavity: Luer cone and sprue along y, and the runner below them [mm].
-
-    All of it lies in the dorsal half. The runner leaves the sprue along z and enters the cavity along x.
-    """
+    """Luer cone and sprue along y, and the runner along z, then x into the cavity: all in the dorsal half [mm]."""
 
     syringe: Syringe
     x: float
@@ -58,17 +54,13 @@ class Inlet:
 
 
 class MoldLayout:
-    """Positions and outline of the mold [mm].
-
-    Each value is computed when it is first read, from the parameters it depends on alone, as in `Dimensions`.
-    """
+    """Positions and outline of the mold [mm], computed when they are first read as in `Dimensions`."""
 
     def __init__(self, design: Tables, dims: Dimensions) -> None:
         self._design, self._dims = design, dims
 
     @cached_property
     def nut_circumradius(self) -> float:
-        """Radius of the circle through the corners of a nut trap."""
         return self._design.mold.nut_width_mm / math.sqrt(3)
 
     @cached_property
@@ -84,18 +76,15 @@ class MoldLayout:
 
     @cached_property
     def _column_x(self) -> float:
-        """Distance of the bolts and keys from the middle plane."""
         cavity = self._design.skin.width_mm / 2 * self._dims.shrinkage
         return cavity + self._design.mold.land_mm + self._half_column
 
     @cached_property
     def half_width(self) -> float:
-        """Half the width of the mold."""
         return self._column_x + self._half_column + self._design.mold.land_mm
 
     @cached_property
     def palmar_height(self) -> float:
-        """Height of the palmar half."""
         return self._design.skin.semi_axis_palmar_mm * self._dims.shrinkage + self._design.mold.wall_mm
 
     @cached_property
@@ -109,7 +98,6 @@ class MoldLayout:
 
     @cached_property
     def proximal_z(self) -> float:
-        """Proximal face of the mold."""
         return -self._design.mold.recess_length_mm
 
     @cached_property
@@ -125,12 +113,10 @@ class MoldLayout:
 
     @cached_property
     def _end_to_bolt(self) -> float:
-        """Distance of the bolts from the end of the mold."""
         return self._design.mold.land_mm + self.nut_circumradius
 
     @cached_property
     def _small_key_radius(self) -> float:
-        """Radius of the smaller key at its root."""
         return 0.4 * self._design.mold.key_diameter_mm
 
     @cached_property
@@ -170,12 +156,10 @@ class MoldLayout:
 
     @cached_property
     def _bolts_z(self) -> tuple[float, float]:
-        """Heights of the proximal and the distal pair of bolts."""
         return self.proximal_z + self._end_to_bolt, self.distal_z - self._end_to_bolt
 
     @cached_property
     def bolts(self) -> tuple[tuple[float, float], ...]:
-        """(x, z) of each clamp bolt."""
         return tuple((x, z) for x in (-self._column_x, self._column_x) for z in self._bolts_z)
 
     def _key_reach(self, root: float) -> float:
@@ -185,7 +169,6 @@ class MoldLayout:
 
     @property
     def _small_key_reach(self) -> float:
-        """Reach of the smaller key's socket."""
         return self._key_reach(2 * self._small_key_radius)
 
     def clear_side_z(self, z: float, width: float) -> float:
@@ -211,7 +194,6 @@ class MoldLayout:
 
     @cached_property
     def pry_z(self) -> float:
-        """Centre of the pry slots."""
         low, high = self._bolts_z
         return (low + high) / 2
 
@@ -236,10 +218,7 @@ class MoldLayout:
             second = max(second, self._key_beside_inlet_z)
             reach = self._key_reach(mold.key_diameter_mm)
             first = self._bolts_z[1] - self.nut_circumradius - mold.land_mm - reach
-        return (
-            (-self._column_x, first, mold.key_diameter_mm),
-            (self._column_x, second, 2 * self._small_key_radius),
-        )
+        return ((-self._column_x, first, mold.key_diameter_mm), (self._column_x, second, 2 * self._small_key_radius))
 
 
 _BOLT_LENGTHS_MM = (
@@ -263,10 +242,7 @@ class ClampBolts:
 
 
 def size_clamp_bolts(mold: Mold, layout: MoldLayout) -> ClampBolts:
-    """Size the bolts that hold the mold halves together.
-
-    They enter from the dorsal face and reach through the nut, which lies at the bottom of its trap in the palmar face.
-    """
+    """Size the bolts: from the dorsal face through the nuts, at the bottom of their traps in the palmar face."""
     thread = select_thread(mold.bolt_diameter_mm)
     grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
     return ClampBolts(len(layout.bolts), thread, standard_length_mm(grip_mm))

@@ -44,7 +44,6 @@ class ThicknessSample:
     """Distance of the surface's nearest chord from the middle of the finger, along that vector."""
     bone_x: float
     bone_y: float
-    """The point of the bone's outline."""
 
 
 def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
@@ -119,10 +118,7 @@ _LEAST_GAP_MM = 0.01
 
 
 def tape_span_mm(design: Tables) -> tuple[float, float] | None:
-    """Return where the tape around the seat begins and ends [mm below the skin]; None without one.
-
-    It lies on the collar or on the base below it, where there is more room: it does not pass the foot of the collar.
-    """
+    """Return where the seat's tape lies [mm below the skin], on the collar or below its foot; None without."""
     collar, recess = design.bone.collar_length_mm, design.mold.recess_length_mm
     if design.mold.seat_tape_mm == 0.0:
         return None
@@ -158,7 +154,8 @@ _CHORDS = 5
 _POINTS, _SURFACE_CHORDS = 5, 20
 """Points of a quarter of a section at which the silicone is measured, and chords of the outer surface."""
 _TIP_SECTIONS = 2
-"""Sections of the rounded tip that are measured."""
+_STEP_MM = 1e-3
+"""Step over which the slope of the outer surface is taken."""
 _LIMIT = 100.0
 """Bound of every component of a motion, which no support at all would leave unbounded [mm or rad]."""
 
@@ -192,7 +189,6 @@ class Loss:
     point: SkinPoint
     loss_mm: float
     motion: Motion
-    """Motion of the bone that causes it."""
 
     @property
     def retained(self) -> float:
@@ -201,7 +197,6 @@ class Loss:
 
     @property
     def left_mm(self) -> float:
-        """Thickness that is left [mm]; 0 where bone and mold touch."""
         return max(0.0, self.point.thickness_mm - self.loss_mm)
 
 
@@ -233,35 +228,32 @@ def list_contacts(design: Tables, dims: Dimensions, fit_clearance_mm: float | No
 
 
 def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
-    """List points of the skin: where it begins and where its tip begins, along the tip, at the apex, over the sensor.
-
-    The finger is symmetric, so that points on one side are enough.
-    """
+    """List points of one side: where skin and tip begin, along the tip, at the apex, over the sensor."""
     assert dims.bone_outline.tip is not None
     join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
     inset = sleeve_inset_mm(design)
     points = []
     for z in (0.0, join, *(join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))):
-        narrowing = _narrowing(dims.outer, z)
+        # The rate at which the outer surface narrows, relative to its size there [1/mm].
+        here, above = dims.outer.scale_at(z), dims.outer.scale_at(z + _STEP_MM)
+        narrowing = (here - above) / _STEP_MM / here
         for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS):
             slope = sample.support_mm * narrowing
             cosine = 1.0 / math.hypot(1.0, slope)
             normal = (sample.x * cosine, sample.y * cosine, slope * cosine)
             points.append(SkinPoint((sample.bone_x, sample.bone_y, z), normal, sample.thickness_mm * cosine))
     points.append(SkinPoint((0.0, 0.0, apex), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset))
-    head = dims.sensor.active_diameter_mm / 2
+    head, outer = dims.sensor.active_diameter_mm / 2, dims.outer.section
+    upside_down = CrossSection(outer.half_width, outer.dorsal, outer.palmar, outer.dorsal_weight, outer.palmar_weight)
     for x, z in ((0.0, 0.0), (head, 0.0), (0.0, head), (0.0, -head)):
-        height = _palmar_height(dims.outer, x, dims.sensor_z + z)
+        height = upside_down.dorsal_height_at(x, dims.outer.scale_at(dims.sensor_z + z))
         point = (x, -dims.flat_depth, dims.sensor_z + z)
         points.append(SkinPoint(point, (0.0, -1.0, 0.0), height - dims.flat_depth + inset, over_sensor=True))
     return tuple(points)
 
 
 def find_losses(
-    design: Tables,
-    dims: Dimensions,
-    fit_clearance_mm: float | None = None,
-    points: Sequence[SkinPoint] | None = None,
+    design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
 ) -> tuple[Loss, ...]:
     """Find the worst loss of silicone at each point, over all positions that the contacts allow."""
     contacts = list_contacts(design, dims, fit_clearance_mm)
@@ -308,19 +300,3 @@ def _around(body: ConicBody, z: float, gap_mm: float, flat: float | None = None)
     if flat is not None:
         for side in (-1.0, 1.0):
             yield Contact((side * section.half_width_at(-flat), -flat, z), (0.0, -1.0, 0.0), gap_mm)
-
-
-def _palmar_height(body: ConicBody, x: float, z: float) -> float:
-    """Depth [mm] of the palmar side at (x, z)."""
-    scale, section = body.scale_at(z), body.section
-    mirrored = CrossSection(
-        section.half_width, section.dorsal, section.palmar, section.dorsal_weight, section.palmar_weight
-    )
-    return mirrored.dorsal_height_at(x, scale)
-
-
-def _narrowing(outer: ConicBody, z: float) -> float:
-    """Rate at which the outer surface narrows at height z [mm], relative to its size there [1/mm]."""
-    step = 1e-3
-    here, above = outer.scale_at(z), outer.scale_at(z + step)
-    return (here - above) / step / here

@@ -15,7 +15,6 @@ from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.design.parameters import Tables
 
 GENERAL = "ISO 2768-m"
-"""Name of the general tolerances."""
 _GENERAL_MM = ((6.0, 0.1), (30.0, 0.2), (120.0, 0.3), (400.0, 0.5))
 """Largest nominal size and its permissible deviation, class m of ISO 2768-1. Its first class begins at 0.5 mm."""
 _SHARE = 0.5
@@ -34,7 +33,6 @@ class Tolerance:
     high: float
 
     def text(self) -> str:
-        """Write the deviations as on a drawing; a fit is tried where calipers cannot check them."""
         if self.high - self.low < 2.0 * MIN_TOLERANCE_MM - 1e-9:
             return FIT
         if round(self.high + self.low, 2) == 0.0:
@@ -44,7 +42,6 @@ class Tolerance:
 
 
 def size_text(value: float) -> str:
-    """Write a size to a hundredth of a millimetre."""
     return f"{round(value, 2) + 0.0:g}"
 
 
@@ -55,12 +52,10 @@ def _deviation_text(deviation: float, sign: str = "") -> str:
 
 
 def symmetric(deviation: float) -> Tolerance:
-    """Create a tolerance that is equal on both sides."""
     return Tolerance(-deviation, deviation)
 
 
 def general(size: float) -> Tolerance:
-    """Look up the general tolerance of a size [mm]."""
     return symmetric(next((deviation for limit, deviation in _GENERAL_MM if size <= limit), _GENERAL_MM[-1][1]))
 
 
@@ -91,7 +86,6 @@ def nut_trap(thread: Thread, width: float) -> Tolerance:
 
 
 ViewName = Literal["front", "dorsal", "palmar", "end", "section"]
-"""View of a drawing."""
 Side = Literal["above", "below", "left", "right"]
 ARROW_DEG = 5.0
 """Angle between the end of an arc and the arrow that points to it."""
@@ -127,11 +121,9 @@ class Length:
     is_reference: bool = False
     """True if no surface lies at one of its ends, so that calipers cannot measure it: it stands in parentheses."""
     added_mm: float = 0.0
-    """Length that the printer adds [mm]."""
 
     @property
     def value(self) -> float:
-        """Size in the model [mm]."""
         return abs(self.end[AXES[self.axis]] - self.start[AXES[self.axis]])
 
     @property
@@ -140,7 +132,6 @@ class Length:
         return self.value + self.added_mm
 
     def text(self) -> str:
-        """Write the size as on the drawing."""
         text = _with_tolerance(("Ø" if self.is_diameter else "") + size_text(self.printed), self.tolerance)
         return f"({text})" if self.is_reference else text
 
@@ -163,7 +154,6 @@ class Circle:
     hidden_deg: tuple[tuple[float, float], ...] = ()
     """Ranges of directions in the view in which the part has no such edge, of an arc that is no circle."""
     added_mm: float = 0.0
-    """Length that the printer adds [mm]."""
 
     @property
     def value(self) -> float:
@@ -180,7 +170,6 @@ class Circle:
         return not any((direction_deg - low) % 360.0 < high - low for low, high in self.hidden_deg)
 
     def text(self) -> str:
-        """Write the size as on the drawing."""
         count = f"{self.count}× " if self.count > 1 else ""
         return _with_tolerance(count + ("R" if self.is_radius else "Ø") + size_text(self.printed), self.tolerance)
 
@@ -212,7 +201,6 @@ class PartDrawing:
 
     @property
     def views(self) -> tuple[ViewName, ...]:
-        """Views on the sheet."""
         return ("front", self.plan, "end", "section")
 
     @property

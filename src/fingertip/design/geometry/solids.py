@@ -18,10 +18,7 @@ Point3: TypeAlias = tuple[float, float, float]
 
 
 def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
-    """Return (x, y, z) of the point at `w` along an axis and at (`u`, `v`) across it.
-
-    `u` and `v` follow the axis in cyclic order: (y, z) for x, (z, x) for y, (x, y) for z.
-    """
+    """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it, in cyclic order: (y, z), (z, x) or (x, y)."""
     match axis:
         case "x":
             return w, u, v
@@ -75,10 +72,7 @@ class Prism:
 
 
 def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
-    """Create a hexagonal prism along y around (`z`, `x`), as for a nut trap.
-
-    Two corners point along +x and -x. `width` is measured across flats [mm].
-    """
+    """Create a hexagonal prism along y around (`z`, `x`), `width` [mm] across flats, with corners at +x and -x."""
     r = width / math.sqrt(3.0)
     half, side = r / 2, width / 2
     ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))
@@ -87,10 +81,7 @@ def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
 
 @dataclass(frozen=True)
 class ElbowTube:
-    """Round tube in the plane x = 0: straight along -z, a 90 degree bend, then straight along +y [mm].
-
-    The centre line starts at (`start_y`, `start_z`), bends with `bend_radius`, and ends at (`end_y`, `exit_z`).
-    """
+    """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a bend, then along +y to (`end_y`, `exit_z`) [mm]."""
 
     start_y: float
     start_z: float
@@ -118,30 +109,22 @@ class DraftedExtrusion:
 
 @dataclass(frozen=True)
 class Union:
-    """Boolean union of solids."""
-
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Boolean difference: `solid` minus every solid of `subtracted`."""
-
     solid: Solid
     subtracted: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Intersection:
-    """Boolean intersection of solids."""
-
     solids: tuple[Solid, ...]
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """Solid scaled about the origin."""
-
     solid: Solid
     factor: float
 
@@ -154,7 +137,6 @@ class Placed:
     quarter_turns: Literal[-1, 0, 1]
     """Quarter turns by the right-hand rule: one turns y to z."""
     shift: Point3
-    """Displacement after the turn [mm]."""
 
 
 Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | DraftedExtrusion

@@ -11,11 +11,9 @@ from fingertip.design.interfaces.rigid import RIGID_INTERFACES
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least
 
 INTERFACES: Mapping[str, JointInterface] = {one.name: one for one in (*RIGID_INTERFACES, Clevis())}
-"""Every interface, by its name in bone.interface."""
 
 
 def interface_of(design: DesignTables) -> JointInterface:
-    """Return the interface of a design."""
     return INTERFACES[design.bone.interface]
 
 

@@ -44,10 +44,7 @@ class Clevis(JointInterface):
     supports_below = "under the foot of the collar; around the eyes of the joint"
 
     def shapes(self, design: DesignTables) -> Shapes:
-        """Build the palmar stop, and what is removed: first the space of the joint, then the holes.
-
-        The eyes are cut from the base. The stop stands out below it.
-        """
+        """Build the palmar stop, which stands out below the base, and what is removed: the joint's space, holes."""
         joint, anchor = _joint_of(design), design.dimensions.anchor
         added = (_palmar_stop(design, joint),) if joint.travel_deg else ()
         across = 2 * design.dimensions.collar.section.half_width
@@ -147,11 +144,8 @@ class Clevis(JointInterface):
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         """List the pin, and what holds the tendon."""
         anchor = design.dimensions.anchor
-        pin: dict[str, Any] = {
-            "item": "joint pin (hardened steel, such as a dowel pin)",
-            "diameter_mm": design.hand.pin_diameter_mm,
-            "count": 1,
-        }
+        item = "joint pin (hardened steel, such as a dowel pin)"
+        pin: dict[str, Any] = {"item": item, "diameter_mm": design.hand.pin_diameter_mm, "count": 1}
         if design.hand.knuckle == "tongue":  # else it is as long as the hand's fork is wide
             pin["length_mm"] = design.dimensions.pin_length
         items = [pin]
@@ -163,8 +157,7 @@ class Clevis(JointInterface):
             })  # fmt: skip
             items.append({
                 "item": "tendon (braided line, as long as the hand needs)",
-                "diameter_mm": design.hand.tendon_diameter_mm,
-                "count": 1,
+                "diameter_mm": design.hand.tendon_diameter_mm, "count": 1,
             })  # fmt: skip
         return items
 
@@ -217,7 +210,6 @@ def eye_profile(joint: Joint, reach: float) -> Solid:
 
 
 def pin_bore(joint: Joint, half_length: float) -> Solid:
-    """Build the bore of the joint's pin."""
     return cylinder("x", (joint.axis_y, joint.axis_z), -half_length, half_length, joint.pin_radius)
 
 

@@ -41,7 +41,6 @@ def joint_clear_of_collar_and_tail(design: DesignTables) -> Limit | None:
 
 @RULES.rule("skin.length_mm")
 def within_length_limit(design: DesignTables) -> Violation | None:
-    """The fingertip is not longer than the hand allows."""
     limit, base = design.hand.length_limit_mm, design.bone.base_length_mm
     length = design.skin.length_mm
     if limit == 0.0 or length + base <= limit + SLACK:
@@ -56,7 +55,6 @@ def within_length_limit(design: DesignTables) -> Violation | None:
 
 @RULES.rule("hand.pin_diameter_mm")
 def eye_holds_pin(design: DesignTables) -> Violation | None:
-    """The eyes keep a wall around the pin."""
     joint = design.dimensions.joint
     if joint is None or joint.pin_radius + design.bone.wall_mm <= joint.eye_radius + SLACK:
         return None
@@ -105,7 +103,6 @@ def cheeks_print(design: DesignTables) -> Violation | None:
 
 @RULES.at_least("bone.collar_length_mm")
 def collar_holds_anchor(design: DesignTables) -> Limit | None:
-    """The collar is long enough for the anchor of the tendon."""
     dims, bone = design.dimensions, design.bone
     anchor = dims.anchor
     if anchor is None:
@@ -131,9 +128,7 @@ def anchor_within_collar(design: DesignTables) -> Violation | None:
     low, high = joint.axis_y - highest, joint.axis_y - lowest
     fits = low <= high and _keeps_wall(design, anchor, highest)
     return Violation(
-        f"{distance:g} mm leaves {what}",
-        ((low, high),) if fits else (),
-        alternatives={"hand.tendon_distance_mm": 0.0},
+        f"{distance:g} mm leaves {what}", ((low, high),) if fits else (), alternatives={"hand.tendon_distance_mm": 0.0}
     )
 
 

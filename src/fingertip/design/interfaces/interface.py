@@ -55,7 +55,6 @@ class JointInterface:
         return 0.0
 
     def low_z(self, design: DesignTables) -> float:
-        """Proximal end of the bone."""
         return -design.bone.base_length_mm
 
     def sizes(self, design: DesignTables) -> list[Size]:
@@ -75,10 +74,7 @@ class JointInterface:
         return 1.0
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        """Find the stress concentration factors of the interface at a height.
-
-        A shoulder acts about half the height of the thinner side far.
-        """
+        """Find the stress concentration factors at a height; a shoulder acts half the thinner side's height far."""
         return StressFactors()
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
@@ -90,20 +86,15 @@ class JointInterface:
         raise NotImplementedError
 
     def mounting(self, design: DesignTables) -> dict[str, Any] | None:
-        """Describe what the interface fits into; None for a joint, which the casting steps fit.
-
-        The clearance of the mating part is a recommendation: the design does not hold one.
-        """
+        """Describe the mating part, with a recommended clearance; None for a joint, which the casting steps fit."""
         return None
 
 
 def middle_y(dims: Dimensions) -> float:
-    """Middle of the base's height."""
     return (dims.bone_outline.section.dorsal - dims.base_flat_depth) / 2
 
 
 def base_size(dims: Dimensions) -> tuple[float, float]:
-    """Width and height of the base."""
     section = dims.bone_outline.section
     return 2 * section.half_width, section.dorsal + dims.base_flat_depth
 
@@ -120,10 +111,7 @@ def bolt_clearance(design: DesignTables, hole_mm: float) -> Tolerance:
 
 
 def base_holds_circle(design: DesignTables, radius: float, half_height: float = math.inf) -> bool:
-    """Return whether a circle [mm] about the middle of the base's height stays inside the base's section.
-
-    The circle may have two flats, which leave `half_height` [mm] on either side of the middle.
-    """
+    """Return whether a circle in the middle of the base, with flats at `half_height` [mm], stays inside its section."""
     section, flat = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth
     middle = (section.dorsal - flat) / 2
     half_height = min(radius, half_height)
@@ -141,11 +129,9 @@ class CrossBolted(JointInterface):
     """Interface that a bolt across it holds in place."""
 
     def cross_bolt_z(self, design: DesignTables) -> float:
-        """Axis of the cross bolt."""
         raise NotImplementedError
 
     def bolt_hole(self, design: DesignTables) -> Solid:
-        """Build the hole of the cross bolt."""
         dims = design.dimensions
         across = 2 * dims.bone_outline.section.half_width
         centre = (middle_y(dims), self.cross_bolt_z(design))

@@ -9,15 +9,7 @@ from typing import Any
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design.formulas.stress import LocalStress, StressFactors, at_shoulder
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.sizes import (
-    ARROW_DEG,
-    INNER,
-    OUTER,
-    STEP,
-    Circle,
-    Length,
-    Size,
-)
+from fingertip.design.geometry.sizes import ARROW_DEG, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, Solid, cylinder, intersection
 from fingertip.design.interfaces.interface import (
     MATING_PLAY_MM,
@@ -30,7 +22,6 @@ from fingertip.design.interfaces.interface import (
     bolt_clearance,
     middle_y,
 )
-from fingertip.design.parameters.bone import Bone
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
@@ -42,7 +33,6 @@ _MIN_SHOULDER = 0.1
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 _HEAD_CLEARANCE = 0.3
-"""Clearance around the head of a flange's bolt [mm]."""
 
 
 class Post(CrossBolted):
@@ -79,9 +69,13 @@ class Post(CrossBolted):
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, foot = design.bone, middle_y(design.dimensions), self.low_z(design)
         half = bone.post_height_mm / 2
+        flats: tuple[tuple[float, float], ...] = ()
+        if bone.post_height_mm < bone.post_width_mm:
+            begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
+            flats = ((begin, 180.0 - begin), (180.0 + begin, 360.0 - begin))
         return [
             base_length_size(design),
-            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=_flats_deg(bone)),
+            Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=flats),
             Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
                    (0.0, y + half, foot)),
             *self.bolt_sizes(design, foot),
@@ -119,17 +113,8 @@ class Post(CrossBolted):
         return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
 
 
-def _flats_deg(bone: Bone) -> tuple[tuple[float, float], ...]:
-    """Directions in the end view in which the post has its flats."""
-    if bone.post_height_mm >= bone.post_width_mm:
-        return ()
-    begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
-    return (begin, 180.0 - begin), (180.0 + begin, 360.0 - begin)
-
-
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
 def post_not_higher_than_base(design: DesignTables) -> Violation | None:
-    """The base is higher than the post, so that it ends in a shoulder."""
     height = min(design.bone.post_height_mm, design.bone.post_width_mm)
     maximum = base_size(design.dimensions)[1] - 2 * _MIN_SHOULDER
     if design.bone.interface != "post" or height <= maximum + SLACK:
@@ -139,7 +124,6 @@ def post_not_higher_than_base(design: DesignTables) -> Violation | None:
 
 @RULES.rule("bone.post_width_mm", bone_left_at_sides, bone_left_dorsally, post_not_higher_than_base)
 def post_within_base(design: DesignTables) -> Violation | None:
-    """The post is not wider than the base."""
     height = design.bone.post_height_mm
 
     def holds(width: float) -> bool:
@@ -198,7 +182,6 @@ class Socket(CrossBolted):
         return self.hole_factors(design, z, design.bone.socket_diameter_mm + 2 * design.bone.wall_mm)
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        """List the cross bolt, which passes through the whole bone."""
         return self.list_bolt(design, design.dimensions.bone_outline.section.half_width * 2)
 
     def mounting(self, design: DesignTables) -> dict[str, Any]:
@@ -215,7 +198,6 @@ class Socket(CrossBolted):
 
 @RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
 def socket_within_base(design: DesignTables) -> Violation | None:
-    """The base keeps a wall around the socket."""
     wall, diameter = design.bone.wall_mm, design.bone.socket_diameter_mm
     if design.bone.interface != "socket" or base_holds_circle(design, (diameter - SLACK) / 2 + wall):
         return None
@@ -226,7 +208,6 @@ def socket_within_base(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.cross_bolt_diameter_mm")
 def cross_bolt_within_interface(design: DesignTables) -> Limit | None:
-    """Post or socket keeps a wall around the hole of the cross bolt."""
     bone = design.bone
     if bone.interface == "socket":
         across, along = bone.socket_diameter_mm + bone.wall_mm, bone.socket_depth_mm
@@ -370,7 +351,6 @@ def flange_high_enough(design: DesignTables) -> Limit | None:
 
 @RULES.rule("bone.flange_spacing_y_mm")
 def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
-    """Two rows of the flange's bolt holes keep a wall between them."""
     bone = design.bone
     minimum = bone.flange_hole_diameter_mm + bone.wall_mm
     if bone.interface != "flange" or not 0.0 < bone.flange_spacing_y_mm < minimum - SLACK:
@@ -383,7 +363,6 @@ def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
 
 @RULES.at_least("bone.flange_thickness_mm")
 def flange_prints(design: DesignTables) -> Limit | None:
-    """The flange is not thinner than a wall."""
     return Limit(design.bone.wall_mm, "is thinner than a wall") if design.bone.interface == "flange" else None
 
 

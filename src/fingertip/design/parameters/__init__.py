@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.silicones import SILICONES
 from fingertip.design.parameters.bone import Bone, Hand, Strength
-from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, suggest_name, text
+from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, suggest_name, text
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.mold import Mold, Printer
@@ -23,6 +23,7 @@ from fingertip.foundation.errors import DesignError, Issue
 __all__ = [
     "ELECTRONIC_TABLES",
     "PARAMETERS",
+    "Above",
     "Board",
     "Bone",
     "ChosenSilicone",
@@ -71,7 +72,6 @@ class Tables(BaseModel):
         return max(0.0, self.mold.fit_clearance_mm - self.printer.offset_mm)
 
     def value(self, path: str) -> Any:
-        """Return the value of a parameter, such as "mold.draft_deg"."""
         table, _, key = path.rpartition(".")
         return getattr(getattr(self, table), key) if table else getattr(self, key)
 
@@ -86,24 +86,19 @@ class Tables(BaseModel):
                 update[key] = value
         return self.model_copy(update=update)
 
-    def with_silicone(self, name: str | None, field: str = "--material") -> Self:
+    def with_silicone(self, name: str | None) -> Self:
         """Copy the tables with another silicone; the tables themselves if no name is given. Raises DesignError."""
         if name is None or name == self.silicone.product:
             return self
         if name not in SILICONES and name != OWN:
-            raise DesignError(Issue(field, f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
+            raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
         return self.with_values({"silicone.product": name})
 
 
-def _list_fields() -> Mapping[str, FieldInfo]:
-    fields: dict[str, FieldInfo] = {}
-    for name, info in Tables.model_fields.items():
-        if isinstance(info.default, ParameterTable):
-            fields |= {f"{name}.{key}": field for key, field in type(info.default).model_fields.items()}
-        else:
-            fields[name] = info
-    return fields
-
-
-PARAMETERS: Mapping[str, FieldInfo] = _list_fields()
+PARAMETERS: Mapping[str, FieldInfo] = {"name": Tables.model_fields["name"]} | {
+    f"{name}.{key}": field
+    for name, info in Tables.model_fields.items()
+    if isinstance(info.default, ParameterTable)
+    for key, field in type(info.default).model_fields.items()
+}
 """Declaration of every parameter by its dotted name, in the order of a design file."""

@@ -12,112 +12,75 @@ class Bone(ParameterTable):
     """Rigid part that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
-        22.0,
-        "mm",
+        22.0, "mm", (4, 60),
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
-        minimum=4,
-        maximum=60,
-    )
+    )  # fmt: skip
     palmar_fullness: float = quantity(
-        0.9422,
-        "",
+        0.9422, "", (0.8, 0.998),
         "Width of the bone at half its palmar height, before the flat is cut, relative to its full width.",
-        minimum=0.8,
-        maximum=0.998,
-    )
+    )  # fmt: skip
     rim_mm: float = quantity(
-        0.6,
-        "mm",
+        0.6, "mm", (0.2, 5),
         "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
-        minimum=0.2,
-        maximum=5,
-    )
+    )  # fmt: skip
     wall_mm: float = quantity(
-        1.0,
-        "mm",
+        1.0, "mm", (0.4, 5),
         "Design wall between cable channel, sensor slot and outer surface; checks require printer.min_wall_mm.",
-        minimum=0.4,
-        maximum=5,
-    )
+    )  # fmt: skip
     channel_diameter_mm: float = quantity(
-        2.4,
-        "mm",
-        "Diameter of the cable channel from the solder relief to the dorsal side of the base.",
-        minimum=0.8,
-        maximum=10,
+        2.4, "mm", (0.8, 10), "Diameter of the cable channel from the solder relief to the dorsal side of the base."
     )
-    channel_bend_radius_mm: float = quantity(
-        3.0, "mm", "Bend radius of the channel's centre line.", minimum=1, maximum=20
-    )
+    channel_bend_radius_mm: float = quantity(3.0, "mm", (1, 20), "Bend radius of the channel's centre line.")
     relief_length_mm: float = quantity(
-        5.0,
-        "mm",
-        "Length of the solder relief, the recess for the solder joints at the end of the tail.",
-        minimum=2,
-        maximum=20,
+        5.0, "mm", (2, 20), "Length of the solder relief, the recess for the solder joints at the end of the tail."
     )
     tie_hole_diameter_mm: float = quantity(
-        1.6,
-        "mm",
+        1.6, "mm", (0.8, 6),
         "Diameter of the hole for the cable tie (strain relief), across the base, proximal to the channel opening.",
-        minimum=0.8,
-        maximum=6,
-    )
+    )  # fmt: skip
     collar_length_mm: float = quantity(
-        2.0,
-        "mm",
+        2.0, "mm", (0.8, 10),
         "Length of the collar on which the skin ends, at the parting plane, where its drafted foot makes it longest.",
-        minimum=0.8,
-        maximum=10,
-    )
-    collar_inset_mm: float = quantity(
-        0.3, "mm", "Inset of the collar from the outline of the skin.", minimum=0.1, maximum=5
-    )
+    )  # fmt: skip
+    collar_inset_mm: float = quantity(0.3, "mm", (0.1, 5), "Inset of the collar from the outline of the skin.")
     groove_depth_mm: float = quantity(
-        0.6, "mm", "Depth of the groove around the bone that retains the skin; 0: no groove.", minimum=0, maximum=3
+        0.6, "mm", (0, 3), "Depth of the groove around the bone that retains the skin; 0: no groove."
     )
-    groove_width_mm: float = quantity(3.0, "mm", "Width of the groove at its floor.", minimum=0.5, maximum=15)
-    groove_distance_mm: float = quantity(2.0, "mm", "Distance from the collar to the groove.", minimum=0.5, maximum=60)
+    groove_width_mm: float = quantity(3.0, "mm", (0.5, 15), "Width of the groove at its floor.")
+    groove_distance_mm: float = quantity(2.0, "mm", (0.5, 60), "Distance from the collar to the groove.")
     interface: Literal["post", "socket", "flange", "clevis"] = choice(
         "post",
         "Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a hole for the phalanx's "
         "post; flange: a plate with bolt holes; clevis: a joint with a pin, whose sizes stand in [hand].",
     )
-    post_width_mm: float = quantity(
-        8.4, "mm", "Diameter of the post, which is its width (interface post).", minimum=2, maximum=40
-    )
+    post_width_mm: float = quantity(8.4, "mm", (2, 40), "Diameter of the post, which is its width (interface post).")
     post_height_mm: float = quantity(
-        7.2,
-        "mm",
+        7.2, "mm", (2, 40),
         "Height of the post between its two flats, which lock rotation; from post_width_mm on it is round.",
-        minimum=2,
-        maximum=40,
-    )
-    post_length_mm: float = quantity(8.0, "mm", "Length of the post (interface post).", minimum=2, maximum=40)
-    socket_diameter_mm: float = quantity(5.0, "mm", "Diameter of the socket (interface socket).", minimum=2, maximum=25)
-    socket_depth_mm: float = quantity(8.0, "mm", "Depth of the socket (interface socket).", minimum=2, maximum=40)
+    )  # fmt: skip
+    post_length_mm: float = quantity(8.0, "mm", (2, 40), "Length of the post (interface post).")
+    socket_diameter_mm: float = quantity(5.0, "mm", (2, 25), "Diameter of the socket (interface socket).")
+    socket_depth_mm: float = quantity(8.0, "mm", (2, 40), "Depth of the socket (interface socket).")
     cross_bolt_diameter_mm: float = quantity(
-        2.2, "mm", "Diameter of the cross bolt's hole through post or socket.", minimum=MIN_HOLE_MM, maximum=6
+        2.2, "mm", (MIN_HOLE_MM, 6), "Diameter of the cross bolt's hole through post or socket."
     )
-    flange_width_mm: float = quantity(27.0, "mm", "Width of the flange (interface flange).", minimum=4, maximum=80)
-    flange_height_mm: float = quantity(12.0, "mm", "Height of the flange.", minimum=4, maximum=80)
-    flange_thickness_mm: float = quantity(
-        4.0, "mm", "Thickness of the flange, the proximal part of the base.", minimum=1, maximum=15
-    )
+    flange_width_mm: float = quantity(27.0, "mm", (4, 80), "Width of the flange (interface flange).")
+    flange_height_mm: float = quantity(12.0, "mm", (4, 80), "Height of the flange.")
+    flange_thickness_mm: float = quantity(4.0, "mm", (1, 15), "Thickness of the flange, the proximal part of the base.")
     flange_spacing_x_mm: float = quantity(
-        20.0, "mm", "Distance between the flange's bolt holes across the finger.", minimum=4, maximum=70
+        20.0, "mm", (4, 70), "Distance between the flange's bolt holes across the finger."
     )
     flange_spacing_y_mm: float = quantity(
-        0.0, "mm", "Distance of their two rows from dorsal to palmar; 0: one row of two holes.", minimum=0, maximum=70
+        0.0, "mm", (0, 70), "Distance of their two rows from dorsal to palmar; 0: one row of two holes."
     )
     flange_hole_diameter_mm: float = quantity(
-        3.2, "mm", "Diameter of the flange's bolt holes (3.2: M3).", minimum=MIN_HOLE_MM, maximum=9
+        3.2, "mm", (MIN_HOLE_MM, 9), "Diameter of the flange's bolt holes (3.2: M3)."
     )
     joint_clearance_mm: float = quantity(
-        0.3, "mm", "Gap between bone and hand on every side of the joint (interface clevis).", minimum=0.05, maximum=2
+        0.3, "mm", (0.05, 2), "Gap between bone and hand on every side of the joint (interface clevis)."
     )
     anchor_diameter_mm: float = quantity(
-        1.2, "mm", "Diameter of the hole for the pin or thread that holds the tendon.", minimum=0.8, maximum=4
+        1.2, "mm", (0.8, 4), "Diameter of the hole for the pin or thread that holds the tendon."
     )
 
 
@@ -127,55 +90,37 @@ class Hand(ParameterTable):
     knuckle: Literal["tongue", "fork"] = choice(
         "tongue", "The hand's part of the joint: a tongue between the cheeks of the bone, or a fork around its tongue."
     )
-    width_mm: float = quantity(
-        6.5, "mm", "Width of the hand's tongue, or between the cheeks of its fork.", minimum=2, maximum=30
-    )
+    width_mm: float = quantity(6.5, "mm", (2, 30), "Width of the hand's tongue, or between the cheeks of its fork.")
     axis_height_mm: float = quantity(
-        7.0, "mm", "Height of the joint axis above the palmar side of the finger.", minimum=1, maximum=60
+        7.0, "mm", (1, 60), "Height of the joint axis above the palmar side of the finger."
     )
-    pin_diameter_mm: float = quantity(2.0, "mm", "Diameter of the bore for the joint's pin.", minimum=1, maximum=8)
+    pin_diameter_mm: float = quantity(2.0, "mm", (1, 8), "Diameter of the bore for the joint's pin.")
     clearance_radius_mm: float = quantity(
-        4.0,
-        "mm",
+        4.0, "mm", (1.5, 20),
         "Radius about the joint axis within which the hand's tongue or fork is round; its shoulder begins there.",
-        minimum=1.5,
-        maximum=20,
-    )
+    )  # fmt: skip
     tendon_distance_mm: float = quantity(
-        4.5,
-        "mm",
-        "Distance of the tendon from the joint axis, on the palmar side; 0: no tendon.",
-        minimum=0,
-        maximum=30,
+        4.5, "mm", (0, 30), "Distance of the tendon from the joint axis, on the palmar side; 0: no tendon."
     )
     tendon_diameter_mm: float = quantity(
-        0.8, "mm", "Diameter of the tendon, which is knotted around its anchor.", minimum=0.1, maximum=3
+        0.8, "mm", (0.1, 3), "Diameter of the tendon, which is knotted around its anchor."
     )
     travel_deg: float = quantity(
-        80.0,
-        "degree",
-        "Travel of the joint from straight to bent, between hard stops; 0: no stops.",
-        minimum=0,
-        maximum=110,
+        80.0, "degree", (0, 110), "Travel of the joint from straight to bent, between hard stops; 0: no stops."
     )
     length_limit_mm: float = quantity(
-        0.0,
-        "mm",
+        0.0, "mm", (0, 150),
         "Maximum length from the tip to the joint axis, or to the shoulder of another interface; 0: no limit.",
-        minimum=0,
-        maximum=150,
-    )
+    )  # fmt: skip
 
 
 class Strength(ParameterTable):
     """Loads that the bone must carry, and what it is printed from; for its safety factors."""
 
     grip_force_n: float = quantity(
-        20.0, "N", "Force of a firm grip, at the pad, the apex and the side, in any direction.", minimum=1, maximum=200
+        20.0, "N", (1, 200), "Force of a firm grip, at the pad, the apex and the side, in any direction."
     )
-    shock_force_n: float = quantity(
-        60.0, "N", "Force of a fall or a knock, at the same places.", minimum=1, maximum=500, verified=False
-    )
+    shock_force_n: float = quantity(60.0, "N", (1, 500), "Force of a fall or a knock, at the same places. (unverified)")
     print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12"] = choice(
         "surgical_guide", "Material of the bone: three SLA resins, PETG or nylon 12."
     )
@@ -183,16 +128,11 @@ class Strength(ParameterTable):
         "upright", "Direction of the print: layers along the finger (lying) or across it (upright, as the sheet says)."
     )
     root_fillet_mm: float = quantity(
-        0.5,
-        "mm",
-        "Radius that the print leaves at the root of a post or on a flange.",
-        minimum=0.05,
-        maximum=5,
-        verified=False,
+        0.5, "mm", (0.05, 5), "Radius that the print leaves at the root of a post or on a flange. (unverified)"
     )
     min_grip_factor: float = quantity(
-        1.5, "", "Minimum safety factor of the bone at grip_force_n, for its check.", minimum=0, maximum=20
+        1.5, "", (0, 20), "Minimum safety factor of the bone at grip_force_n, for its check."
     )
     min_shock_factor: float = quantity(
-        0.5, "", "Minimum safety factor of the bone at shock_force_n, for its check.", minimum=0, maximum=20
+        0.5, "", (0, 20), "Minimum safety factor of the bone at shock_force_n, for its check."
     )

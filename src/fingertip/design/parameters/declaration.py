@@ -8,7 +8,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -33,7 +33,6 @@ class Bounds:
     maximum: float | None = None
 
     def contain(self, value: float) -> bool:
-        """Return whether a value lies within the bounds."""
         return (
             (self.minimum is None or value >= self.minimum)
             and (self.above is None or value > self.above)
@@ -41,24 +40,20 @@ class Bounds:
         )
 
 
-def quantity(
-    default: float,
-    unit: str,
-    description: str,
-    *,
-    minimum: float | None = None,
-    above: float | None = None,
-    maximum: float | None = None,
-    verified: bool = True,
-) -> Any:
-    """Declare a number with a unit."""
-    if not verified:
-        description += " (unverified)"
-    return Field(default, ge=minimum, gt=above, le=maximum, description=description, json_schema_extra={"unit": unit})
+class Above(NamedTuple):
+    """Lower bound that is not valid itself."""
+
+    bound: float
+
+
+def quantity(default: float, unit: str, bounds: tuple[float | Above, float], description: str) -> Any:
+    """Declare a number with a unit and its lower and upper bound."""
+    low, high = bounds
+    ge, gt = (None, low.bound) if isinstance(low, Above) else (low, None)
+    return Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
 
 
 def choice(default: str, description: str) -> Any:
-    """Declare a word from a fixed list, which is the field's Literal type."""
     return Field(default, description=description)
 
 
@@ -74,13 +69,11 @@ def find_allowed(field: FieldInfo) -> str:
 
 
 def find_unit(field: FieldInfo) -> str:
-    """Return the unit of a parameter; "" if it has none."""
     extra = field.json_schema_extra
     return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
 
 
 def find_bounds(field: FieldInfo) -> Bounds:
-    """Return the bounds of a numeric parameter."""
     found: dict[str, float] = {}
     for constraint in field.metadata:
         for key, name in (("ge", "minimum"), ("gt", "above"), ("le", "maximum")):
@@ -114,16 +107,13 @@ REPLACED_PARAMETERS = {
     "board.gain_bandwidth_hz": (
         "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
         f"board.amplifier={AUTO}, or one of {_DUALS}."
-    ),
+    )
 }
 """Parameters of earlier versions, and what to write in their place."""
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
-    """Return one issue for each problem that pydantic found in a `model`.
-
-    Only the first problems are described. A file of a hundred thousand unknown names would take hours otherwise.
-    """
+    """Return one issue for each problem of a `model`; only the first are described, thousands would take hours."""
     found = error.errors(include_url=False, include_context=True)
     rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
     return [
@@ -171,7 +161,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "greater_than_equal":
             return Issue(field, f"{shown}{unit} is too small; at least {context['ge']:g}{unit}.")
         case "greater_than":
-            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}.")
+            example = f", such as {info.default:g}{unit}" if isinstance(info, FieldInfo) else ""
+            return Issue(field, f"{shown}{unit} is too small; it must be above {context['gt']:g}{unit}{example}.")
         case "less_than_equal":
             return Issue(field, f"{shown}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":
@@ -190,9 +181,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             quotes = ", without quotes" if isinstance(value, str) else ""
             return Issue(field, f"{shown} is not {number}; write {number}{unit and ' in' + unit}{quotes}.")
         case "string_type":
-            return Issue(
-                field, f'{shown} is not text; write it in quotes, such as "{shorten(str(value), MAX_VALUE_LENGTH)}".'
-            )
+            example = shorten(str(value), MAX_VALUE_LENGTH)
+            return Issue(field, f'{shown} is not text; write it in quotes, such as "{example}".')
         case "bool_type" | "bool_parsing":
             return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
         case "list_type":
@@ -211,7 +201,6 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
 
 
 def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:
-    """Find the model of the table that a parameter stands in."""
     for step in location[:-1]:
         info = model.model_fields.get(step)
         if info and isinstance(info.annotation, type) and issubclass(info.annotation, BaseModel):
@@ -220,7 +209,6 @@ def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseMod
 
 
 def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
-    """Show how a parameter of a table is set."""
     defaults = {key: info.default for key, info in _find_table([*location, ""], model).model_fields.items()}
     numbers = {key: value for key, value in defaults.items() if isinstance(value, float)}
     example = next((f"{key}={value:g}" for key, value in numbers.items()), "KEY=VALUE")

@@ -6,7 +6,7 @@ from typing import Literal
 
 from fingertip.catalogues.sensors import PART_TO_PART, SensorName
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone, SiliconeName
-from fingertip.design.parameters.declaration import ParameterTable, choice, quantity, text
+from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, text
 
 
 class Sensor(ParameterTable):
@@ -16,106 +16,69 @@ class Sensor(ParameterTable):
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(
-        11.5, "mm", "Distance from the tip of the skin to the centre of the active area.", minimum=3, maximum=60
+        11.5, "mm", (3, 60), "Distance from the tip of the skin to the centre of the active area."
     )
     tail: Literal["straight", "folded"] = choice(
-        "straight",
-        "straight: out through the base; folded: once around the bone, its end in a trough under a lid.",
+        "straight", "straight: out through the base; folded: once around the bone, its end in a trough under a lid."
     )
     fold_radius_mm: float = quantity(
-        2.5, "mm", "Radius at which a folded tail bends; Interlink allows no less than 2.5.", minimum=0.8, maximum=6
+        2.5, "mm", (0.8, 6), "Radius at which a folded tail bends; Interlink allows no less than 2.5."
     )
     tab_length_mm: float = quantity(
-        4.3, "mm", "Length by which the crimped tabs stick out of the film.", minimum=0, maximum=15, verified=False
+        4.3, "mm", (0, 15), "Length by which the crimped tabs stick out of the film. (unverified)"
     )
     crimp_height_mm: float = quantity(
-        0.6,
-        "mm",
-        "Height of crimps and solder above the film, for the space of a folded tail.",
-        minimum=0.2,
-        maximum=5,
-        verified=False,
+        0.6, "mm", (0.2, 5), "Height of crimps and solder above the film, for the space of a folded tail. (unverified)"
     )
-    wire_diameter_mm: float = quantity(
-        0.5, "mm", "Outer diameter of the wires on the tabs of a folded tail.", minimum=0.1, maximum=3
-    )
-    clearance_mm: float = quantity(0.15, "mm", "Gap around the sensor in its pocket and slot.", minimum=0.02, maximum=1)
+    wire_diameter_mm: float = quantity(0.5, "mm", (0.1, 3), "Outer diameter of the wires on the tabs of a folded tail.")
+    clearance_mm: float = quantity(0.15, "mm", (0.02, 1), "Gap around the sensor in its pocket and slot.")
     adhesive_thickness_mm: float = quantity(
-        0.13,
-        "mm",
-        "Thickness of the adhesive film under the sensor; it deepens the pocket.",
-        minimum=0,
-        maximum=0.5,
-        verified=False,
+        0.13, "mm", (0, 0.5), "Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified)"
     )
 
 
 class CustomSensor(ParameterTable):
     """Outline of a sensor that is not in the catalogue; used only if sensor.model is "custom"."""
 
-    active_diameter_mm: float = quantity(5.08, "mm", "Diameter of the active area.", minimum=1, maximum=40)
-    head_diameter_mm: float = quantity(7.62, "mm", "Diameter of the round head.", minimum=2, maximum=50)
-    thickness_mm: float = quantity(0.3, "mm", "Thickness of head and tail.", minimum=0.05, maximum=3)
-    length_mm: float = quantity(
-        38.0, "mm", "Length from the far edge of the head to the end of the tail.", minimum=5, maximum=150
-    )
-    tail_width_mm: float = quantity(6.4, "mm", "Width of the tail.", minimum=1, maximum=30)
+    active_diameter_mm: float = quantity(5.08, "mm", (1, 40), "Diameter of the active area.")
+    head_diameter_mm: float = quantity(7.62, "mm", (2, 50), "Diameter of the round head.")
+    thickness_mm: float = quantity(0.3, "mm", (0.05, 3), "Thickness of head and tail.")
+    length_mm: float = quantity(38.0, "mm", (5, 150), "Length from the far edge of the head to the end of the tail.")
+    tail_width_mm: float = quantity(6.4, "mm", (1, 30), "Width of the tail.")
 
 
 class Skin(ParameterTable):
     """Outer shape of the silicone skin, and its thickness over the bone."""
 
-    width_mm: float = quantity(17.0, "mm", "Full width at the proximal end.", minimum=6, maximum=60)
-    semi_axis_palmar_mm: float = quantity(
-        6.0, "mm", "Height of the pad, measured from the parting plane.", minimum=2, maximum=40
-    )
+    width_mm: float = quantity(17.0, "mm", (6, 60), "Full width at the proximal end.")
+    semi_axis_palmar_mm: float = quantity(6.0, "mm", (2, 40), "Height of the pad, measured from the parting plane.")
     semi_axis_dorsal_mm: float = quantity(
-        7.0, "mm", "Height of the dorsal side, measured from the parting plane.", minimum=2, maximum=40
+        7.0, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
     )
-    length_mm: float = quantity(34.0, "mm", "Length from the proximal end to the tip.", minimum=8, maximum=120)
-    tip_length_mm: float = quantity(10.0, "mm", "Length of the rounded tip, part of the length.", minimum=2, maximum=60)
+    length_mm: float = quantity(34.0, "mm", (8, 120), "Length from the proximal end to the tip.")
+    tip_length_mm: float = quantity(10.0, "mm", (2, 60), "Length of the rounded tip, part of the length.")
     taper_ratio: float = quantity(
-        0.94,
-        "",
-        "Size of the cross-section where the tip begins, relative to the proximal end.",
-        minimum=0.4,
-        maximum=1,
+        0.94, "", (0.4, 1), "Size of the cross-section where the tip begins, relative to the proximal end."
     )
     pulp_fullness: float = quantity(
-        0.8845,
-        "",
+        0.8845, "", (0.77, 0.9925),
         "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
-        minimum=0.77,
-        maximum=0.9925,
-    )
+    )  # fmt: skip
     nail_fullness: float = quantity(
-        0.875,
-        "",
-        "Width of the nail side at half its height, relative to the full width.",
-        minimum=0.77,
-        maximum=0.9925,
+        0.875, "", (0.77, 0.9925), "Width of the nail side at half its height, relative to the full width."
     )
     tip_fullness: float = quantity(
-        0.875,
-        "",
+        0.875, "", (0.77, 0.9925),
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
-        minimum=0.77,
-        maximum=0.9925,
-    )
-    thickness_side_mm: float = quantity(2.0, "mm", "Skin thickness at the sides.", minimum=0.4, maximum=15)
+    )  # fmt: skip
+    thickness_side_mm: float = quantity(2.0, "mm", (0.4, 15), "Skin thickness at the sides.")
     thickness_palmar_mm: float = quantity(
-        3.0,
-        "mm",
-        "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface.",
-        minimum=0.4,
-        maximum=20,
+        3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."
     )
-    thickness_dorsal_mm: float = quantity(1.5, "mm", "Skin thickness on the dorsal side.", minimum=0.4, maximum=15)
-    thickness_tip_mm: float = quantity(
-        2.5, "mm", "Skin thickness at the tip, distal to the bone.", minimum=0.4, maximum=20
-    )
+    thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.")
+    thickness_tip_mm: float = quantity(2.5, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
     min_thickness_mm: float = quantity(
-        0.8, "mm", "Minimum skin thickness anywhere, measured from bone to surface.", minimum=0.2, maximum=10
+        0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )
 
 
@@ -148,34 +111,21 @@ class ChosenSilicone(ParameterTable):
     ratio_by: Literal["weight", "volume"] = choice(
         "weight", "Whether the container states the mix ratio by weight or by volume."
     )
-    parts_a: float = quantity(
-        10.0, "", "Parts of part A, or base, in the mix ratio on the container.", minimum=0.1, maximum=1000
-    )
-    parts_b: float = quantity(
-        1.0, "", "Parts of part B, catalyst or curing agent, in the same ratio.", minimum=0.1, maximum=1000
-    )
+    parts_a: float = quantity(10.0, "", (0.1, 1000), "Parts of part A, or base, in the mix ratio on the container.")
+    parts_b: float = quantity(1.0, "", (0.1, 1000), "Parts of part B, catalyst or curing agent, in the same ratio.")
     viscosity_pa_s: float = quantity(
-        25.0, "Pa s", "Viscosity of the mixture; 1000 cps or mPa s are 1 Pa s.", minimum=0.05, maximum=500
+        25.0, "Pa s", (0.05, 500), "Viscosity of the mixture; 1000 cps or mPa s are 1 Pa s."
     )
-    density_g_cm3: float = quantity(
-        1.08, "g/cm3", "Density of the mixture, or specific gravity.", minimum=0.8, maximum=2.5
-    )
-    pot_life_min: float = quantity(
-        30.0, "min", "Pot life at room temperature, from the start of stirring.", minimum=1, maximum=1440
-    )
-    cure_h: float = quantity(
-        24.0, "h", "Time at room temperature until the skin can be demolded.", minimum=0.1, maximum=336
-    )
-    shore_a: float = quantity(40.0, "", "Hardness of the cured silicone, Shore A.", minimum=1, maximum=95)
+    density_g_cm3: float = quantity(1.08, "g/cm3", (0.8, 2.5), "Density of the mixture, or specific gravity.")
+    pot_life_min: float = quantity(30.0, "min", (1, 1440), "Pot life at room temperature, from the start of stirring.")
+    cure_h: float = quantity(24.0, "h", (0.1, 336), "Time at room temperature until the skin can be demolded.")
+    shore_a: float = quantity(40.0, "", (1, 95), "Hardness of the cured silicone, Shore A.")
     modulus_mpa: float = quantity(
-        1.0,
-        "MPa",
+        1.0, "MPa", (0.01, 50),
         "Young's modulus at small strain; without one, the stress at 100 % strain (145 psi are 1 MPa).",
-        minimum=0.01,
-        maximum=50,
-    )
-    elongation_percent: float = quantity(300.0, "%", "Elongation at break.", minimum=10, maximum=2000)
-    shrinkage_percent: float = quantity(0.2, "%", "Linear shrinkage; 0.001 in/in are 0.1 %.", minimum=0, maximum=5)
+    )  # fmt: skip
+    elongation_percent: float = quantity(300.0, "%", (10, 2000), "Elongation at break.")
+    shrinkage_percent: float = quantity(0.2, "%", (0, 5), "Linear shrinkage; 0.001 in/in are 0.1 %.")
 
     @property
     def material(self) -> Silicone:
@@ -198,22 +148,15 @@ class ForceCurve(ParameterTable):
         "typical: Interlink's curve, from which real sensors differ by factors; calibrated: the figures below, which "
         "`fingertip calibrate sensor` finds.",
     )
-    turn_on_n: float = quantity(TURN_ON_N, "N", "Force at which the sensor begins to conduct.", minimum=0, maximum=5)
-    conductance_us: float = quantity(
-        190.0, "uS", "Conductance at a force of 1 N above turn_on_n.", above=0, maximum=1e5
-    )
-    exponent: float = quantity(
-        0.52, "", "Exponent of the conductance over the force above turn_on_n.", minimum=0.1, maximum=3
-    )
-    min_force_n: float = quantity(0.5, "N", "Smallest force of the calibration.", above=0, maximum=100)
-    max_force_n: float = quantity(10.0, "N", "Largest force of the calibration.", above=0, maximum=1000)
+    turn_on_n: float = quantity(TURN_ON_N, "N", (0, 5), "Force at which the sensor begins to conduct.")
+    conductance_us: float = quantity(190.0, "uS", (Above(0), 1e5), "Conductance at a force of 1 N above turn_on_n.")
+    exponent: float = quantity(0.52, "", (0.1, 3), "Exponent of the conductance over the force above turn_on_n.")
+    min_force_n: float = quantity(0.5, "N", (Above(0), 100), "Smallest force of the calibration.")
+    max_force_n: float = quantity(10.0, "N", (Above(0), 1000), "Largest force of the calibration.")
     interval_factor: float = quantity(
-        8.0,
-        "",
+        8.0, "", (1, 1000),
         "Factor within which a force read off the curve lies with 95 % probability, between these two forces.",
-        minimum=1,
-        maximum=1000,
-    )
+    )  # fmt: skip
 
     def describe(self) -> str:
         """Describe in a sentence how far forces can be trusted, for wherever a force is shown."""

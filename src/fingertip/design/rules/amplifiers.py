@@ -37,7 +37,6 @@ from fingertip.foundation.numerics import bisect
 RULES = Ruleset()
 
 MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
-"""Minimum of the parameter r5_ohm [ohm]."""
 
 BANDWIDTH_MARGIN = 10.0
 """Minimum closed-loop bandwidth GBW / G, in cutoffs: the amplifier then costs 0.5 % of the gain at the cutoff."""
@@ -52,18 +51,14 @@ CURRENT_MARGIN = 0.8
 ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
 SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
-"""Range of the voltage of each supply [V].
-
-The bridge of the first two is sized for the article's 4.3 V. The AD623 needs 3 V (its data sheet), and the last supply
-ends where the inputs of a controller do.
-"""
+"""Range of the voltage of each supply [V]. The bridge of the first two is sized for the article's 4.3 V. The AD623
+needs 3 V (its data sheet), and the last supply ends where the inputs of a controller do."""
 MAX_SPLIT_V = 5.5
 """Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
 
 
 @RULES.rule("board.supply_v")
 def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
-    """The voltage lies within the range of the supply."""
     supply, supply_v = design.board.supply, design.board.supply_v
     minimum, maximum = SUPPLY_RANGES_V[supply]
     if minimum <= supply_v <= maximum:
@@ -78,19 +73,17 @@ def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.amplifier", voltage_fits_the_supply)
 def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
-    """The supply lies within the range of the amplifier."""
     amplifier, supply_v = choose_amplifier(design.board), total_supply_v(design.board)
     if works_on_supply(amplifier, design.board):
         return None
     return Violation(
         f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
-        f"{supply_v:g} V across it",
+        f"{supply_v:g} V across it"
     )
 
 
 @RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
 def amplifier_fast_enough(design: DesignTables) -> Violation | None:
-    """The amplifier has enough bandwidth for the gain at the cutoff."""
     amplifier, G, f_c = choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
     GBW = amplifier.bandwidth_hz
     if BANDWIDTH_MARGIN * G * f_c <= GBW:
@@ -156,7 +149,6 @@ def first_stage_is_stable(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.capacitor_uf", amplifier_withstands_the_supply)
 def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
-    """The amplifier can drive the filter's capacitors and resistors."""
     board = design.board
     if board.capacitor_series != "given":
         return None
@@ -175,7 +167,6 @@ def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.envelope_capacitor_uf", amplifier_withstands_the_supply, amplifier_drives_the_filter)
 def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
-    """The amplifier can charge the envelope's capacitor through variant article's diode."""
     board = design.board
     if board.variant != "article" or board.capacitor_series != "given":
         return None
@@ -211,7 +202,6 @@ def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violat
 
 @RULES.at_most("board.supply_v", slack=0.0)
 def comparator_withstands_the_supply(design: DesignTables) -> Limit | None:
-    """The supply does not exceed the comparator's maximum."""
     if design.board.variant != "comparator":
         return None
     return Limit(MAX_COMPARATOR_V, "is too much for variant comparator's LMV331")

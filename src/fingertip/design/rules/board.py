@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.formulas import filter as filter_components
-from fingertip.design.formulas.amplifiers import (
-    BAND_CUTOFFS,
-)
+from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.design.formulas.filter import (
     CAPACITOR_SERIES,
     MAX_1206_F,
@@ -30,19 +28,16 @@ PREFERRED_SHARE = 0.1
 
 @RULES.rule("board.capacitor_uf")
 def filter_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
-    """The given filter capacitor can be bought in the size of its footprint."""
     return _check_footprint("capacitor_uf", "C1 to C3", design)
 
 
 @RULES.rule("board.envelope_capacitor_uf")
 def envelope_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
-    """The given envelope capacitor can be bought in the size of its footprint."""
     return _check_footprint("envelope_capacitor_uf", "C4", design)
 
 
 @RULES.rule("board.capacitor_uf")
 def filter_resistors_in_range(design: DesignTables) -> Violation | None:
-    """The given filter capacitor and cutoff require resistors R1 to R3 within their range."""
     if design.board.capacitor_series != "given":
         return None
     c_f, f_c = to_farads(design.board.capacitor_uf), design.board.cutoff_hz
@@ -53,7 +48,6 @@ def filter_resistors_in_range(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.envelope_capacitor_uf")
 def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
-    """The given envelope capacitor and cutoff require a resistor R_LP within its range."""
     if design.board.capacitor_series != "given":
         return None
     c_f, f_lp = to_farads(design.board.envelope_capacitor_uf), design.board.envelope_cutoff_hz
@@ -63,20 +57,17 @@ def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
 
 @RULES.at_least("board.cutoff_hz", slack=0.0)
 def selected_capacitor_exists(design: DesignTables) -> Limit | None:
-    """A filter capacitor can be selected for the cutoff."""
     # R3 = 2 / (C omega) is the largest of the three.
     return _limit_selected_capacitor("R3", 2.0, design.board)
 
 
 @RULES.at_least("board.envelope_cutoff_hz", slack=0.0)
 def selected_envelope_capacitor_exists(design: DesignTables) -> Limit | None:
-    """An envelope capacitor can be selected for the cutoff."""
     return _limit_selected_capacitor("R_LP", 1.0, design.board)
 
 
 @RULES.rule("board.passband_gain")
 def gain_resistor_in_range(design: DesignTables) -> Violation | None:
-    """The gain requires a resistor R4 within its range."""
     G, R5 = design.board.passband_gain, design.board.r5_ohm
     R4 = filter_components.r4_ohm(G, R5)
     if MIN_OHM <= R4 <= MAX_OHM:
@@ -90,19 +81,16 @@ def gain_resistor_in_range(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.capacitor_uf")
 def filter_capacitor_is_preferred(design: DesignTables) -> Violation | None:
-    """The given filter capacitor is a preferred value."""
     return _check_preferred("capacitor_uf", "C1 to C3", design)
 
 
 @RULES.rule("board.envelope_capacitor_uf")
 def envelope_capacitor_is_preferred(design: DesignTables) -> Violation | None:
-    """The given envelope capacitor is a preferred value."""
     return _check_preferred("envelope_capacitor_uf", "C4", design)
 
 
 @RULES.rule("board.r5_ohm")
 def series_capacitor_exists(design: DesignTables) -> Violation | None:
-    """The capacitor in series with R4 can be bought."""
     if design.board.variant == "article":
         return None
     R5, G, f_c = design.board.r5_ohm, design.board.passband_gain, design.board.cutoff_hz
@@ -123,7 +111,6 @@ def series_capacitor_exists(design: DesignTables) -> Violation | None:
 
 @RULES.at_least("board.band_limit_hz", slack=0.0)
 def band_limit_above_the_band(design: DesignTables) -> Limit | None:
-    """The band limit of the first stage leaves the vibrations of slip untouched."""
     if design.board.variant == "article":
         return None
     f_c = design.board.cutoff_hz
@@ -163,7 +150,6 @@ def _limit_selected_capacitor(name: str, factor: float, board: Board) -> Limit |
 
 
 def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violation | None:
-    """Refuse a capacitor that cannot be bought in the size of its footprint."""
     if design.board.capacitor_series != "given":
         return None
     value, max_uf = getattr(design.board, capacitor), 1e6 * MAX_1206_F
@@ -179,7 +165,6 @@ def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violat
 def _check_resistors(
     capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], design: DesignTables
 ) -> Violation | None:
-    """Refuse a capacitor whose resistors, proportional to 1 / (C f), leave their range."""
     too_small = smallest[1] < MIN_OHM
     name, ohm = smallest if too_small else largest
     if MIN_OHM <= ohm <= MAX_OHM:
@@ -189,7 +174,10 @@ def _check_resistors(
     if math.isfinite(ohm):
         # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
         rcf = ohm * value * f
-        passing = at_most_preferred(rcf / f / MIN_OHM) if too_small else _at_least_preferred(rcf / f / MAX_OHM)
+        if too_small:
+            passing = at_most_preferred(rcf / f / MIN_OHM)
+        elif (minimum_uf := rcf / f / MAX_OHM) > 0.0:
+            passing = at_least(find_preferred_neighbours(minimum_uf)[1])
     return Violation(
         f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
     )
@@ -215,11 +203,6 @@ def at_most_preferred(maximum_uf: float) -> tuple[Interval, ...]:
     return at_most(find_preferred_neighbours(maximum_uf)[0]) if maximum_uf > 0.0 else ()
 
 
-def _at_least_preferred(minimum_uf: float) -> tuple[Interval, ...]:
-    """Return the capacitances from the smallest preferred one on that is not below a minimum [uF]."""
-    return at_least(find_preferred_neighbours(minimum_uf)[1]) if minimum_uf > 0.0 else ()
-
-
 def _out_of_range(ohm: float) -> str:
     return f"below {MIN_OHM:g} ohm" if ohm < MIN_OHM else f"above {MAX_OHM / 1e6:g} Mohm"
 
@@ -237,7 +220,6 @@ _MAX_THRESHOLD_SHARE = 0.99
 
 @SIGNAL_RULES.at_least("detector.sample_rate_hz", slack=0.0)
 def rate_above_cutoffs(design: DesignTables) -> Limit | None:
-    """The sampling rate resolves the cutoffs of filter and envelope."""
     name, cutoff = max(
         ("board.cutoff_hz", design.board.cutoff_hz),
         ("board.envelope_cutoff_hz", design.board.envelope_cutoff_hz),
@@ -248,14 +230,12 @@ def rate_above_cutoffs(design: DesignTables) -> Limit | None:
 
 @SIGNAL_RULES.at_most("detector.window_samples", slack=0.0)
 def window_not_too_long(design: DesignTables) -> Limit | None:
-    """The averaging window is not longer than a slide."""
     rate = design.detector.sample_rate_hz
     return Limit(math.floor(MAX_WINDOW_S * rate), f"at {rate:g} Hz last longer than {MAX_WINDOW_S:g} s")
 
 
 @SIGNAL_RULES.rule("detector.threshold_v")
 def threshold_within_supply(design: DesignTables) -> Violation | None:
-    """The signal can reach the threshold."""
     reach = upper_headroom_v(design.board)
     if design.detector.threshold_v < reach:
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.features import TailFold
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
@@ -14,9 +15,7 @@ WALL_RULES, RULES, FOLD_RULES = Ruleset(), Ruleset(), Ruleset()
 _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
 _BEFORE_TIP = 0.1
-"""Minimum distance of the groove from the rounded tip [mm]."""
 _DEPTH_HALVINGS = 30
-"""Halvings that find the maximum depth of the groove."""
 MIN_FOLD_RADIUS_MM = 2.5
 """Least radius at which Interlink allows the film of a catalogue sensor to bend, at rest [mm]."""
 _MIN_STRAIGHT_MM = 5.0
@@ -29,14 +28,12 @@ _DIRECTIONS = 16
 
 @WALL_RULES.at_least("bone.wall_mm")
 def walls_print(design: DesignTables) -> Limit | None:
-    """The bone's minimum wall is not below the printer's."""
     minimum = design.printer.min_wall_mm
     return Limit(minimum, f"is thinner than the {minimum:g} mm of printer.min_wall_mm")
 
 
 @RULES.at_most("bone.relief_length_mm")
 def relief_clear_of_pocket(design: DesignTables) -> Limit | None:
-    """The recess for the solder joints ends before the sensor's pocket."""
     dims = design.dimensions
     if dims.fold:
         return None
@@ -46,7 +43,6 @@ def relief_clear_of_pocket(design: DesignTables) -> Limit | None:
 
 @RULES.rule("sensor.distance_from_tip_mm")
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
-    """The solder joints lie above or below the collar."""
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
     if dims.fold:
         return None
@@ -63,7 +59,6 @@ def relief_clear_of_collar(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.collar_inset_mm", bone_left_at_sides, bone_left_dorsally)
 def collar_carries_skin(design: DesignTables) -> Limit | None:
-    """The collar's face is high enough to carry the end of the skin."""
     dims = design.dimensions
     sides = min(
         _thickness_at_collar(design, half, thickness) - _MIN_COLLAR_HEIGHT
@@ -123,7 +118,6 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.tie_hole_diameter_mm")
 def tie_hole_within_back(design: DesignTables) -> Limit | None:
-    """The tie hole fits the back of the base."""
     dims, wall = design.dimensions, design.bone.wall_mm
     if dims.window_opens_into_gap:
         return None
@@ -164,28 +158,20 @@ def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
 @FOLD_RULES.rule("skin.semi_axis_dorsal_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)
 def lid_thick_enough_over_film(design: DesignTables) -> Violation | None:
     """The lid keeps a wall above the film, also where the groove of the skin thins it."""
-    fold = design.dimensions.fold
-    if fold is None:
-        return None
-    half = design.dimensions.tail_half_width
-    lacking = _find_lacking_roof(design, half, fold.floor_y + fold.film_space_mm, fold.trough_end_z)
+    dims, dorsal = design.dimensions, design.skin.semi_axis_dorsal_mm
+    lacking = _find_lacking_roof(design, dims.fold, dims.tail_half_width, dims.fold.film_space_mm) if dims.fold else 0.0
     if lacking <= SLACK:
         return None
-    dorsal = design.skin.semi_axis_dorsal_mm
-    needed = dorsal + lacking
-    return Violation(f"{dorsal:g} mm leaves no lid of a wall above the folded tail", at_least(needed))
+    return Violation(f"{dorsal:g} mm leaves no lid of a wall above the folded tail", at_least(dorsal + lacking))
 
 
 @FOLD_RULES.rule("sensor.crimp_height_mm", lid_thick_enough_over_film)
 def lid_thick_enough_over_tabs(design: DesignTables) -> Violation | None:
     """The lid keeps a wall above crimps and wires."""
-    fold = design.dimensions.fold
-    if fold is None:
-        return None
-    lacking = _find_lacking_roof(design, fold.tabs_half_width, fold.floor_y + fold.tabs_space_mm, fold.trough_end_z)
+    fold, crimp = design.dimensions.fold, design.sensor.crimp_height_mm
+    lacking = _find_lacking_roof(design, fold, fold.tabs_half_width, fold.tabs_space_mm) if fold else 0.0
     if lacking <= SLACK:
         return None
-    crimp = design.sensor.crimp_height_mm
     return Violation(
         f"{crimp:g} mm leaves no lid of a wall above the tabs of the folded tail", at_most(crimp - lacking)
     )
@@ -229,9 +215,9 @@ def trough_keeps_side_walls(design: DesignTables) -> Violation | None:
     )
 
 
-def _find_lacking_roof(design: DesignTables, half_width: float, top: float, end_z: float) -> float:
+def _find_lacking_roof(design: DesignTables, fold: TailFold, half_width: float, space_mm: float) -> float:
     """Find by how much the top of a space [mm] must be lower for its corners to keep a wall; 0 if they keep it."""
-    scale = _outline_scale(design, end_z)
+    top, scale = fold.floor_y + space_mm, _outline_scale(design, fold.trough_end_z)
 
     def keeps(lower: float) -> bool:
         return _has_wall(design, half_width, top - lower, scale)

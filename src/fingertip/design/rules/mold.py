@@ -32,13 +32,11 @@ _SOUND_COLLAR = (bone_left_at_sides, bone_left_dorsally, collar_carries_skin)
 
 @RULES.at_most("mold.recess_length_mm", slack=0.0)
 def recess_within_base(design: DesignTables) -> Limit | None:
-    """The recess is not longer than the bone's base."""
     return Limit(design.bone.base_length_mm, "is longer than the bone's base", "(limited by bone.base_length_mm)")
 
 
 @RULES.at_most("mold.fit_clearance_mm", *_SOUND_COLLAR)
 def fit_stays_within_skin(design: DesignTables) -> Limit | None:
-    """The collar's recess stays within the skin's edge."""
     section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
     widening = add_draft(section, slope).half_width - section.half_width if slope else 0.0
     maximum = design.bone.collar_inset_mm - widening - _EDGE_MARGIN
@@ -47,7 +45,6 @@ def fit_stays_within_skin(design: DesignTables) -> Limit | None:
 
 @RULES.at_least("mold.fit_clearance_mm")
 def fit_stays_open(design: DesignTables) -> Limit | None:
-    """The gap between base and recess does not close in the print."""
     offset = design.printer.offset_mm
     if offset <= 0.0:
         return None
@@ -56,7 +53,6 @@ def fit_stays_open(design: DesignTables) -> Limit | None:
 
 @RULES.at_least("mold.recess_length_mm")
 def recess_holds_collar(design: DesignTables) -> Limit | None:
-    """The recess holds the collar and a wall behind it."""
     gap = design.mold.fit_clearance_mm * math.hypot(1.0, design.dimensions.draft_slope)
     minimum = design.bone.collar_length_mm + gap + _MIN_BEHIND_COLLAR
     return Limit(minimum, "does not hold the collar and a wall behind it")
@@ -77,22 +73,17 @@ _BESIDE_PRY_SLOT = 0.4
 _PRY_SLOT_ENDS = 2.0
 """Length of the mold's side that a pry slot leaves, both ends together [mm]."""
 _BEHIND_ENGRAVING = 1.0
-"""Minimum wall behind the engraving [mm]."""
 _SOCKET_FLOOR = 1.0
-"""Minimum floor of a key's socket [mm]."""
 _NUT_FLOOR = 2.0
-"""Minimum floor under a nut [mm]."""
 _MAX_RUNNER_DEPTH = 0.5
 """Maximum depth of the runner relative to the height of the cavity's dorsal side."""
 _KEY_TOP = 0.4
-"""Minimum radius of a key's top [mm]."""
 _BESIDE_GATE = 0.2
 """Minimum distance of the gate from the cavity's side [mm]."""
 
 
 @RULES.at_most("mold.pry_depth_mm")
 def pry_slot_clear_of_bolts(design: DesignTables) -> Limit | None:
-    """The pry slots end before the nut traps and the keys' sockets."""
     layout, slope = design.mold_layout, design.dimensions.draft_slope
     socket = design.mold.key_diameter_mm / 2 + design.mold.key_clearance_mm * math.hypot(1.0, slope)
     beside = layout.half_inlet + max(0.0, design.printer.min_wall_mm - _BESIDE_PRY_SLOT) if layout.half_inlet else 0.0
@@ -103,20 +94,17 @@ def pry_slot_clear_of_bolts(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("mold.pry_width_mm")
 def pry_slot_within_side(design: DesignTables) -> Limit | None:
-    """The pry slots are shorter than the mold's side."""
     maximum = design.mold_layout.distal_z - design.mold_layout.proximal_z - _PRY_SLOT_ENDS
     return Limit(maximum, "is longer than the mold's side")
 
 
 @RULES.at_most("mold.engraving_depth_mm")
 def engraving_keeps_a_wall(design: DesignTables) -> Limit | None:
-    """The engraving leaves enough of the mold's wall."""
     return Limit(design.mold.wall_mm - _BEHIND_ENGRAVING, f"leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm")
 
 
 @RULES.at_most("mold.gate_diameter_mm", slack=0.0)
 def gate_within_funnel(design: DesignTables) -> Limit | None:
-    """The gate is not wider than its funnel."""
     mold = design.mold
     return Limit(mold.funnel_diameter_mm, "is wider than its funnel") if mold.filling == "gravity" else None
 
@@ -137,7 +125,6 @@ def gate_within_cavity(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("mold.funnel_diameter_mm")
 def funnel_within_block(design: DesignTables) -> Limit | None:
-    """The mold keeps a wall palmar and dorsal of the funnel's mouth."""
     if design.mold.filling != "gravity":
         return None
     layout = design.mold_layout
@@ -147,7 +134,6 @@ def funnel_within_block(design: DesignTables) -> Limit | None:
 
 @RULES.rule("mold.runner_width_mm")
 def gate_within_straight_skin(design: DesignTables) -> Violation | None:
-    """The gate enters the cavity between the collar and the rounded tip."""
     inlet, width = design.mold_layout.inlet, design.mold.runner_width_mm
     if inlet is None:
         return None
@@ -168,7 +154,6 @@ def gate_meets_cavity(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("mold.draft_deg")
 def keys_keep_a_top(design: DesignTables) -> Limit | None:
-    """The draft does not bring the registration keys to a point."""
     radius = 0.4 * design.mold.key_diameter_mm  # of the smaller key
     maximum = math.degrees(math.atan((radius - _KEY_TOP) / design.mold.key_height_mm)) if radius > _KEY_TOP else 0.0
     return Limit(maximum, "bring the registration keys to a point")
@@ -176,13 +161,11 @@ def keys_keep_a_top(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("mold.key_diameter_mm")
 def keys_between_bolts(design: DesignTables) -> Limit | None:
-    """The registration keys fit between the bolts."""
     return Limit(design.mold_layout.key_space - 2 * design.mold.land_mm, "does not fit between the bolts")
 
 
 @RULES.at_most("mold.key_height_mm")
 def key_socket_keeps_a_floor(design: DesignTables) -> Limit | None:
-    """The sockets of the keys do not go through the palmar half."""
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - design.mold.key_clearance_mm - _SOCKET_FLOOR
     return Limit(maximum, "goes through the palmar half")
 
@@ -221,7 +204,6 @@ _SOUND_BONE = (bone_left_at_sides, bone_left_dorsally, tip_within_skin, groove_c
 
 @RULES.at_least("mold.chaplet_diameter_mm")
 def boss_keeps_a_wall(design: DesignTables) -> Limit | None:
-    """The boss keeps a wall around the hole of its screw."""
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return None
@@ -273,7 +255,6 @@ def bone_is_held(design: DesignTables) -> Violation | None:
 
 
 def _leaves_enough(design: DesignTables, loss: Loss) -> bool:
-    """Return whether a loss leaves enough skin."""
     return _find_share_missing(design, loss) <= SLACK
 
 

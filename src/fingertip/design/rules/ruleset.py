@@ -27,12 +27,10 @@ Interval = tuple[float, float]
 
 
 def at_least(minimum: float) -> tuple[Interval, ...]:
-    """Return the values from `minimum` on."""
     return ((minimum, math.inf),)
 
 
 def at_most(maximum: float) -> tuple[Interval, ...]:
-    """Return the values up to `maximum`."""
     return ((-math.inf, maximum),)
 
 
@@ -43,11 +41,9 @@ class Violation:
     problem: str
     """Value of the blamed field and what is wrong with it, without a final full stop."""
     passing: tuple[Interval, ...] = ()
-    """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell.
-
-    They may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends
-    none of them unchecked.
-    """
+    """Values of the blamed field that pass this rule if all other parameters stay; empty if the rule cannot tell. They
+    may lie outside the field's own bounds, or break another rule. `fingertip.design.remedies` recommends none of them
+    unchecked."""
     note: str = ""
     """Condition under which the bounds hold, such as "with this r5_ohm"."""
     alternatives: Mapping[str, Any] = field(default_factory=dict)
@@ -62,10 +58,7 @@ RuleFunction = Callable[[DesignTables], Violation | None]
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """A rule between parameters."""
-
     field: str
-    """Field that the rule blames."""
     check: RuleFunction
     prerequisites: tuple[Rule, ...] = ()
     """Rules that must pass before this one is checked."""
@@ -89,27 +82,22 @@ LimitFunction = Callable[[DesignTables], Limit | None]
 """Computes the limit of a field in a design; None where there is none."""
 
 
-class Ruleset:
+class Ruleset(list[Rule]):
     """Rules of one subject, in the order in which they are written."""
-
-    def __init__(self) -> None:
-        self._rules: list[Rule] = []
 
     def rule(self, field: str, *prerequisites: Rule, takes_long: bool = False) -> Callable[[RuleFunction], Rule]:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
-            self._rules.append(Rule(field, check, prerequisites, takes_long))
-            return self._rules[-1]
+            self.append(Rule(field, check, prerequisites, takes_long))
+            return self[-1]
 
         return add
 
     def at_most(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
-        """Add a rule whose function returns the maximum of `field`."""
         return self._bound(field, prerequisites, lambda value, limit: value <= limit + slack, at_most)
 
     def at_least(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
-        """Add a rule whose function returns the minimum of `field`."""
         return self._bound(field, prerequisites, lambda value, limit: value >= limit - slack, at_least)
 
     def _bound(
@@ -134,24 +122,16 @@ class Ruleset:
 
         return add
 
-    def __iter__(self) -> Iterator[Rule]:
-        return iter(self._rules)
-
 
 @dataclass(frozen=True)
 class BrokenRule:
-    """A rule that a design breaks."""
-
     rule: Rule
     violation: Violation
     design: DesignTables
 
     @cached_property
     def reads(self) -> frozenset[str]:
-        """Parameters that decide the violation, recorded by checking the rule and its prerequisites once more.
-
-        Every design with the same values of these parameters breaks the rule in the same way.
-        """
+        """Parameters that decide the violation: all designs with the same values of these break the rule alike."""
         recorder = RecordingTables(self.design)
         RuleChecker(recorder.as_tables()).passes(self.rule)
         return frozenset(recorder.reads)
@@ -185,13 +165,11 @@ class RuleChecker:
         return self._passed[rule]
 
     def _check(self, rule: Rule) -> bool:
-        if self._invalid:
-            try:
-                violation = rule.check(RecordingTables(self._design, self._invalid).as_tables())
-            except InvalidParameterError:
-                return False
-        else:
-            violation = rule.check(self._design)
+        tables = RecordingTables(self._design, self._invalid).as_tables() if self._invalid else self._design
+        try:
+            violation = rule.check(tables)
+        except InvalidParameterError:
+            return False
         if violation:
             self.violations[rule] = violation
         return violation is None
@@ -220,11 +198,9 @@ class RecordingTables:
         self.reads: set[str] = set()
 
     def as_tables(self) -> DesignTables:
-        """Return this object with the type of what it stands for."""
         return cast(DesignTables, self)
 
     def record(self, name: str) -> None:
-        """Record that a parameter is read. Raises `InvalidParameterError`."""
         self.reads.add(name)
         if name in self._invalid:
             raise InvalidParameterError(name)
@@ -243,8 +219,6 @@ class RecordingTables:
 
 
 class _RecordingTable:
-    """Stand-in for one table."""
-
     def __init__(self, recorder: RecordingTables, name: str, table: BaseModel) -> None:
         self._recorder, self._name, self._table = recorder, name, table
 

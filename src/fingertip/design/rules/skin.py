@@ -12,14 +12,12 @@ RULES = Ruleset()
 
 @RULES.at_most("custom_sensor.active_diameter_mm")
 def active_area_within_head(design: DesignTables) -> Limit | None:
-    """The active area is not wider than the sensor's head."""
     head = design.custom_sensor.head_diameter_mm
     return Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
 
 
 @RULES.at_least("custom_sensor.tail_width_mm")
 def tail_holds_its_tabs(design: DesignTables) -> Limit | None:
-    """The tail is wide enough for two solder tabs."""
     if design.sensor.model != "custom":
         return None
     pitch = design.dimensions.sensor.tab_pitch_mm
@@ -35,7 +33,6 @@ _THICKNESS_SLACK = 2e-3
 _MIN_BONE = 1.0
 """Half width and half height of bone [mm] below which no other rule makes sense."""
 _MIN_STRAIGHT = 2.0
-"""Minimum length of the straight part of the skin [mm]."""
 _MIN_FLAT_DEPTH = 0.5
 """Minimum depth of the bone's flat below the parting plane [mm]."""
 _MIN_FLAT_CUT = 0.2
@@ -50,7 +47,6 @@ _MIN_TIP_CONTROL = 0.05
 
 @RULES.at_most("skin.tip_length_mm")
 def tip_within_skin(design: DesignTables) -> Limit | None:
-    """The rounded tip leaves a straight part of the skin."""
     length = design.skin.length_mm
     return Limit(length - _MIN_STRAIGHT, f"leaves no straight part in {length:g} mm of skin")
 
@@ -64,13 +60,11 @@ def bone_left_at_sides(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("skin.thickness_dorsal_mm")
 def bone_left_dorsally(design: DesignTables) -> Limit | None:
-    """The skin's thickness on the back leaves bone."""
     return Limit(design.skin.semi_axis_dorsal_mm - _MIN_BONE, f"leaves less than {_MIN_BONE:g} mm of bone at the back")
 
 
 @RULES.at_most("skin.thickness_tip_mm")
 def bone_reaches_tip(design: DesignTables) -> Limit | None:
-    """The bone reaches into the rounded tip."""
     return Limit(design.skin.tip_length_mm - _MIN_BONE, "is more than the rounded tip holds")
 
 
@@ -84,14 +78,12 @@ def taper_reaches_tip(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("sensor.distance_from_tip_mm")
 def sensor_within_skin(design: DesignTables) -> Limit | None:
-    """The sensor's head lies within the skin."""
     length, head = design.skin.length_mm, design.dimensions.sensor.head_diameter_mm
     return Limit(length - head / 2 - _BEHIND_SENSOR, f"puts the sensor's head outside the skin of {length:g} mm")
 
 
 @RULES.rule("skin.thickness_palmar_mm", tip_within_skin)
 def flat_within_bone(design: DesignTables) -> Violation | None:
-    """The bone's palmar flat lies within its palmar half."""
     dims = design.dimensions
     height = design.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
     bone = dims.bone_outline.section.palmar * dims.bone_outline.scale_at(dims.sensor_z)
@@ -111,7 +103,6 @@ def flat_within_bone(design: DesignTables) -> Violation | None:
 
 @RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)
 def sensor_fits_flat(design: DesignTables) -> Violation | None:
-    """The flat is wide enough for the sensor's head and its rim."""
     sensor, rim, clearance = design.dimensions.sensor, design.bone.rim_mm, design.sensor.clearance_mm
     if design.dimensions.sensor_rim_margin(rim, clearance) >= 0:
         return None
@@ -125,7 +116,6 @@ def sensor_fits_flat(design: DesignTables) -> Violation | None:
 
 @RULES.rule("bone.palmar_fullness", sensor_fits_flat, flat_within_bone)
 def flat_edges_within_skin(design: DesignTables) -> Violation | None:
-    """The edges of the bone's flat stay away from the skin's surface."""
     thickness = _edge_thickness(design)
     if thickness >= _EDGE_THICKNESS:
         return None
@@ -150,7 +140,6 @@ SOUND_SECTIONS = (
 
 @RULES.at_most("skin.min_thickness_mm", *SOUND_SECTIONS, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
-    """The skin has its minimum thickness everywhere."""
     thinnest = min(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm)
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")
 
@@ -168,7 +157,6 @@ def _edge_thickness(design: DesignTables) -> float:
 
 @RULES.rule("bone.wall_mm", sensor_fits_flat)
 def slot_fits_flat(design: DesignTables) -> Violation | None:
-    """The flat keeps a wall on each side of the tail's slot."""
     dims = design.dimensions
     half = dims.tail_half_width
     room = min(dims.bone_outline.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
@@ -183,7 +171,6 @@ def slot_fits_flat(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("bone.channel_diameter_mm", bone_left_at_sides, bone_left_dorsally)
 def channel_within_base(design: DesignTables) -> Limit | None:
-    """The base keeps a wall around the cable channel."""
     section, flat = design.dimensions.bone_outline.section, design.dimensions.flat_depth
     height, wall = flat + section.dorsal, design.bone.wall_mm
     width = 2 * min(section.half_width_at(-flat), section.half_width_at(section.dorsal / 2))

@@ -24,7 +24,6 @@ _LABELS = {
 
 
 def analysis_text(analysis: Analysis) -> str:
-    """Format the analysis as tables for a terminal."""
     text = render(
         "board/analysis.txt",
         analysis=analysis,

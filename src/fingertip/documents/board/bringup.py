@@ -135,7 +135,16 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
                 plan, SUPPLY_MA, "mA, into the positive supply", "more: switch off, an amplifier is rotated or bridged"
             )
         ],
-        voltages=list(_list_voltages(plan, placement)),
+        voltages=[
+            *(
+                _row(plan, name_voltage(net), _find_probe(plan, placement, net), _MEANINGS[net])
+                for net in plan.board.nets
+            ),
+            *(
+                _row(plan, name_voltage(TACTILE, ohm), f"TP1, with {format_ohm(ohm)} at J1", "the same")
+                for ohm in bench.dummy_ohm
+            ),
+        ],
         pin_1_end=find_pin_1_end(placement, HOST),
         output_points=", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in list_output_pins(circuit)),
         drop_v=largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()}),
@@ -173,13 +182,6 @@ def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -
     yield _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
 
 
-def _list_voltages(plan: BringUp, placement: Placement) -> Iterator[Row]:
-    for net in plan.board.nets:
-        yield _row(plan, name_voltage(net), _find_probe(plan, placement, net), _MEANINGS[net])
-    for ohm in plan.board.bench.dummy_ohm:
-        yield _row(plan, name_voltage(TACTILE, ohm), f"TP1, with {format_ohm(ohm)} at J1", "the same")
-
-
 def _list_outputs(plan: BringUp) -> Iterator[Row]:
     circuit = plan.board.circuit
     pins = {pin.net: pin for pin in list_output_pins(circuit)}
@@ -208,7 +210,6 @@ def _row(plan: BringUp, name: str, where: str, last: str) -> Row:
 
 
 def _figures(limits: Limits, unit: str) -> tuple[str, str]:
-    """Expected reading and limits as text."""
     if unit == "ohm":
         if math.isinf(limits.high_v):
             return "-", f"above {format_ohm(limits.low_v)}"
@@ -228,7 +229,6 @@ def _join(words: list[str]) -> str:
 
 
 def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
-    """Find the place of the red probe for a net."""
     if net in _PROBES:
         return _PROBES[net]
     reference, name = _ENDS[net]

@@ -48,7 +48,6 @@ _PRECISE = {
 
 
 def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: BoardValues, design: Design) -> bytes:
-    """Content of the README, Markdown in UTF-8."""
     placement, limits = configuration.placement, values.voltage_limits
     adc_range = describe_adc_range(limits)
     text = render(

@@ -6,7 +6,7 @@ Values are rounded in the data, once, so that page and data agree. The templates
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,6 @@ from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
     SCALE_G,
     WASTE_FRACTION,
-    Batch,
     SiliconeVolumes,
     compute_batch,
     is_ratio_assumed,
@@ -50,7 +49,6 @@ from fingertip.filling.vents import find_pose, place_vents
 
 Data = Mapping[str, Any]
 
-_SHRINKAGE_TOLERANCE_PERCENT = 0.05
 _PAPER_MM = 0.1
 """Thickness of office paper of 80 g/m2 [mm]."""
 _TAB_ROOM_MM = 0.3
@@ -66,8 +64,11 @@ def casting_sheet_data(
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """The casting sheet of a design as plain data."""
-    bolts = size_clamp_bolts(design.mold, design.mold_layout)
+    bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
+    compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
+    joint = {
+        "pin_mm": hand.pin_diameter_mm, "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
+    }  # fmt: skip
     data: dict[str, Any] = {
         "design": design.name,
         "method": design.mold.method,
@@ -80,8 +81,10 @@ def casting_sheet_data(
         "volumes_cm3": volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {
-            "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
-            "made_for_this_silicone": mold_matches_silicone(design, silicone),
+            "made_for_shrinkage_percent": compensated_percent,
+            "made_for_this_silicone": (
+                shrinkage.low - tolerance_percent <= compensated_percent <= shrinkage.high + tolerance_percent
+            ),
             "bolts": bolts.count,
             "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design.mold_layout)), 1),
             "bolt_hole_mm": round(design.mold.bolt_diameter_mm - design.printer.offset_mm, 2),
@@ -97,7 +100,7 @@ def casting_sheet_data(
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
         "skin_held_by": name_retention(design),
         "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
-        "joint": _joint_data(design),
+        "joint": joint if design.dimensions.joint else None,
         "bill": bill_of_materials(design),
         "mounting": interface_of(design).mounting(design),
         "printing": _printing_data(design, prints),
@@ -110,34 +113,11 @@ def casting_sheet_data(
         supply | {"count": int(supply["count"]) if supply["count"] else None}
         for supply in render_rows("casting/supplies.md", _add_uses(data))
     ]
-    return data | {"supplies": supplies, "plan": _plan_data(render_rows("casting/plan.md", _add_uses(data)))}
-
-
-def _plan_data(stages: Iterable[Mapping[str, str]]) -> list[dict[str, Any]]:
-    """Give each stage the day on which it begins at the earliest."""
-    plan, day = [], 1
-    for stage in stages:
+    plan, day = [], 1  # the day on which a stage begins at the earliest
+    for stage in render_rows("casting/plan.md", _add_uses(data)):
         plan.append({"day": day, "work": stage["work"], "wait": stage["wait"]})
         day += int(stage["days"])
-    return plan
-
-
-def mold_matches_silicone(design: Design, silicone: Silicone) -> bool:
-    """Return whether the mold's shrinkage compensation lies within the silicone's range, within 0.05 %."""
-    compensated, shrinkage = design.mold.silicone_shrinkage_percent, silicone.shrinkage_percent
-    low, high = shrinkage.low - _SHRINKAGE_TOLERANCE_PERCENT, shrinkage.high + _SHRINKAGE_TOLERANCE_PERCENT
-    return low <= compensated <= high
-
-
-def _joint_data(design: Design) -> dict[str, float] | None:
-    """Pin, travel and tendon of a clevis; None for other interfaces."""
-    if design.dimensions.joint is None:
-        return None
-    return {
-        "pin_mm": design.hand.pin_diameter_mm,
-        "travel_deg": design.hand.travel_deg,
-        "tendon_distance_mm": design.hand.tendon_distance_mm,
-    }
+    return data | {"supplies": supplies, "plan": plan}
 
 
 def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
@@ -146,6 +126,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
     viscosity = silicone.viscosity_pa_s.high
     syringe = inlet.syringe if inlet else None
     up = find_pose(design) if inlet else (0.0, 0.0, 1.0)
+    tolerance_deg = pose_tolerance_deg(design) if inlet else None
     return {
         "viscosity_pa_s": viscosity,
         "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
@@ -160,7 +141,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "roll_deg": round(math.degrees(math.atan2(abs(up[0]), abs(up[1])))),
         "runner_side_up": up[0] > 0.0,
         "max_air_mm3": MAX_AIR_MM3,
-        "pose_tolerance_deg": _pose_tolerance_deg(design) if inlet else None,
+        "pose_tolerance_deg": None if tolerance_deg is None else math.floor(tolerance_deg),
         "push_s": PUSH_S,
         "min_force_n": (
             round(prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1)
@@ -176,12 +157,6 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
             if syringe else None
         ),
     }  # fmt: skip
-
-
-def _pose_tolerance_deg(design: Design) -> int | None:
-    """Return whole degrees by which the mold may tilt out of its pose; None where none was computed."""
-    tolerance = pose_tolerance_deg(design)
-    return None if tolerance is None else math.floor(tolerance)
 
 
 def _chaplet_data(design: Design) -> dict[str, Any] | None:
@@ -238,20 +213,14 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
         "example": find_example(silicone),
         "cure": silicone.cure,
         "components": list(silicone.components),
-        "ratio": _ratio_data(silicone),
+        "ratio": {
+            "stated_by": silicone.ratio_by,
+            "parts": [silicone.parts_a.low, silicone.parts_b.low],
+            "verified": silicone.parts_a.verified and silicone.parts_b.verified,
+            "parts_by_weight": [round(parts, 3) for parts in parts_by_weight(silicone)],
+            "assumed_by_weight": is_ratio_assumed(silicone),
+        },
         "properties": properties,
-    }
-
-
-def _ratio_data(silicone: Silicone) -> dict[str, Any]:
-    """Mix ratio as the maker states it, and as parts by weight."""
-    a_weight, b_weight = parts_by_weight(silicone)
-    return {
-        "stated_by": silicone.ratio_by,
-        "parts": [silicone.parts_a.low, silicone.parts_b.low],
-        "verified": silicone.parts_a.verified and silicone.parts_b.verified,
-        "parts_by_weight": [round(a_weight, 3), round(b_weight, 3)],
-        "assumed_by_weight": is_ratio_assumed(silicone),
     }
 
 
@@ -260,6 +229,8 @@ def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) ->
     batch = compute_batch(silicone, volumes.total_cm3, load_cm3(design))
     a_g, b_g = (round(part_g, 2 if part_g < _SMALL_SHARE * batch.total_g else 1) for part_g in (batch.a_g, batch.b_g))
     mixtures = 3 if design.dimensions.chaplet else 2
+    # The component of which least is weighed.
+    lighter = silicone.components[batch.b_g < batch.a_g]
     return {
         "in_mold_g": round(batch.in_mold_g, 2),
         "load_g": round(mass_g(silicone, load_cm3(design)), 1),
@@ -273,15 +244,8 @@ def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) ->
         "min_component_g": MIN_COMPONENT_G,
         "scale_g": SCALE_G,
         "is_raised": batch.total_g > batch.with_waste_g,
-        "lighter": _name_lighter(silicone, batch),
+        "lighter": "each component" if math.isclose(batch.a_g, batch.b_g) else lighter,
     }
-
-
-def _name_lighter(silicone: Silicone, batch: Batch) -> str:
-    """Name the component of which least is weighed."""
-    if math.isclose(batch.a_g, batch.b_g):
-        return "each component"
-    return silicone.components[batch.b_g < batch.a_g]
 
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
@@ -314,8 +278,6 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
 
 @dataclass(frozen=True)
 class Step:
-    """Step of the procedure."""
-
     picture: str
     """Name of the scene in `fingertip.pictures.steps` that shows the step."""
     text: str
@@ -328,7 +290,6 @@ def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
 
 
 def steps(data: Data) -> list[Step]:
-    """List the steps of the procedure, in order."""
     weakest = INTERFACES[data["interface"]].weakest
     _, *pages = render("casting/procedure.md", **_add_uses(data), weakest=weakest).split("## ")
     return [Step(name, " ".join(text.split())) for name, _, text in (page.partition("\n") for page in pages)]

@@ -32,7 +32,6 @@ Content = bytes | Path
 
 
 def hash_content(content: Content) -> str:
-    """Return the SHA-256 hash."""
     if isinstance(content, Path):
         with content.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -40,7 +39,6 @@ def hash_content(content: Content) -> str:
 
 
 def write_content(content: Content, path: Path) -> None:
-    """Write the content to a file."""
     if isinstance(content, Path):
         shutil.copyfile(content, path)
     else:
@@ -88,7 +86,10 @@ def recover(folder: Path) -> None:
         # After a swap the subfolders may still be in the old folder. Before one there are none in it.
         for path in staging.iterdir() if folder.exists() else ():
             if is_folder(path) and not path.name.startswith(_COMMIT):
-                os.rename(path, _free_name(folder / path.name))
+                target = folder / path.name
+                while os.path.lexists(target):
+                    target = target.with_name(target.name + ".recovered")
+                os.rename(path, target)
         _remove_folder(staging)
     if is_folder(commit):
         _finish_renames(folder)
@@ -127,7 +128,6 @@ def read_plan(commit: Path) -> tuple[list[str], list[str]]:
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a path is a folder and no link to one."""
     return path.is_dir() and not path.is_symlink()
 
 
@@ -141,12 +141,6 @@ def _remove_folder(path: Path) -> None:
 def staging_folder(folder: Path) -> Path:
     """Folder beside an output folder in which a new set is made. A hidden name: it exists for a moment only."""
     return folder.parent / f".{folder.name}{_STAGING_SUFFIX}"
-
-
-def _free_name(path: Path) -> Path:
-    while os.path.lexists(path):
-        path = path.with_name(path.name + ".recovered")
-    return path
 
 
 def _swap_in(folder: Path, files: Mapping[str, Content], removed: Collection[str]) -> bool:
@@ -291,7 +285,14 @@ def output_errors(folder: Path) -> Iterator[None]:
     """Turn errors of the operating system into an OutputError with a remedy."""
     try:
         yield
+    except FileExistsError as error:
+        raise OutputError(describe_obstacle(error, folder)) from error
     except OSError as error:
         reason = error.strerror or str(error)
         message = f"cannot be written ({reason}); choose another folder with --out."
         raise OutputError(Issue(str(folder), message)) from error
+
+
+def describe_obstacle(error: FileExistsError, folder: Path) -> Issue:
+    """Name the file or link that has a name this module needs for a moment."""
+    return Issue(str(error.filename or folder), "stands where files are put for a moment; move it away.")

@@ -23,6 +23,7 @@ from fingertip.foundation.input_files import (
 )
 from fingertip.foundation.output_set.swap import (
     Content,
+    describe_obstacle,
     find_unfinished,
     hash_content,
     is_folder,
@@ -52,6 +53,8 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
             try_to_write(place, target.relative_to(place) / name)
     except PermissionError:
         yield Issue(str(_find_existing(folder)), f"may not be written; change its mode, or {remedy}.")
+    except FileExistsError as error:
+        yield describe_obstacle(error, folder)
     except OSError as error:
         path = folder if name == _NAME else folder / name
         yield Issue(str(path), f"cannot be written ({error.strerror or error}); {remedy}.")
@@ -63,10 +66,7 @@ def _find_existing(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Revision:
-    """Content of a file that somebody edited, and the content that it gets with these edits kept.
-
-    The manifest keeps the hash of the file without the edits, so that the file stays somebody's own.
-    """
+    """Content of an edited file before and after; the manifest keeps the hash of the file without edits."""
 
     before: bytes
     after: bytes
@@ -226,7 +226,6 @@ class SetWriter:
         return removed
 
     def _foreign(self, names: Collection[str]) -> set[str]:
-        """Names of existing files that are somebody's own."""
         manifest, foreign = self._read_manifest(), set()
         for name in names:
             path = self.folder / name
@@ -289,7 +288,6 @@ class Manifest:
     """Name of each file -> SHA-256 hash."""
 
     def to_bytes(self) -> bytes:
-        """Content of the file."""
         return (json.dumps(asdict(self) | {"files": dict(sorted(self.files.items()))}, indent=2) + "\n").encode()
 
 
@@ -316,7 +314,6 @@ def hash_parameters(data: object) -> str:
 
 
 def hash_file(path: Path) -> str:
-    """Hash the content of a file in a folder that may be a stranger's. Raises InputFileError."""
     with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

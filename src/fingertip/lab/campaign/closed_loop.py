@@ -47,12 +47,10 @@ _MIN_PRESENT_N = 0.1
 FIRST_SEED = HELD_OUT_FROM + 1_000_000
 """Seed of the first manipulation; all of them are held out."""
 NO_CONTROL = "no control"
-"""Name that stands for a detector where there is no control."""
 REACTION_M = 1e-4
 """Closing of a finger that counts as a reaction [m]. Assumption: well above an encoder's step."""
 MAX_SINCE_SLIP_S = 0.15
-"""Longest time since true slip for which a grip increase is justified [s]: the detectors' memory and one control
-period. Assumption."""
+"""Longest time since true slip for which a grip increase is justified [s]. Assumption: a detector's memory."""
 _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 """Outputs of every manipulation; the board's envelope is added where the detector reads it."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
@@ -66,10 +64,8 @@ class GripSettings:
     max_growth_n_s: float = 8.0
     """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
     growth_window_s: float = 0.1
-    """Time over which the growth is measured [s]."""
     max_closing_m_s: float = 0.005
-    """Closing speed of a finger above which detections are suppressed [m/s]: the force grows with it, or is about to,
-    and its motor vibrates."""
+    """Closing speed above which detections are suppressed [m/s]: the force grows with it, the motor vibrates."""
     suppression_s: float = 0.1
     """Time for which detections remain suppressed after growth or closing [s]: detectors have a memory."""
     force_ratio: float = 1.6
@@ -77,13 +73,10 @@ class GripSettings:
     refractory_s: float = 0.06
     """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
     max_force_n: float = 10.0
-    """Largest force that a finger is commanded to [N]."""
 
 
 @dataclass(frozen=True)
 class GripDecision:
-    """Decision of the controller in one control period."""
-
     time_s: float
     detected: bool
     """True if any finger's detector was ON in the period."""
@@ -94,8 +87,6 @@ class GripDecision:
 
 
 class GripController:
-    """Controller with its state; make a new one for each manipulation."""
-
     def __init__(self, design: Design, settings: GripSettings, fingers: int) -> None:
         self.settings = settings
         self.decisions: list[GripDecision] = []
@@ -145,15 +136,6 @@ class GripController:
         return any(on)
 
 
-@dataclass(frozen=True, eq=False)
-class GrippedResult:
-    """Result of a manipulation with a detector in the loop."""
-
-    result: ManipulationResult
-    grips_s: tuple[float, ...]
-    """Moments at which the hand tightened its grip [s]."""
-
-
 def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:
     """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
     issues = []
@@ -169,8 +151,8 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
 
 def run_with_grip(
     simulation: Simulation, detector: str = "fast", progress: Callable[[str], None] | None = None
-) -> GrippedResult:
-    """Run a manipulation in which the hand tightens its grip when a detector finds slip. Raises FingertipError."""
+) -> tuple[ManipulationResult, tuple[float, ...]]:
+    """Tighten the grip whenever a detector finds slip; also return the moments [s]. Raises FingertipError."""
     scene, design = simulation.scene, simulation.design
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)
@@ -180,7 +162,7 @@ def run_with_grip(
     scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
     result = run_manipulation(design, scene, controller, simulation.seed, progress)
-    return GrippedResult(result, tuple(decision.time_s for decision in controller.decisions if decision.tightened))
+    return result, tuple(decision.time_s for decision in controller.decisions if decision.tightened)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +171,6 @@ class ClosedLoopTrial:
 
     detector: str
     name: str
-    """Name of the object."""
     seed: int
     held: bool
     onset_s: float | None
@@ -197,7 +178,6 @@ class ClosedLoopTrial:
     reaction_s: float | None
     """Time from the onset until a finger moves [s]; None: none moved."""
     grips: int
-    """Number of grip increases."""
     false_grips: int
     """Number of grip increases without true slip just before."""
     suppressed: int
@@ -209,17 +189,13 @@ class ClosedLoopTrial:
 
 
 def run_closed_loop(
-    design: Design,
-    detectors: Sequence[str] = ("analog", "fast"),
-    repeats: int = 3,
-    first_seed: int = FIRST_SEED,
-    uncontrolled: bool = True,
+    design: Design, detectors: Sequence[str], repeats: int, uncontrolled: bool = True
 ) -> list[ClosedLoopTrial]:
     """Run every manipulation without control, unless `uncontrolled` is false, then with each detector."""
     trials = []
     with compiled():
         for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors):
-            for scene, seed in plan_manipulations(repeats, first_seed):
+            for scene, seed in plan_manipulations(repeats, FIRST_SEED):
                 controller = None
                 if detector != NO_CONTROL:
                     sampled = select_board_outputs(design, [detector])
@@ -231,7 +207,6 @@ def run_closed_loop(
 
 
 def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[ManipulationFile, int]]:
-    """Scene and seed of the manipulations, `repeats` times for each object."""
     counts: dict[str, int] = {}
     for scene, seed in article_manipulations(first_seed):
         counts[scene.name] = counts.get(scene.name, 0) + 1
@@ -242,7 +217,6 @@ def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[Manipula
 def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
 ) -> ClosedLoopTrial:
-    """Evaluate one manipulation against the true slip."""
     time_s, closing = manipulation.time_s, manipulation.signals.closing_m
     slip = any_finger_slips(manipulation)
     slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
@@ -282,9 +256,7 @@ def evaluate_manipulation(
 
 
 def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
-    """Return whether any finger slips, at each sample."""
-    slipping: NDArray[np.bool_] = np.logical_or.reduce(manipulation.output("slip"), axis=0)
-    return slipping
+    return np.asarray(np.logical_or.reduce(manipulation.output("slip"), axis=0), dtype=np.bool_)
 
 
 @dataclass(frozen=True)
@@ -295,7 +267,6 @@ class ClosedLoopSummary:
     count: int
     held: int
     slipped: int
-    """Number of manipulations in which the object slipped."""
     reactions_s: tuple[float, ...]
     """Reaction times where the object slipped and the hand moved, in ascending order [s]."""
     unanswered: int
@@ -306,22 +277,14 @@ class ClosedLoopSummary:
 
 
 def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
-    """Pool the results by detector."""
     summaries = []
     for detector in dict.fromkeys(trial.detector for trial in trials):
         group = [trial for trial in trials if trial.detector == detector]
         slipped = [trial for trial in group if trial.onset_s is not None]
-        summaries.append(
-            ClosedLoopSummary(
-                detector,
-                len(group),
-                sum(trial.held for trial in group),
-                len(slipped),
-                tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None)),
-                sum(trial.reaction_s is None for trial in slipped),
-                sum(trial.false_grips for trial in group),
-                sum(trial.suppressed for trial in group),
-                sum(trial.suppressed_true for trial in group),
-            )
-        )
+        held = sum(trial.held for trial in group)
+        reactions_s = tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None))
+        unanswered = len(slipped) - len(reactions_s)
+        counts = zip(*((trial.false_grips, trial.suppressed, trial.suppressed_true) for trial in group), strict=True)
+        outcome = (len(group), held, len(slipped), reactions_s, unanswered)
+        summaries.append(ClosedLoopSummary(detector, *outcome, *map(sum, counts)))
     return summaries

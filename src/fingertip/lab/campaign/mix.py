@@ -26,17 +26,13 @@ from fingertip.slip.traces.truth import intervals
 EARLY_S = 0.005
 """Time before gross slip from which a detection counts as one of this slip [s]: the pad creeps already."""
 SLIDE_STRENGTHS_V = (0.002, 0.004, 0.008, 0.016)
-"""RMS values of the long slides [V]."""
 BURSTS_V = (0.006, 0.025)
-"""Range of the bursts' RMS values [V]."""
 _CONTACT_S = 1.7
 """Time after which a grasp of the scene "drift" has been held for 1 s [s]."""
 
 
 @dataclass(frozen=True)
 class MixSize:
-    """Numbers of signals."""
-
     events: int = 100
     """Number of changes of grip; of fast closings; of taps; of controller's steps, about; of bursts of either kind."""
     noisy: int = 48
@@ -44,12 +40,10 @@ class MixSize:
 
     @classmethod
     def for_trials(cls, trials: int) -> MixSize:
-        """Size beside a campaign of so many trials."""
         return cls(max(4, trials), max(4, 2 * trials // 5))
 
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
-    """Generate the signals one after the other."""
     seeds = itertools.count(first_seed)
     trials = [scene for scene, _ in article_trials()]
     with compiled():
@@ -94,8 +88,6 @@ def _noisy(
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a detector on one signal."""
-
     kind: str
     strength_v: float
     minutes: float
@@ -103,13 +95,10 @@ class Outcome:
     delays_s: tuple[float, ...]
     """Delays of the slips that were found, from gross slip [s]."""
     motion_delays_s: tuple[float, ...]
-    """The same delays from the start of the motion [s]."""
     on_shares: tuple[float, ...]
     """Share of each slip, from its onset to its end, that is ON."""
     alarms: int
-    """Number of alarms without slip."""
     alarms_s: tuple[float, ...]
-    """Moments of these alarms [s]."""
     events: int
     disturbed: int
     """Number of events that caused an alarm."""
@@ -146,27 +135,15 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
         any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in signal.events
     )
     counted = ~is_slip & (time_s >= signal.alarms_from_s)
-    return Outcome(
-        signal.kind,
-        signal.strength_v,
-        signal.duration_s / 60,
-        len(signal.slides),
-        tuple(delays),
-        tuple(motion_delays),
-        tuple(shares),
-        len(alarms),
-        tuple(alarm.onset_s for alarm in alarms),
-        len(signal.events),
-        disturbed,
-        float(np.mean(on[counted])) if counted.any() else 0.0,
-    )
+    kind, strength_v, minutes, slides = signal.kind, signal.strength_v, signal.duration_s / 60, len(signal.slides)
+    found_slips = tuple(delays), tuple(motion_delays), tuple(shares)
+    alarms_s = tuple(alarm.onset_s for alarm in alarms)
+    share, events = float(np.mean(on[counted])) if counted.any() else 0.0, len(signal.events)
+    return Outcome(kind, strength_v, minutes, slides, *found_slips, len(alarms), alarms_s, events, disturbed, share)
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
-    """Run a detector over signals; it assumes the design's noise, whatever they have.
-
-    A detector of the board's envelope reads the design's board, simulated on the sampled voltage.
-    """
+    """Run a detector, or the design's simulated board ahead of one that reads it, with the design's noise."""
     outcomes = []
     with compiled():
         for signal in signals:
@@ -187,12 +164,10 @@ class MixSummary:
 
     @property
     def slides(self) -> int:
-        """Number of slips."""
         return sum(outcome.slides for outcome in self.outcomes)
 
     @property
     def found_share(self) -> float:
-        """Share of the slips that were found."""
         return sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides if self.slides else math.nan
 
     def delay_s(self, fraction: float) -> float:
@@ -220,22 +195,18 @@ class MixSummary:
 
     @property
     def alarms(self) -> int:
-        """Number of alarms."""
         return sum(outcome.alarms for outcome in self.outcomes)
 
     @property
     def alarms_per_minute(self) -> float:
-        """Rate of alarms [1/min]."""
         return self.alarms / self.minutes if self.minutes else 0.0
 
     @property
     def events(self) -> int:
-        """Number of events that are not slip."""
         return sum(outcome.events for outcome in self.outcomes)
 
     @property
     def disturbed_share(self) -> float:
-        """Share of these events that caused an alarm."""
         return sum(outcome.disturbed for outcome in self.outcomes) / self.events if self.events else math.nan
 
 

@@ -61,9 +61,7 @@ class Slide:
     motion_s: float
     """Moment at which the robot begins to move [s], or the burst begins."""
     onset_s: float
-    """Onset of gross slip [s]."""
     end_s: float
-    """End of gross slip [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +69,8 @@ class LabelledSignal:
     """Sampled voltage, the slips in it, and the events in it that are not slip."""
 
     kind: str
-    """Name of the group that it belongs to."""
     rate_hz: float
     voltage_v: Array
-    """Tactile voltage [V]."""
     slides: tuple[Slide, ...] = ()
     events: tuple[Interval, ...] = ()
     """Events that are not slip, such as changes of grip."""
@@ -125,9 +121,8 @@ def filter_as_board(design: Design, volts: Array) -> Array | None:
 def _record(design: Design, rng: np.random.Generator, signal: LabelledSignal) -> LabelledSignal:
     """Sample the tactile voltage of a signal, and what an ideal board filters of it."""
     voltage_v, filtered_v = sample(design, rng, signal.voltage_v), filter_as_board(design, signal.voltage_v)
-    return replace(
-        signal, voltage_v=voltage_v, filtered_v=None if filtered_v is None else sample(design, rng, filtered_v)
-    )
+    sampled_v = None if filtered_v is None else sample(design, rng, filtered_v)
+    return replace(signal, voltage_v=voltage_v, filtered_v=sampled_v)
 
 
 def draw_rest_v(design: Design, rng: np.random.Generator) -> float:
@@ -239,11 +234,8 @@ def fast_closing(design: Design, seed: int, min_close_s: float = 0.05, max_close
 def taps(design: Design, seed: int, min_force_n: float = 0.3, max_force_n: float = 2.0) -> LabelledSignal:
     """Simulate three knocks of one random force and rise time on a grasped object."""
     rng = np.random.default_rng(seed)
-    tap = {
-        "force_n": float(rng.uniform(min_force_n, max_force_n)),
-        "rise_s": float(rng.uniform(0.002, 0.01)),
-        "count": 3,
-    }
+    force_n, rise_s = float(rng.uniform(min_force_n, max_force_n)), float(rng.uniform(0.002, 0.01))
+    tap = {"force_n": force_n, "rise_s": rise_s, "count": 3}
     hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
     return simulate_scene(design, SceneFile(scene="taps", hold=hold, tap=tap), seed, "tap")
 
@@ -290,24 +282,16 @@ def grip_steps(design: Design, seed: int) -> list[LabelledSignal]:
 
 
 def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: float = 2.0) -> list[LabelledSignal]:
-    """Simulate a hand that takes over an object's weight, which a pin may hit: one signal for each finger.
-
-    The weight shears the pads, which is not slip, until it is: true slips are labelled as such.
-    """
+    """Simulate a hand that takes over a weight: one signal for each finger, whose shear is no slip by itself."""
     rng = np.random.default_rng(seed)
     names = list(MANIPULATED_OBJECTS)
     mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
+    times = {"let_go_s": float(rng.uniform(0.1, 0.6)), "after_s": 1.0}
     scene = ManipulationFile(
         scene="manipulation",
         outputs=_select_outputs(design),
         object={"mass_kg": mass_kg, "surface": surface},
-        grasp={
-            "kind": kind,
-            "after_s": 1.0,
-            "min_margin": 1.1,
-            "max_margin": max_margin,
-            "let_go_s": float(rng.uniform(0.1, 0.6)),
-        },
+        grasp={"kind": kind, "min_margin": 1.1, "max_margin": max_margin, **times},
         knock={"speed_m_s": speed_m_s},
     )
     result = run_manipulation(design, scene, None, seed)
@@ -319,20 +303,10 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
         found = merge(intervals(result.time_s, trace.slip), STICK_S)
         slides = tuple(Slide(max(0.0, slip.onset_s - _SHEAR_S), slip.onset_s, slip.end_s) for slip in found)
         events = () if any(slide.motion_s < weight.end_s + REACTION_S for slide in slides) else (weight,)
-        lost_s = result.lost_s or np.inf
-        count = int(min(len(trace.time_s), lost_s * rate))
-        filtered_v = None if trace.filtered_v is None else trace.filtered_v[:count]
-        signals.append(
-            LabelledSignal(
-                "weight taken over",
-                rate,
-                trace.voltage_v[:count],
-                slides,
-                events,
-                weight.onset_s - _EVENT_S,
-                filtered_v=filtered_v,
-            )
-        )
+        count = int(min(len(trace.time_s), (result.lost_s or np.inf) * rate))
+        volts, filtered_v = trace.voltage_v[:count], None if trace.filtered_v is None else trace.filtered_v[:count]
+        signal = LabelledSignal("weight taken over", rate, volts, slides, events, weight.onset_s - _EVENT_S)
+        signals.append(replace(signal, filtered_v=filtered_v))
     return signals
 
 

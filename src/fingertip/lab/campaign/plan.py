@@ -18,7 +18,6 @@ from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)
 HELD_OUT_FROM = 5_000_000
-"""First seed of a validation."""
 LAST_SEED = 2**31 - 1 - 20_000_000
 """Last first seed of a validation, which uses some millions of them."""
 
@@ -35,11 +34,7 @@ NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
     "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),
     "release": (SceneFile(scene="release", hold={"min_s": 1.0}), 0.2),
     "load change": (
-        SceneFile(
-            scene="load_change",
-            hold={**_GRASP, "max_force_n": 1.5},
-            load_change={"by_n": 1.0, "rise_s": 0.15},
-        ),
+        SceneFile(scene="load_change", hold={**_GRASP, "max_force_n": 1.5}, load_change={"by_n": 1.0, "rise_s": 0.15}),
         0.2,
     ),
     "drift": (
@@ -48,23 +43,16 @@ NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
         ),
         0.1,
     ),
-    "motor": (
-        SceneFile(scene="motor_vibration", hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}),
-        0.1,
-    ),
+    "motor": (SceneFile(scene="motor_vibration", hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}), 0.1),
     "hard tap": (
         SceneFile(
-            scene="hard_tap",
-            hold={**_GRASP, "min_force_n": 1.0},
-            tap={"force_n": 2.0, "rise_s": 0.004, "count": 3},
+            scene="hard_tap", hold={**_GRASP, "min_force_n": 1.0}, tap={"force_n": 2.0, "rise_s": 0.004, "count": 3}
         ),
         0.1,
     ),
     "cable": (SceneFile(scene="cable_touch", hold=_GRASP, cable={"step_v": 0.02, "hum_v": 0.005}), 0.05),
 }
-"""Cause of false alarms -> scene without slip, and its fraction of the time without slip.
-
-The scenes are those of ``params/scenes``, with their sources and assumptions."""
+"""Cause of alarms -> scene of ``params/scenes`` without slip, and its fraction of the time without slip."""
 REPORTED_SEPARATELY = ("hard tap", "motor", "cable")
 """Causes whose alarms are reported separately and not limited by a requirement.
 
@@ -76,8 +64,6 @@ _DEFAULT_DURATION_S = 3.8
 
 @dataclass(frozen=True)
 class Case:
-    """One scene to simulate."""
-
     cause: str
     """Cause of the alarms in it; ``slip`` for a trial."""
     scene: SceneFile
@@ -89,7 +75,6 @@ class CampaignPlan:
     """Size of a campaign. Raises TraceError."""
 
     trials: int = 120
-    """Number of trials with slip."""
     negative_minutes: float = 40.0
     """Duration of the scenes without slip [min]."""
 
@@ -104,10 +89,7 @@ class CampaignPlan:
 
 
 def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
-    """Generate the trials, then the scenes without slip; every case has its own seed.
-
-    Fewer trials than the article's 120 are spread over its surfaces and speeds.
-    """
+    """Generate the trials, spread over surfaces and speeds, then the scenes without slip, each with its seed."""
     seed = first_seed
     scenes = [scene for scene, _ in article_trials()]
     for i in range(plan.trials):
@@ -121,7 +103,6 @@ def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Itera
 
 
 def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
-    """Generate the trials of a plan alone."""
     return (case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip")
 
 

@@ -26,20 +26,15 @@ VIBRATION_HZ = 30.0
 SCALES = (0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.5, 1.6, 1.8, 2.0, 2.3, 2.6, 3.0, 4.0, 6.0, 10.0)
 """Factors of each detector's threshold, from sensitive to insensitive."""
 LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
-"""Additional factors for detectors that read the board's envelope: a diode without bias passes so little noise that the
-threshold may be far below the design's."""
+"""Further factors for the board's envelope: a diode without bias passes very little noise."""
 
 
 @dataclass(frozen=True)
 class TrialResult:
-    """Result of a detector on one case."""
-
     case: Case
     duration_s: float
     force_n: float
-    """Holding force [N]."""
     slips: int
-    """Number of true slips."""
     delays_s: tuple[float, ...]
     """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a slip did not find
     it: that is a false alarm."""
@@ -81,10 +76,7 @@ def needs_board(*detectors: str) -> bool:
 def evaluate(
     case: Case, trace: Trace, force_n: float, detector: str, design: Design, scales: Sequence[float]
 ) -> list[TrialResult]:
-    """Run a detector on a trace and return one result for each factor of its threshold.
-
-    Where the threshold is constant, the test statistic is the same for every factor and is computed once.
-    """
+    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single run."""
     nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
     output = nominal.process(*inputs)
     constant = float(np.ptp(output.threshold_v)) == 0.0
@@ -106,14 +98,16 @@ def _score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_]
     # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.
     counted = [0.0 if d is not None and -INCIPIENT_S <= d < 0.0 else d for d in scored.delays_s]
     delays = tuple(d for d in counted if d is not None and d >= 0.0)
-    early = [d for d in counted if d is not None and d < 0.0]
     on_share = 0.0
     if delays:
         slip, delay = next((s, d) for s, d in zip(scored.slips, counted, strict=True) if d in delays)
         since = (trace.time_s >= slip.onset_s + (delay or 0.0)) & (trace.time_s < slip.end_s)
         on_share = float(np.mean(on[since])) if since.any() else 0.0
-    alarms = [_find_cause(case, alarm, scored.slips) for alarm in separate_events(scored.false_intervals)]
-    alarms += ["before slip"] * len(early)
+    alarms = [case.cause] * len(false := separate_events(scored.false_intervals))
+    if case.cause == "slip":  # contact or grasp before the slip, and release after it
+        first_s = scored.slips[0].onset_s if scored.slips else -math.inf
+        alarms = ["contact" if alarm.onset_s < first_s else "release" for alarm in false]
+    alarms += ["before slip" for d in counted if d is not None and d < 0.0]
     duration = float(trace.time_s[-1] - trace.time_s[0])
     motion_s = trace.origin.motion_s
     creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
@@ -131,13 +125,6 @@ def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
     return kept
 
 
-def _find_cause(case: Case, alarm: Interval, slips: Sequence[Interval]) -> str:
-    """Cause of an alarm; in a trial, contact or grasp before the slip, and release after it."""
-    if case.cause != "slip":
-        return case.cause
-    return "contact" if slips and alarm.onset_s < slips[0].onset_s else "release"
-
-
 def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
     """Find the first true slip of a trial [s], counted from the start of the slide; NaN without slip or slide."""
     slide = SceneRun(design, case.scene, case.seed).timeline.slide
@@ -147,10 +134,7 @@ def find_onset_s(design: Design, case: Case, trace: Trace) -> float:
 
 
 def measure_vibration_n(trace: Trace) -> float:
-    """Measure the RMS vibration of the true normal force from the first to the last slip [N]; NaN without slip.
-
-    What a mean over one period of `VIBRATION_HZ` follows is no vibration.
-    """
+    """Measure the RMS vibration of the normal force, beyond a period's mean, in slip [N]; NaN without slip."""
     if trace.force_n is None or trace.slip is None or not trace.slip.any():
         return math.nan
     slipping = np.flatnonzero(trace.slip)
@@ -176,27 +160,22 @@ class DetectorResult:
     """Pooled results of one detector at one threshold."""
 
     scale: float
-    """Factor of the detector's threshold."""
     trials: tuple[TrialResult, ...]
 
     @property
     def slips(self) -> int:
-        """Number of true slips."""
         return sum(t.slips for t in self.trials)
 
     @property
     def delays_s(self) -> list[float]:
-        """Delays of all slips that were found [s]."""
         return [d for t in self.trials for d in t.delays_s]
 
     @property
     def found_share(self) -> float:
-        """Fraction of the slips that were found."""
         return len(self.delays_s) / self.slips if self.slips else 0.0
 
     @property
     def share_within_30_ms(self) -> float:
-        """Fraction of the slips that were found within 30 ms."""
         return sum(d < 0.03 for d in self.delays_s) / max(1, self.slips)
 
     def delay_s(self, fraction: float) -> float:
@@ -219,7 +198,6 @@ class DetectorResult:
         return float(np.mean(shares)) if shares else 0.0
 
     def alarms(self) -> dict[str, int]:
-        """Number of false alarms by cause."""
         causes = [cause for t in self.trials for cause in t.alarms]
         return {cause: causes.count(cause) for cause in dict.fromkeys([t.case.cause for t in self.trials] + causes)}
 
@@ -237,7 +215,6 @@ class DetectorResult:
 
     @property
     def limited_alarms(self) -> int:
-        """Number of false alarms in them."""
         return sum(n for cause, n in self.alarms().items() if cause not in REPORTED_SEPARATELY)
 
     @property
@@ -279,8 +256,6 @@ def speed_m_s(trial: TrialResult) -> float:
 
 @dataclass(frozen=True)
 class CampaignResult:
-    """Results of a campaign."""
-
     plan: CampaignPlan
     first_seed: int
     detectors: dict[str, tuple[DetectorResult, ...]]
@@ -292,8 +267,7 @@ class CampaignResult:
 
     def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:
         """Result of a detector at the lowest threshold that keeps a rate of false alarms; None if none keeps it."""
-        quiet = (r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute)
-        return next(quiet, None)
+        return next((r for r in self.detectors[detector] if r.alarms_per_minute <= max_alarms_per_minute), None)
 
 
 def run_campaign(

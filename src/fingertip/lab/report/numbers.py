@@ -22,7 +22,6 @@ def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f") -> s
 
 
 def format_mn(newtons: float) -> str:
-    """Format the vibration of a force in millinewtons."""
     return f"{1000 * newtons:.1f} mN" if math.isfinite(newtons) else "no slip"
 
 

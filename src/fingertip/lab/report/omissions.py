@@ -73,7 +73,6 @@ def collect_effects(variations: Sequence[VariationResult], patch_radius_m: float
 
 
 def collect_steps(steps: StepSensitivity) -> dict[str, Any]:
-    """Collect what the page says of the time step."""
     return {
         "steps": steps,
         "goal_share": GOAL_SHARE,

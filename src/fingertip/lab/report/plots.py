@@ -6,17 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fingertip.foundation.plot_style import (
-    BLUE,
-    ORANGE,
-    PURPLE,
-    RED,
-    SHADES,
-    TEXT_COLOUR,
-    new_figure,
-    style_axes,
-    to_png,
-)
+from fingertip.foundation import plot_style as style
 from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.lab.studies.article import Spectrum, WindowResult
 from fingertip.slip.detectors.registry import DETECTORS
@@ -26,12 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = {name: kind.colour for name, kind in DETECTORS.items()}
-"""Colour of each detector."""
 MARKERS = {name: kind.marker for name, kind in DETECTORS.items()}
-OTHER_COLOUR = PURPLE
-"""Colour of a detector that has none of its nominal."""
+OTHER_COLOUR = style.PURPLE
 NOTE = "simulated, held-out seeds"
-"""Note on every plot."""
 
 
 def add_legend(axes: Axes, columns: int = 1, side: str = "right", pad: float = 0.2) -> None:
@@ -44,7 +31,7 @@ def add_legend(axes: Axes, columns: int = 1, side: str = "right", pad: float = 0
 
 def plot_delays(result: CampaignResult) -> bytes:
     """Plot a histogram of the delays in bins of 5 ms centred on multiples of 5, one row per detector; returns a PNG."""
-    figure = new_figure(10, 2.4 * len(result.detectors) + 0.8)
+    figure = style.new_figure(10, 2.4 * len(result.detectors) + 0.8)
     rows = figure.subplots(len(result.detectors), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(rows, result.detectors, strict=True):
         nominal = result.at_nominal_threshold(name)
@@ -58,7 +45,9 @@ def plot_delays(result: CampaignResult) -> bytes:
         if math.isfinite(median_s):
             low_s, high_s = encoder_delay_band_s(median_s)
             label = f"median since the robot moved, by encoders at {ENCODER_HZ:g} Hz"
-            axes.axvspan(1000 * low_s, 1000 * high_s, color=ORANGE, alpha=0.35, linewidth=1.0, zorder=0, label=label)
+            axes.axvspan(
+                1000 * low_s, 1000 * high_s, color=style.ORANGE, alpha=0.35, linewidth=1.0, zorder=0, label=label
+            )
             add_legend(axes)
         below = sum(d < 30 for d in ms)
         title = (
@@ -66,18 +55,18 @@ def plot_delays(result: CampaignResult) -> bytes:
             f"{1000 * nominal.delay_s(0.5):.1f} ms"
         )
         axes.set_title(title, loc="left", fontsize=10)
-        axes.axvline(30, color=TEXT_COLOUR, linestyle="--", linewidth=1)
+        axes.axvline(30, color=style.TEXT_COLOUR, linestyle="--", linewidth=1)
         axes.set_ylabel("trials")
-        style_axes(axes)
+        style.style_axes(axes)
     rows[-1].set_xlim(-2.5, 160)
     rows[-1].set_xlabel(f"delay from gross slip [ms]; the last bin contains all longer delays ({NOTE})")
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     """Plot the mean delay by surface and velocity, and by surface with its standard deviation; returns a PNG."""
     nominal = result.at_nominal_threshold(detector)
-    figure = new_figure(10, 7)
+    figure = style.new_figure(10, 7)
     top, bottom = figure.subplots(2, 1, sharex=True)
     groups = nominal.group_delays(surface)
     names = list(groups)
@@ -87,15 +76,21 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
         values = [1000 * both[(name, speed)][0] if (name, speed) in both else math.nan for name in names]
         x = [n + 0.25 * (i - (len(speeds) - 1) / 2) for n in range(len(names))]
         label = f"{100 * speed:g} cm/s"
-        top.bar(x, [v if math.isfinite(v) else 0 for v in values], 0.22, label=label, color=SHADES[i % len(SHADES)])
+        top.bar(
+            x,
+            [v if math.isfinite(v) else 0 for v in values],
+            0.22,
+            label=label,
+            color=style.SHADES[i % len(style.SHADES)],
+        )
     found = [(n, 1000 * groups[name][0], 1000 * groups[name][1]) for n, name in enumerate(names) if groups[name][2]]
     means, deviations = [mean for _, mean, _ in found], [deviation for _, _, deviation in found]
     colour = COLOURS.get(detector, OTHER_COLOUR)
     bottom.errorbar([n for n, _, _ in found], means, deviations, fmt="o", capsize=5, color=colour)
     for n, name in enumerate(names):
         if not groups[name][2]:
-            bottom.annotate("none found", (n, 2), ha="center", fontsize=9, color=TEXT_COLOUR)
-    bottom.axhline(60, color=TEXT_COLOUR, linestyle="--", linewidth=1, label="60 ms (article)")
+            bottom.annotate("none found", (n, 2), ha="center", fontsize=9, color=style.TEXT_COLOUR)
+    bottom.axhline(60, color=style.TEXT_COLOUR, linestyle="--", linewidth=1, label="60 ms (article)")
     highest = max((m + s for m, s in zip(means, deviations, strict=True)), default=0.0)
     bottom.set_ylim(0, max(70.0, 1.1 * highest))
     bottom.set_xticks(range(len(names)), names, rotation=20, ha="right")
@@ -103,13 +98,13 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     for axes, label in ((top, "mean delay [ms]"), (bottom, "mean and standard deviation [ms]")):
         axes.set_ylabel(label)
         add_legend(axes, 3)
-        style_axes(axes)
-    return to_png(figure)
+        style.style_axes(axes)
+    return style.to_png(figure)
 
 
 def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
     """Plot the median (solid) and 90th percentile (dashed) of the delay over false alarms per minute; returns a PNG."""
-    figure = new_figure(10, 6)
+    figure = style.new_figure(10, 6)
     axes = figure.subplots()
     no_alarms = 0.02  # position of thresholds without alarms on the logarithmic axis
     for name, results in result.detectors.items():
@@ -118,68 +113,67 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
         silent = [r for r in results if not r.alarms_per_minute][:1]
         shown = [r for r in results if r.alarms_per_minute] + silent
         rates = [max(r.alarms_per_minute, no_alarms) for r in shown]
-        for fraction, style in ((0.5, "-"), (0.9, "--")):
+        for fraction, line in ((0.5, "-"), (0.9, "--")):
             values = [1000 * r.delay_s(fraction) for r in shown]
             kept = [(r, v) for r, v in zip(rates, values, strict=True) if math.isfinite(v)]
             label = f"{name}, {'median' if fraction == 0.5 else '90th percentile'}"
             marker = MARKERS.get(name, ".")
             x, y = [rate for rate, _ in kept], [value for _, value in kept]
-            axes.plot(x, y, style, marker=marker, markersize=5, color=colour, label=label)
+            axes.plot(x, y, line, marker=marker, markersize=5, color=colour, label=label)
         nominal = result.at_nominal_threshold(name)
         if math.isfinite(nominal.delay_s(0.5)):
             at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=colour)
     label = "estimate for one band's energy alone, median"
-    axes.axhline(1000 * bound_s, color=TEXT_COLOUR, linewidth=1, linestyle="-.", label=label)
-    axes.axvline(0.1, color=TEXT_COLOUR, linewidth=1, linestyle=":", label="0.1 false alarms per minute")
+    axes.axhline(1000 * bound_s, color=style.TEXT_COLOUR, linewidth=1, linestyle="-.", label=label)
+    axes.axvline(0.1, color=style.TEXT_COLOUR, linewidth=1, linestyle=":", label="0.1 false alarms per minute")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
-    axes.set_xlabel(
-        f"false alarms per minute from contact, release, load change and drift; {no_alarms:g} means none ({NOTE})"
-    )
+    causes = "contact, release, load change and drift"
+    axes.set_xlabel(f"false alarms per minute from {causes}; {no_alarms:g} means none ({NOTE})")
     axes.set_ylabel("delay over all slips [ms]")
     title = "Each line: one detector from low to high threshold; circle: the detector's own threshold"
     axes.set_title(title, loc="left", fontsize=10)
     figure.legend(frameon=False, ncols=3, fontsize=9, loc="outside lower left")
-    style_axes(axes)
-    return to_png(figure)
+    style.style_axes(axes)
+    return style.to_png(figure)
 
 
 def plot_windows(rows: Sequence[WindowResult]) -> bytes:
     """Plot delay and false alarms of the article's chain over its window length; returns a PNG."""
-    figure = new_figure(10, 5)
+    figure = style.new_figure(10, 5)
     left, right = figure.subplots(1, 2)
     ms = [1000 * row.window_s for row in rows]
-    for label, style, delays_s in (
+    for label, line, delays_s in (
         ("median", "-", [row.median_s for row in rows]),
         ("90th percentile", "--", [row.p90_s for row in rows]),
     ):
         kept = [(w, 1000 * d) for w, d in zip(ms, delays_s, strict=True) if math.isfinite(d)]
-        left.plot([w for w, _ in kept], [d for _, d in kept], style, marker=".", color=BLUE, label=label)
-    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color=RED)
+        left.plot([w for w, _ in kept], [d for _, d in kept], line, marker=".", color=style.BLUE, label=label)
+    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color=style.RED)
     left.set_ylabel("delay [ms]")
     left.legend(frameon=False, fontsize=9)
     right.set_ylabel("false alarms per minute from contact, release, load change")
     left.set_title(f"digital, by window length ({NOTE})", loc="left", fontsize=10)
     for axes in (left, right):
-        axes.axvline(30, color=TEXT_COLOUR, linestyle=":", linewidth=1)
+        axes.axvline(30, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
         axes.set_ylim(bottom=0)
         axes.set_xlabel("window length [ms]; dotted: the article's")
-        style_axes(axes)
-    return to_png(figure)
+        style.style_axes(axes)
+    return style.to_png(figure)
 
 
 def plot_spectra(spectra: Sequence[Spectrum]) -> bytes:
     """Plot the power spectral densities, one row per sensor; returns a PNG."""
-    figure = new_figure(10, 6)
+    figure = style.new_figure(10, 6)
     rows = figure.subplots(len(spectra), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for axes, one in zip(rows, spectra, strict=True):
-        axes.semilogy(one.frequency_hz, one.power_v2_hz, color=BLUE, linewidth=1)
+        axes.semilogy(one.frequency_hz, one.power_v2_hz, color=style.BLUE, linewidth=1)
         shares = ", ".join(f"{100 * one.share_above(f):.1f} % above {f} Hz" for f in (67, 100, 200))
         axes.set_title(f"{one.label}: power above 20 Hz: {shares}", loc="left", fontsize=10)
         axes.set_ylabel("power density [V\u00b2/Hz]")
-        axes.axvline(67, color=TEXT_COLOUR, linestyle=":", linewidth=1)
-        style_axes(axes)
+        axes.axvline(67, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
+        style.style_axes(axes)
     rows[-1].set_xlim(0, 400)
     rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
-    return to_png(figure)
+    return style.to_png(figure)

@@ -13,9 +13,7 @@ from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.run import DetectorResult
 from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number
-from fingertip.lab.studies.sensitivity import (
-    VariationResult,
-)
+from fingertip.lab.studies.sensitivity import VariationResult
 from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
 from fingertip.slip.traces.truth import ENCODER_NOTE
 
@@ -72,7 +70,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
         change = f"{1000 * v.change_s:+.1f} ms"
     else:
         change = "found" if math.isfinite(v.median_s) > math.isfinite(base.median_s) else "missed"
-    onset = "" if v is base else _signed_ms(v.onset_change_s)
+    onset = "" if v is base else format_ms(v.onset_change_s, "unknown", "+.1f")
     return (
         f"{format_ms(v.median_s):>10} {change:>10} {found:>14} {v.alarms_per_minute:10.2f} {onset:>10} "
         f"{format_mn(v.vibration_n):>11}  {v.label}"
@@ -105,10 +103,6 @@ def _shift_ms(seconds: float) -> str:
     return format_ms(seconds, "not found")
 
 
-def _signed_ms(seconds: float) -> str:
-    return format_ms(seconds, "unknown", "+.1f")
-
-
 def format_rate(result: DetectorResult) -> str:
     """Alarms per minute with their interval, such as ``0.02 (0.00-0.11)``."""
     low, high = result.alarm_interval
@@ -123,7 +117,6 @@ def pool_ranges(ranges: Sequence[DetectorResult]) -> tuple[int, float, float, fl
 
 
 def ranges_as_data(ranges: Sequence[DetectorResult]) -> dict[str, Any]:
-    """Return the alarms of all ranges for JSON."""
     alarms, minutes, low, high = pool_ranges(ranges)
     return {
         "ranges": [{"alarms": r.limited_alarms, "minutes": round(r.limited_minutes, 3)} for r in ranges],
@@ -154,7 +147,6 @@ def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
 
 
 def mix_table(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], detector: str) -> list[str]:
-    """Format both tables as text."""
     alarms, minutes, low, high = pool_ranges(ranges)
     counts = ", ".join(f"{r.limited_alarms} in {r.limited_minutes:.1f} min" for r in ranges)
     lines = [

@@ -37,13 +37,10 @@ STATED: Mapping[str, Any] = {
     "tuning_seeds": TUNING_SEEDS,
     "reported_separately": REPORTED_SEPARATELY,
 }
-"""Numbers that the assumptions of all results state."""
 
 
 @dataclass(frozen=True)
 class StudyResults:
-    """Results of the studies beside the campaign."""
-
     bounds_s: Sequence[float]
     """Lower bound on the delay of each slip [s] (`fingertip.lab.studies.bounds`)."""
     variations: Sequence[VariationResult]
@@ -55,7 +52,6 @@ class StudyResults:
     accelerations: Sequence[AccelerationResult]
     rates: Sequence[SamplingRateResult]
     boards: Sequence[BoardResult]
-    """Detector analog by board variant."""
     article: Sequence[ArticleBoardResult]
     """The same finger on the article's board and converter; empty if the design has them."""
     protocol: ProtocolStudy
@@ -66,7 +62,6 @@ class StudyResults:
     seed_ranges: Sequence[DetectorResult]
     """The detector's campaign on several ranges of seeds, the reported one first."""
     wider_mix: Mapping[str, MixSummary]
-    """The detector on the wider mix, by kind of signal."""
 
     def bound_s(self, fraction: float) -> float:
         """Bound by which a fraction of the slips can be found [s]."""
@@ -76,6 +71,7 @@ class StudyResults:
 
 def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
     """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
+    assumptions = lay_out_page(render("validation/assumptions.md", **STATED))
     return {
         "matched_alarms_per_minute": MATCHED_ALARMS_PER_MINUTE,
         "matched": {name: _summary(matched) if matched else None for name, matched in _matched(result).items()},
@@ -106,12 +102,8 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         ],
         "seed_ranges": robustness.ranges_as_data(studies.seed_ranges),
         "wider_mix": robustness.mix_as_data(studies.wider_mix),
-        "assumptions": [line.removeprefix("- ") for line in _list_assumptions()],
+        "assumptions": [line.removeprefix("- ") for line in assumptions.splitlines()],
     }
-
-
-def _list_assumptions() -> list[str]:
-    return lay_out_page(render("validation/assumptions.md", **STATED)).splitlines()
 
 
 def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
@@ -121,20 +113,17 @@ def _matched(result: CampaignResult) -> dict[str, DetectorResult | None]:
 def _detector(result: CampaignResult, name: str) -> dict[str, Any]:
     nominal = result.at_nominal_threshold(name)
     minutes = nominal.minutes()
+    alarms: dict[str, dict[str, Any]] = {}
+    for cause, count in nominal.alarms().items():
+        if cause != "slip":
+            duration, is_separate = round(minutes.get(cause, 0.0), 3), cause in REPORTED_SEPARATELY
+            alarms[cause] = {"count": count, "minutes": duration, "reported_separately": is_separate}
     return {
         **_summary(nominal),
         "below_30_ms": round(nominal.share_within_30_ms, 4),
         "surfaces": {str(k): _group(v) for k, v in nominal.group_delays(surface).items()},
         "speeds_m_s": {str(k): _group(v) for k, v in nominal.group_delays(speed_m_s).items()},
-        "alarms": {
-            cause: {
-                "count": count,
-                "minutes": round(minutes.get(cause, 0.0), 3),
-                "reported_separately": cause in REPORTED_SEPARATELY,
-            }
-            for cause, count in nominal.alarms().items()
-            if cause != "slip"
-        },
+        "alarms": alarms,
         "trial_minutes": round(minutes.get("slip", 0.0), 3),
         "delays_s": [round(d, 7) for d in nominal.delays_s],
         "trade_off": [_summary(r) for r in result.detectors[name]],
@@ -166,12 +155,7 @@ def _ms(seconds: float) -> str:
     return format_ms(seconds, "  missed ", "6.1f")
 
 
-def _band(delay_s: float) -> str:
-    return format_delay_band(delay_s) if math.isfinite(delay_s) else "missed"
-
-
 def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str:
-    """Format the details of the results as text: detectors, bound and studies."""
     lines = [
         f"{'':17}{'since gross slip':>27} {'since motion':>21} {'p90 since motion,':>18}",
         f"{'detector':8} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'median':>9} {'p90':>9} "
@@ -179,10 +163,12 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
     ]
     for name in result.detectors:
         nominal = result.at_nominal_threshold(name)
+        p90_s = nominal.motion_delay_s(0.9)
+        band = format_delay_band(p90_s) if math.isfinite(p90_s) else "missed"
         lines.append(
             f"{name:8} {100 * nominal.found_share:6.1f}% {_ms(nominal.delay_s(0.5))} {_ms(nominal.delay_s(0.9))} "
-            f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(nominal.motion_delay_s(0.9))} "
-            f"{_band(nominal.motion_delay_s(0.9)):>18} {100 * nominal.share_within_30_ms:6.1f}%"
+            f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(p90_s)} "
+            f"{band:>18} {100 * nominal.share_within_30_ms:6.1f}%"
         )
     lines.append(
         f"{'bound':8} {'':7} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms {BOUND_LABEL}"
@@ -205,8 +191,6 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
         "ON: share of a slip, after its detection, in which the detector is ON.",
         f"{', '.join(REPORTED_SEPARATELY)}: false alarms per minute in these scenes;",
         "alarms/min excludes them.",
-    ]
-    lines += [
         "",
         f"each detector at its lowest threshold with at most {MATCHED_ALARMS_PER_MINUTE:g} alarms per minute:",
     ]
@@ -312,7 +296,6 @@ class ProtocolRow:
     ours: dict[str, str]
     """Device -> value; a device that the figure does not apply to is left out."""
     differs: str
-    """Difference between the two, and its reason."""
 
 
 def list_protocol_rows(study: ProtocolStudy) -> list[ProtocolRow]:
@@ -327,12 +310,11 @@ def list_protocol_rows(study: ProtocolStudy) -> list[ProtocolRow]:
         "encoders_ms": [1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)],
         "ms": lambda seconds: format_ms(seconds, "none found"),
     }
-    return [
-        ProtocolRow(
-            row["figure"], row["article"], {name: row[name] for name in PROTOCOL_COLUMNS if row[name]}, row["differs"]
-        )
-        for row in render_rows("validation/protocol.md", data)
-    ]
+    rows = []
+    for row in render_rows("validation/protocol.md", data):
+        ours = {name: row[name] for name in PROTOCOL_COLUMNS if row[name]}
+        rows.append(ProtocolRow(row["figure"], row["article"], ours, row["differs"]))
+    return rows
 
 
 def protocol_as_lines(study: ProtocolStudy) -> list[str]:

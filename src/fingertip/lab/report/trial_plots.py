@@ -14,18 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
+from fingertip.foundation import plot_style as style
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.plot_style import (
-    BLUE,
-    ORANGE,
-    REFERENCE,
-    SERIES,
-    TEXT_COLOUR,
-    TRUTH,
-    new_figure,
-    style_axes,
-    to_png,
-)
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.lab.campaign.run import scene_surface, simulate_trace
@@ -41,8 +31,8 @@ from fingertip.slip.traces.truth import Interval, intervals
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_VOLTAGE, _ENVELOPE, _FORCE = BLUE, ORANGE, TEXT_COLOUR
-_FINGERS = dict(zip(("thumb", "index", "middle", "ring", "little"), SERIES, strict=True))
+_VOLTAGE, _ENVELOPE, _FORCE = style.BLUE, style.ORANGE, style.TEXT_COLOUR
+_FINGERS = dict(zip(("thumb", "index", "middle", "ring", "little"), style.SERIES, strict=True))
 SHORT_WINDOW_S = 0.01
 """Window in which a contact is reported as slip in the article's figure 5 [s]."""
 DETECTORS_SHOWN = ("analog", "digital", "fast")
@@ -61,7 +51,6 @@ class ExampleTrial:
 
     @property
     def title(self) -> str:
-        """Surface, speed and holding force."""
         return f"{self.label}, {100 * self.speed_m_s:g} cm/s, {self.force_n:.2f} N"
 
 
@@ -76,9 +65,8 @@ def simulate_examples(design: Design, first_seed: int = HELD_OUT_FROM) -> list[E
     with compiled():
         for i, label in enumerate(labels):
             speed = speeds[i % len(speeds)]
-            trace, force_n = simulate_trace(
-                design, Case("slip", scenes[(label, speed)], first_seed + i), ("analog", *DETECTORS_SHOWN)
-            )
+            case = Case("slip", scenes[(label, speed)], first_seed + i)
+            trace, force_n = simulate_trace(design, case, DETECTORS_SHOWN)
             examples.append(ExampleTrial(label, speed, trace, force_n))
     return examples
 
@@ -110,7 +98,7 @@ def _find_contact_alarm(design: Design, examples: Sequence[ExampleTrial]) -> Exa
 
 def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     """Plot force, voltage, the board's output and each detector's ON of one trial, as figure 9; returns a PNG."""
-    figure = new_figure(10, 9)
+    figure = style.new_figure(10, 9)
     force, voltage, envelope, on = figure.subplots(4, 1, sharex=True, height_ratios=(2, 2, 2, 1.3))
     trace = example.trace
     t = trace.time_s
@@ -132,24 +120,24 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     _draw_flags(on, trace, flags)
     for axes in (force, voltage, envelope):
         _shade(axes, trace)
-        style_axes(axes)
+        style.style_axes(axes)
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
         for at in (touching[0], touching[-1]) if touching.size else ():
-            axes.axvline(float(t[at]), color=REFERENCE, linestyle="--", linewidth=1)
+            axes.axvline(float(t[at]), color=style.REFERENCE, linestyle="--", linewidth=1)
     title = f"{example.title}; grey dashes: contact and release; shaded: slip ({NOTE})"
     force.set_title(title, loc="left", fontsize=10)
     on.set(xlabel="time [s]", xlim=(float(t[0]), float(t[-1])))
     add_legend(envelope, 2, "left")
     figure.align_ylabels()
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
     """Plot voltage, envelope and ON of the digital chain, one panel per trial, as figures 12 and 13; returns a PNG."""
     columns = 2
     count = -(-len(examples) // columns)
-    figure = new_figure(11.5, 2.8 * count + 0.4)
+    figure = style.new_figure(11.5, 2.8 * count + 0.4)
     grid = figure.subplots(count, columns, squeeze=False)
     for example, axes in zip(examples, grid.flat, strict=False):
         t, trace = example.trace.time_s, example.trace
@@ -172,18 +160,18 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
         axes.set_title(example.title, loc="left", fontsize=10)
         axes.set_xlim(float(t[0]), float(t[-1]))
-        style_axes(axes)
+        style.style_axes(axes)
     for axes in list(grid.flat)[len(examples) :]:
         axes.set_visible(False)
     figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", frameon=False, fontsize=9)
     for axes in grid[-1]:
         axes.set_xlabel(f"time [s]; shaded: slip; digital chain ({NOTE})", fontsize=9)
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     """Plot ON and OFF of the digital chain on one trial for each window, as figure 5; returns a PNG."""
-    figure = new_figure(10, 5.5)
+    figure = style.new_figure(10, 5.5)
     voltage, on = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.6))
     t = example.trace.time_s
     voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
@@ -200,8 +188,8 @@ def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
     voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
     on.set_xlabel("time [s]")
     on.set_xlim(float(t[0]), float(t[-1]))
-    style_axes(voltage)
-    return to_png(figure)
+    style.style_axes(voltage)
+    return style.to_png(figure)
 
 
 def plot_closed_loop(trials: Sequence[ClosedLoopTrial], detector: str) -> dict[str, bytes]:
@@ -234,7 +222,7 @@ def select_pair(
 
 def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> bytes:
     """Plot forces, detections, closing of the fingers and displacement of the object; returns a PNG."""
-    figure = new_figure(10, 9)
+    figure = style.new_figure(10, 9)
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(2.2, 0.9, 2.2, 1.4))
     force, detections, closing, displacement = panels
     manipulation = trial.manipulation
@@ -254,24 +242,24 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     periods = np.array([decision.time_s for decision in trial.decisions])
     rows = (
         ("used", intervals(periods, flags[:, 0] & ~flags[:, 1]), COLOURS.get(trial.detector, OTHER_COLOUR)),
-        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), REFERENCE),
-        ("true slip", intervals(t, any_finger_slips(manipulation)), TRUTH),
+        ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), style.REFERENCE),
+        ("true slip", intervals(t, any_finger_slips(manipulation)), style.TRUTH),
     )
     _draw_rows(detections, rows, 0.01)
     detections.set_ylabel(f"detections\nof {trial.detector}")
     for decision in trial.decisions:
         if decision.tightened:
             for axes in panels:
-                axes.axvline(decision.time_s, color=TEXT_COLOUR, linestyle=":", linewidth=1)
-    displacement.plot(t, 1000 * manipulation.signals.object_m, color=BLUE, label="with control")
+                axes.axvline(decision.time_s, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
+    displacement.plot(t, 1000 * manipulation.signals.object_m, color=style.BLUE, label="with control")
     other = uncontrolled.manipulation
     label = f"without control: {'held too' if uncontrolled.held else 'lost'}"
-    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=REFERENCE, label=label)
+    displacement.plot(other.time_s, 1000 * other.signals.object_m, color=style.REFERENCE, label=label)
     displacement.set_ylabel("object [mm]")
     displacement.set_xlabel(f"time [s]; dotted: grip tightened ({NOTE})")
     add_legend(displacement, 2, "left", 0.0)
     for axes in panels:
-        style_axes(axes)
+        style.style_axes(axes)
     displacement.set_xlim(float(t[0]), float(t[-1]))
     reaction = "no reaction" if trial.reaction_s is None else f"reaction {1000 * trial.reaction_s:.0f} ms"
     held = "held" if trial.held else "lost"
@@ -279,15 +267,15 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     grasp = f"{scene.grasp.kind} grasp of {trial.name.replace('_', ' ')}, {1000 * scene.object.mass_kg:g} g"
     figure.suptitle(f"{grasp}, {trial.detector} in the loop: {held}, {reaction}", x=0.01, ha="left", fontsize=10)
     figure.align_ylabels()
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 def _draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]) -> None:
     """Draw one row of ON intervals per name, the true slip last."""
     assert trace.slip is not None
-    rows = [(name, intervals(trace.time_s, on), COLOURS.get(name, BLUE)) for name, on in flags.items()]
-    _draw_rows(axes, [*rows, ("true slip", intervals(trace.time_s, trace.slip), TRUTH)], 0.004)
-    style_axes(axes, "x")
+    rows = [(name, intervals(trace.time_s, on), COLOURS.get(name, style.BLUE)) for name, on in flags.items()]
+    _draw_rows(axes, [*rows, ("true slip", intervals(trace.time_s, trace.slip), style.TRUTH)], 0.004)
+    style.style_axes(axes, "x")
 
 
 def _draw_rows(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float) -> None:
@@ -303,6 +291,6 @@ def _shade(axes: Axes, trace: Trace) -> None:
     """Shade true slip, and the readings of the encoders that show the motion first."""
     assert trace.slip is not None
     for slip in intervals(trace.time_s, trace.slip):
-        axes.axvspan(slip.onset_s, slip.end_s, color=TRUTH, alpha=0.25, linewidth=0)
+        axes.axvspan(slip.onset_s, slip.end_s, color=style.TRUTH, alpha=0.25, linewidth=0)
     if trace.origin.motion_s is not None:
         shade_encoder_band(axes, trace.origin.motion_s)

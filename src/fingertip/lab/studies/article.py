@@ -30,8 +30,7 @@ from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 
 MOVED_M = (0.0, 1e-5, 1e-4)
-"""Motions from which on the robot counts as moving [m]: none, and the steps of a good and a common encoder. Assumption:
-the article states none."""
+"""Motions from which on the robot counts as moving [m], as a good and a common encoder show (assumption)."""
 PROMPT_S = 0.03
 """Delay below which the article counts a detection as fast [s] (IV.A)."""
 LATE_S = 0.1
@@ -75,23 +74,19 @@ class ProtocolResult:
 
 @dataclass(frozen=True)
 class ProtocolStudy:
-    """All results under the article's protocol."""
-
     results: Sequence[ProtocolResult]
     manipulations: dict[str, ClosedLoopSummary]
     """Board -> manipulations with the detector `analog` in the loop."""
 
     def find(self, device: str, moved_m: float = 0.0) -> ProtocolResult:
-        """Find the result of a device with a zero of time."""
         return next(r for r in self.results if (r.device, r.moved_m) == (device, moved_m))
 
 
 def find_encoder_zero_s(slide: TrapezoidalMove, phase_s: float, moved_m: float) -> float:
     """Time of the first reading of the encoders at which a slide has moved by more than `moved_m` [s]."""
     first_s, next_s = encoder_band_s(slide.start_s)
-    readings = np.asarray(
-        slide.start_s + phase_s + (next_s - first_s) * np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ)), dtype=np.float64
-    )
+    numbers = np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ))
+    readings = np.asarray(slide.start_s + phase_s + (next_s - first_s) * numbers, dtype=np.float64)
     return float(readings[np.argmax(slide.position_m(readings) > moved_m)])
 
 
@@ -118,9 +113,7 @@ def study_article_protocol(
 def _with_threshold(board: Design, detector: str) -> Design:
     """Copy of a design with the threshold that the noise of what the detector reads allows."""
     level = simulate_quiescent_level(board) if detector == "analog" else noise_level(board)
-    tables = board.model_dump()
-    tables["detector"]["threshold_v"] = level.rounded_threshold_v
-    return Design(**tables)
+    return Design(**board.with_values({"detector.threshold_v": level.rounded_threshold_v}).model_dump())
 
 
 def _find_delays_s(trials: Sequence[TrialResult], moved_m: float) -> Iterator[tuple[TrialResult, float]]:
@@ -159,10 +152,8 @@ def _pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[Tria
 
 
 SEGMENT_S = 0.512
-"""Length of the segments whose spectra are computed [s]."""
 RESONANCES_HZ = {"embedded": 90.0, "bare": 230.0}
-"""Resonance of the pad with an embedded and with a bare sensor [Hz], as in ``params/scenes``: about where the article's
-two spectra end."""
+"""Resonance of an embedded and of a bare sensor's pad [Hz]: about where the article's spectra end."""
 _AVERAGED = 5
 
 WINDOWS_S = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1)
@@ -175,8 +166,6 @@ CONTACTS = ("contact", "release", "load change")
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Power spectrum of slip with one sensor."""
-
     label: str
     frequency_hz: Array
     power_v2_hz: Array
@@ -216,8 +205,6 @@ def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spe
 
 @dataclass(frozen=True)
 class WindowResult:
-    """Result of the article's chain with one window length."""
-
     window_s: float
     threshold_v: float
     """Threshold by the design's rule, noise level plus six standard deviations, which fall with a longer window [V]."""
@@ -236,10 +223,7 @@ def study_windows(
     first_seed: int = HELD_OUT_FROM,
     windows_s: Sequence[float] = WINDOWS_S,
 ) -> list[WindowResult]:
-    """Measure delay and false alarms of the detector `digital` by window length, on the same traces.
-
-    A short window takes contacts for slip; a long one is late.
-    """
+    """Measure delay and false alarms of `digital` by window length: a short one takes contacts for slip."""
     designs = [with_window(design, window_s) for window_s in windows_s]
     collected: list[list[TrialResult]] = [[] for _ in designs]
     with compiled():
@@ -249,13 +233,12 @@ def study_windows(
             trace, force_n = simulate_trace(design, case, [WINDOW_DETECTOR])
             for results, other in zip(collected, designs, strict=True):
                 results += evaluate(case, trace, force_n, WINDOW_DETECTOR, other, [1.0])
-    pooled = [DetectorResult(1.0, tuple(results)) for results in collected]
-    return [
-        WindowResult(
-            window_s, d.detector.threshold_v, r.found_share, r.delay_s(0.5), r.delay_s(0.9), r.alarms_per_minute
-        )
-        for window_s, d, r in zip(windows_s, designs, pooled, strict=True)
-    ]
+    rows = []
+    for window_s, other, results in zip(windows_s, designs, collected, strict=True):
+        r, threshold_v = DetectorResult(1.0, tuple(results)), other.detector.threshold_v
+        delays_s = r.delay_s(0.5), r.delay_s(0.9)
+        rows.append(WindowResult(window_s, threshold_v, r.found_share, *delays_s, r.alarms_per_minute))
+    return rows
 
 
 def with_window(design: Design, window_s: float) -> Design:

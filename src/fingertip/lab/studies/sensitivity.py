@@ -46,7 +46,6 @@ from fingertip.slip.detectors.analog_and_digital import noise_level
 
 ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
 ASSUMED_M_S2 = 1.0
-"""Acceleration of the scenes [m/s2]."""
 BOUND = "bound"
 """Name that stands for a detector in the rows of Lorden's bound."""
 
@@ -108,21 +107,16 @@ class Variation:
 
     label: str
     changes: Mapping[str, Change]
-    """Dotted parameter -> its value, or the factor of its value. `scene.` precedes parameters of the scene, as in a
-    sweep; the others are the design's."""
+    """Dotted parameter of the design, or of the scene after `scene.` -> its value, or the factor of its value."""
     is_realistic: bool = False
     """True for an effect that real fingers show and the trials leave out by default."""
 
     def vary_scene(self, scene: SceneFile) -> SceneFile:
-        """Return a scene with the changes of its parameters."""
         changes = {name.removeprefix(_SCENE): to for name, to in self.changes.items() if name.startswith(_SCENE)}
         return SceneFile(**_apply(scene.model_dump(), changes)) if changes else scene
 
     def vary_design(self, design: Design) -> Design:
-        """Return a design with the changes of its parameters.
-
-        The threshold changes by the same ratio as the one that the design's noise allows, as a user would set it.
-        """
+        """Return a changed design; its threshold changes by the same ratio as the noise-derived one."""
         changes = {name: to for name, to in self.changes.items() if not name.startswith(_SCENE)}
         if not changes:
             return design
@@ -204,8 +198,6 @@ _NEGATIVE_MINUTES = 2.0
 
 @dataclass(frozen=True)
 class VariationResult:
-    """Result with one changed assumption."""
-
     label: str
     is_realistic: bool
     """True for an effect that real fingers show and the trials leave out by default."""
@@ -263,16 +255,10 @@ def _run_variation(design: Design, detector: str, variation: Variation, cases: S
 
 
 def _compare(run: _VariationRun, base: _VariationRun) -> VariationResult:
-    median_s, before_s = run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
+    pooled, median_s, before_s = run.pooled, run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
     is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
-    return VariationResult(
-        run.variation.label,
-        run.variation.is_realistic,
-        run.pooled.slips,
-        run.pooled.found_share,
-        median_s,
-        median_s - before_s if is_comparable else math.nan,
-        run.pooled.alarms_per_minute,
-        median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True)),
-        median_of_known(run.vibrations_n),
-    )
+    change_s = median_s - before_s if is_comparable else math.nan
+    onset_s = median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True))
+    detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
+    label, is_realistic = run.variation.label, run.variation.is_realistic
+    return VariationResult(label, is_realistic, *detection, onset_s, median_of_known(run.vibrations_n))

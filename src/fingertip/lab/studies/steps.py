@@ -42,7 +42,6 @@ MAX_SHIFT_SAMPLES = 1.0
 GOAL_SHARE = 0.95
 """Fraction of the trials whose delay must not shift by more than that. Goal of this project."""
 SIGNALS = ("force_n", "voltage_v", "envelope_v")
-"""Signals whose largest error is measured."""
 _ROUNDING = 1e-6
 
 
@@ -87,8 +86,6 @@ def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class DelayShift:
-    """Shift of one detector's delay over all trials."""
-
     detector: str
     trials: int
     """Number of trials in which slip was found on either grid."""
@@ -163,8 +160,6 @@ DETECTOR = "fast"
 
 @dataclass(frozen=True)
 class SamplingRateResult:
-    """Result at one sampling rate."""
-
     sample_rate_hz: float
     bound_median_s: float
     """Median of Lorden's bound (`fingertip.lab.studies.bounds`) [s]."""
@@ -184,10 +179,7 @@ def study_sampling_rates(
     first_seed: int = HELD_OUT_FROM,
     rates_hz: Sequence[float] = RATES_HZ,
 ) -> list[SamplingRateResult]:
-    """Run the same cases at each rate, and at the design's own rate if it is another.
-
-    Rates that the design cannot have are omitted.
-    """
+    """Run the same cases at each rate that the design can have, and at its own."""
     plan, results = CampaignPlan(trials, negative_minutes), []
     for rate in sorted({*rates_hz, design.detector.sample_rate_hz}):
         try:

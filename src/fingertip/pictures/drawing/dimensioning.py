@@ -43,7 +43,6 @@ class Occupancy:
         self.edges, self.lines, self.texts = (np.zeros(shape, dtype=bool) for _ in range(3))
 
     def add(self, primitives: Iterable[Primitive], *, is_view: bool = False) -> None:
-        """Add primitives; those of views count as edges."""
         layer = self.edges if is_view else self.lines
         for primitive in primitives:
             match primitive:
@@ -61,7 +60,6 @@ class Occupancy:
                     self.block(primitive.box())
 
     def block(self, box: Box) -> None:
-        """Keep everything out of a box."""
         rows, columns = self._cells(box, 0.0)
         self.texts[rows, columns] = True
 
@@ -146,12 +144,10 @@ class PlacedLength:
 
     @property
     def is_level(self) -> bool:
-        """True if the dimension line is horizontal."""
         return self.size.side in ("above", "below")
 
     @property
     def span(self) -> float:
-        """Length of the dimension line."""
         i = 0 if self.is_level else 1
         return abs(self.end[i] - self.start[i])
 

@@ -9,41 +9,30 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing
 from fingertip.foundation import extras
+from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
-from fingertip.pictures.drawing.part_sizes import (
-    bone_drawing,
-    core_drawing,
-    dorsal_drawing,
-    lid_drawing,
-    palmar_drawing,
-)
 from fingertip.pictures.drawing.primitives import Sheet
 from fingertip.pictures.drawing.projection import project_parts
 from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
-# Sheets of a design: one for each printed part.
-
-
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
-    "bone": bone_drawing,
-    "lid": lid_drawing,
-    "mold_palmar": palmar_drawing,
-    "mold_dorsal": dorsal_drawing,
-    "core": core_drawing,
+    "bone": part_sizes.bone_drawing,
+    "lid": part_sizes.lid_drawing,
+    "mold_palmar": part_sizes.palmar_drawing,
+    "mold_dorsal": part_sizes.dorsal_drawing,
+    "core": part_sizes.core_drawing,
 }
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
-    """List the printed parts of a design with what their sheets show."""
     printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
-    return tuple(_as_printed(design, _DRAWINGS[name](design)) for name in printed)
-
-
-def _as_printed(design: Design, drawing: PartDrawing) -> PartDrawing:
-    """Add to each size what the printer adds. The scale of the files is there to give the design's size."""
-    sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
-    return replace(drawing, sizes=sizes, notes=_notes(design, drawing))
+    drawings = []
+    for drawing in (_DRAWINGS[name](design) for name in printed):
+        # Only the printer's offset is added: the scale of the files is there to give the design's size.
+        sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
+        drawings.append(replace(drawing, sizes=sizes, notes=_notes(design, drawing)))
+    return tuple(drawings)
 
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
@@ -67,12 +56,10 @@ PDF = "drawing.pdf"
 
 
 def svg_name(part: str) -> str:
-    """Name of the file with the sheet of a part."""
     return f"drawing_{part}.svg"
 
 
 def file_names(design: Design) -> tuple[str, ...]:
-    """List the files of a drawing."""
     return (*(svg_name(drawing.part) for drawing in part_drawings(design)), PDF)
 
 

@@ -67,13 +67,10 @@ def _polylines(*compounds: Any) -> tuple[Line2, ...]:
         if compound is None or compound.IsNull():
             continue
         BRepLib.BuildCurves3d_s(compound)
-        found.update(_discretise(edge) for edge in cq.Shape.cast(compound).Edges())
+        for edge in cq.Shape.cast(compound).Edges():
+            points = tuple(_points(edge, lambda p: (p.X(), p.Y())))
+            found.add(min(points, points[::-1]))  # begins at its lower end
     return tuple(sorted(edge for edge in found if len(edge) > 1))
-
-
-def _discretise(edge: Any) -> Line2:
-    """Discretise an edge in the plane of the paper; it begins at its lower end."""
-    return _directed(_points(edge, lambda p: (p.X(), p.Y())))
 
 
 def _points(edge: Any, flatten: Any) -> list[tuple[float, float]]:
@@ -85,10 +82,6 @@ def _points(edge: Any, flatten: Any) -> list[tuple[float, float]]:
         if not points or point != points[-1]:
             points.append(point)
     return points
-
-
-def _directed(points: list[tuple[float, float]]) -> Line2:
-    return min(tuple(points), tuple(reversed(points)))
 
 
 def _cut_outlines(half: Any, projection: Projection) -> tuple[Line2, ...]:

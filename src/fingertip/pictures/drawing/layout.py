@@ -47,7 +47,6 @@ CHOICES = (
     *((paper, scale) for scale in SCALES for paper in (A4, A3)),
     *((paper, scale) for scale in SCALES[2:] for paper in (A2, A1)),
 )
-"""Papers and scales in the order in which they are tried."""
 _HATCH_MM = 2.5
 _PAST_VIEW_MM = 3.0
 """Length of centre lines past what they pass through."""
@@ -71,18 +70,14 @@ class PlacedView:
     projection: Projection
     scale: float
     origin: Point
-    """Place of the part's origin on paper."""
 
     def on_paper(self, point: Point) -> Point:
-        """Place a point of the view."""
         return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
 
     def place(self, point: Point3) -> Point:
-        """Place a point of the part."""
         return self.on_paper(self.projection.flatten(point))
 
     def bounds(self) -> tuple[float, float, float, float]:
-        """Return left, bottom, right and top on paper."""
         left, bottom, right, top = self.view.bounds()
         return *self.on_paper((left, bottom)), *self.on_paper((right, top))
 
@@ -99,7 +94,6 @@ def _beside_section_line(name: ViewName) -> float:
 
 
 def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading: Heading) -> Sheet:
-    """Lay out the sheet of a part. The scale in the heading is filled in. Raises GeometryError."""
     missing = ""
     for paper, (name, scale) in CHOICES:
         for arrangement in _arrangements(part.plan):
@@ -200,10 +194,7 @@ def _place_views(
 
 
 def _arrangements(plan: ViewName) -> tuple[Arrangement, ...]:
-    """List the places of the views: a palmar view above the front view, a dorsal one below it, the end on its right.
-
-    The section may stand anywhere, because it has a name.
-    """
+    """List the places of the views: palmar view above the front, dorsal below, end on the right, section anywhere."""
     if plan == "palmar":
         return ((("palmar", "section"), ("front", "end")), (("palmar", None), ("front", "end"), ("section", None)))
     return ((("front", "end"), ("dorsal", "section")), (("front", "end"), ("dorsal", None), ("section", None)))

@@ -41,7 +41,6 @@ _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or
 
 
 def bone_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the bone shows."""
     dims, section, pilot = design.dimensions, design.dimensions.bone_outline.section, _find_pilot(design, "bone")
     tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
@@ -61,7 +60,6 @@ def bone_drawing(design: Design) -> PartDrawing:
 
 
 def core_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of a sleeve's core shows."""
     dims, inset, scale = design.dimensions, design.mold.sleeve_interference_mm, design.dimensions.shrinkage
     pilot, tip = _find_pilot(design, "core"), dims.bone_outline.tip
     assert tip
@@ -80,7 +78,6 @@ def core_drawing(design: Design) -> PartDrawing:
 
 
 def lid_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the lid shows."""
     dims, fold, gap = design.dimensions, design.dimensions.fold, design.sensor.clearance_mm
     closing = 2 * design.printer.offset_mm  # lid and trough both grow
     assert fold
@@ -92,8 +89,7 @@ def lid_drawing(design: Design) -> PartDrawing:
         Length("length", OUTER, "front", "below", "z", (0.0, foot, low), (0.0, foot, end), clearance(gap - closing),
                "sand the distal end until the lid drops into the trough"),
         Length("width", OUTER, "palmar", "left", "x", (half, foot, low), (-half, foot, low),
-               clearance(2 * gap - closing),
-               "sand the sides until the lid drops into the trough"),
+               clearance(2 * gap - closing), "sand the sides until the lid drops into the trough"),
         Length("height", OUTER, "front", "right", "y", (half, foot, end), (half, top, low), located(design, top - foot),
                "sand the feet: a high lid presses the skin thin, a low one leaves a step"),
         Length("width of the space for the tabs", INNER, "end", "above", "x", (fold.tabs_half_width, tabs, low),
@@ -120,8 +116,7 @@ def _base_sizes(design: Design) -> list[Size]:
                (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
                f"wide: scrape the recess of the collar until the mold closes; narrow: {SCALE_REMEDY}"),
         Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
-               (0.0, 0.0, 0.0),
-               located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
+               (0.0, 0.0, 0.0), located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
     ]  # fmt: skip
     if dims.fold is None:
         sizes.append(
@@ -190,8 +185,7 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: P
         Length("palmar flat to facet", OUTER, "section", "right", "y", on_flat, (0.0, facet, z),
                located(design, facet - on_flat[1]), f"thick: sand the facet; thin: lay film between {insert} and boss"),
         Length("pilot hole of the screw", FINISHED, "section", "above", "z", (0.0, facet, z - radius),
-               (0.0, facet, z + radius),
-               symmetric(bite), _PILOT, is_diameter=True),
+               (0.0, facet, z + radius), symmetric(bite), _PILOT, is_diameter=True),
         Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
     ]  # fmt: skip
 
@@ -204,7 +198,6 @@ def _pilot_axis(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
 
 
 def palmar_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the palmar half shows."""
     m, mold = design.mold_layout, design.mold
     low, thread = -m.palmar_height, select_thread(mold.bolt_diameter_mm)
     x, z = max(m.bolts)
@@ -219,8 +212,7 @@ def palmar_drawing(design: Design) -> PartDrawing:
                located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
         Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
         Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
-               (x, low, z + half),
-               nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
+               (x, low, z + half), nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
                "narrow: file it until the nut drops in; wide: glue the nut in"),
         Length("depth of the nut traps", STEP, "front", "right", "y", (x, low, z), (x, top, z)),
     ]  # fmt: skip
@@ -228,7 +220,6 @@ def palmar_drawing(design: Design) -> PartDrawing:
 
 
 def dorsal_drawing(design: Design) -> PartDrawing:
-    """List what the sheet of the dorsal half shows."""
     m, mold, chaplet = design.mold_layout, design.mold, design.dimensions.chaplet
     high = m.dorsal_height
     sizes = [*_common_sizes(design, "palmar", high), *_key_sizes(design, "palmar", 0.0, "key")]
@@ -315,8 +306,7 @@ def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
     if floor < high:
         sizes += [
             Length("counterbore of the screw", INNER, "section", "above", "z", (0.0, high, z - head),
-                   (0.0, high, z + head),
-                   is_diameter=True),
+                   (0.0, high, z + head), is_diameter=True),
             Length("depth of the counterbore", STEP, "section", "left", "y", (0.0, high, z), (0.0, floor, z)),
         ]  # fmt: skip
     return sizes

@@ -24,13 +24,10 @@ WIDE_MM, NARROW_MM = 0.5, 0.25
 _HEADS_PER_SIZE = 0.718
 """Height of a capital of Helvetica over the size of the font (Adobe's font metrics)."""
 _TIP_ANGLE_DEG = 15.0
-"""Angle of an arrowhead."""
 
 
 @dataclass(frozen=True)
 class Style:
-    """Type of a line."""
-
     name: str
     width_mm: float
     dashes_mm: tuple[float, ...] = ()
@@ -38,14 +35,11 @@ class Style:
 
 
 class Styles:
-    """Types of lines."""
-
     EDGE = Style("edge", WIDE_MM)
     HIDDEN = Style("hidden", NARROW_MM, (2.0, 1.0))
     CENTRE = Style("centre", NARROW_MM, (6.0, 1.0, 0.5, 1.0))
     DIMENSION = Style("dimension", NARROW_MM)
     HATCHING = Style("hatching", 0.18)
-    SECTION = Style("section", WIDE_MM, (4.0, 1.0, 0.5, 1.0))
     FRAME = Style("frame", 0.7)
     GRID = Style("grid", NARROW_MM)
 
@@ -78,11 +72,8 @@ class Arc:
 
 @dataclass(frozen=True)
 class Arrow:
-    """Filled arrowhead."""
-
     tip: Point
     direction_deg: float
-    """Direction in which it points."""
     length: float
 
     def corners(self) -> tuple[Point, Point, Point]:
@@ -110,17 +101,14 @@ class Text:
 
     @property
     def size(self) -> float:
-        """Size of the font."""
         return self.height / _HEADS_PER_SIZE
 
     @property
     def width(self) -> float:
-        """Width of the line."""
         return text_width(self.text, self.height)
 
     @property
     def start(self) -> Point:
-        """Point on the baseline at which the line begins."""
         shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * self.width
         return (self.at[0], self.at[1] - shift) if self.turned else (self.at[0] - shift, self.at[1])
 
@@ -142,7 +130,6 @@ class Hatch:
     angle_deg: float = 45.0
 
     def lines(self) -> Iterator[Polyline]:
-        """Compute the lines."""
         c, s = math.cos(math.radians(self.angle_deg)), math.sin(math.radians(self.angle_deg))
         rings = [[(x * c + y * s, -x * s + y * c) for x, y in ring] for ring in self.rings]
         heights = [v for ring in rings for _, v in ring]
@@ -165,8 +152,6 @@ Primitive: TypeAlias = Polyline | Arc | Arrow | Text | Hatch
 
 @dataclass(frozen=True)
 class Sheet:
-    """One sheet."""
-
     name: str
     width: float
     height: float
@@ -174,12 +159,10 @@ class Sheet:
 
 
 def line(a: Point, b: Point, style: Style) -> Polyline:
-    """Create a straight line."""
     return Polyline((a, b), style)
 
 
 def rectangle(left: float, bottom: float, right: float, top: float, style: Style) -> Polyline:
-    """Create a rectangle."""
     return Polyline(((left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)), style)
 
 
@@ -217,12 +200,10 @@ class Projection:
 
     @property
     def towards(self) -> Point3:
-        """Direction to the observer."""
         (a, b, c), (d, e, f) = self.right, self.up
         return b * f - c * e, c * d - a * f, a * e - b * d
 
     def flatten(self, point: Point3) -> Point:
-        """Project a point [mm]."""
         return _dot(point, self.right), _dot(point, self.up)
 
 
@@ -250,6 +231,5 @@ class ProjectedView:
     """Closed outlines of the cut faces."""
 
     def bounds(self) -> tuple[float, float, float, float]:
-        """Return left, bottom, right and top."""
         xs, ys = zip(*(point for edge in self.visible for point in edge), strict=True)
         return min(xs), min(ys), max(xs), max(ys)

@@ -57,11 +57,9 @@ if __name__ == "__main__":
 
 
 TIME_LIMIT_S = 180.0
-"""Time after which the process is stopped [s]."""
 
 
 def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
-    """Project every part of a job in its views. Raises GeometryError or MissingLibraryError."""
     with TemporaryFolder() as folder:
         command = [sys.executable, "-m", "fingertip.pictures.drawing.projection", str(folder)]
         try:

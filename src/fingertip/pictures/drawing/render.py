@@ -75,7 +75,6 @@ def _svg_stroke(style: Style) -> str:
 
 
 def _number(value: float) -> str:
-    """Format a length to a thousandth of a millimetre."""
     return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
 
 

@@ -29,12 +29,10 @@ class Paper:
 
     @property
     def right(self) -> float:
-        """Right edge of the frame."""
         return self.width - 10.0
 
     @property
     def top(self) -> float:
-        """Upper edge of the frame."""
         return self.height - 10.0
 
 
@@ -141,7 +139,6 @@ def _wrap(text: str, width: float) -> list[str]:
 
 
 def _shorten(text: str, height: float, width: float) -> str:
-    """Cut a text that is too wide for its cell."""
     if text_width(text, height) <= width:
         return text
     while text and text_width(f"{text}...", height) > width:

@@ -12,7 +12,6 @@ from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
 
 _LIFT_MM = 12.0
-"""Height of a lifted syringe above its cone [mm]."""
 
 
 def _in_pose(data: Data) -> Camera:
@@ -43,16 +42,13 @@ def _vent_labels(bench: Bench, text: str) -> list[Label]:
 
 
 def try_cone(bench: Bench, data: Data) -> Scene:
-    """Show the empty syringe above the cone of the empty mold."""
     m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.syringe(lift_mm=_LIFT_MM)),
         View.DORSAL,
-        (
-            *_vent_labels(bench, "vent: a wire\nmust pass"),
-            Label("Luer cone: the nozzle\nmust not rock", (inlet.x, m.dorsal_height, inlet.z)),
-        ),
-        (_into_cone(bench),),
+        *_vent_labels(bench, "vent: a wire\nmust pass"),
+        Label("Luer cone: the nozzle\nmust not rock", (inlet.x, m.dorsal_height, inlet.z)),
+        _into_cone(bench),
     )
 
 
@@ -62,26 +58,21 @@ def try_syringe(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
         View.DORSAL,
-        (*_vent_labels(bench, "vent: air must come"), Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z))),
-        (_into_cone(bench),),
+        *_vent_labels(bench, "vent: air must come"),
+        Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z)),
+        _into_cone(bench),
     )
 
 
 def _into_cone(bench: Bench) -> Arrow:
-    """Show the way of the nozzle into its cone."""
     m, inlet = bench.layout, given(bench.layout.inlet)
     x, z = inlet.x, inlet.z + 10.0
     return Arrow((x, m.dorsal_height + _LIFT_MM - 1.0, z), (x, m.dorsal_height + 2.0, z))
 
 
 def measure(bench: Bench, data: Data) -> Scene:
-    """Show where to measure the sensor of the closed mold."""
     low = bench.dims.base_end_z
-    return Scene(
-        tuple(_closed(bench)),
-        View.DORSAL,
-        (Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)),),
-    )
+    return Scene(_closed(bench), View.DORSAL, Label("ohmmeter at the wires:\nabove 1 Mohm", (0.0, 0.0, low)))
 
 
 def fill(bench: Bench, data: Data) -> Scene:
@@ -96,11 +87,9 @@ def fill(bench: Bench, data: Data) -> Scene:
             *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
         ),
         _in_pose(data),
-        (
-            *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
-            Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
-        ),
-        (Arrow((x, y, z), (x, y - 22.0, z)),),
+        *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
+        Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
+        Arrow((x, y, z), (x, y - 22.0, z)),
     )  # fmt: skip
 
 
@@ -110,30 +99,24 @@ def leave(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_closed(bench), *bench.syringe(0.2)),
         _in_pose(data),
-        (
-            *_vent_labels(bench, "full"),
-            Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
-            Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
-        ),
+        *_vent_labels(bench, "full"),
+        Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
+        Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
     )
 
 
 def stand(bench: Bench, data: Data) -> Scene:
-    """Show the mold that gravity fills, its funnel up."""
     m = bench.layout
     return Scene(
-        tuple(_closed(bench)),
+        _closed(bench),
         View.FUNNEL_UP,
-        (
-            Label("funnel", (m.gate_x, 0.0, m.distal_z)),
-            Label(f"{bench.insert}, down", (0.0, 0.0, bench.dims.base_end_z)),
-            Label("hold here", (-m.half_width, 0.0, m.pry_z)),
-        ),
+        Label("funnel", (m.gate_x, 0.0, m.distal_z)),
+        Label(f"{bench.insert}, down", (0.0, 0.0, bench.dims.base_end_z)),
+        Label("hold here", (-m.half_width, 0.0, m.pry_z)),
     )
 
 
 def pour(bench: Bench, data: Data) -> Scene:
-    """Show the stream into the funnel, the mold cut open."""
     m = bench.layout
     stream = cylinder("z", (m.gate_x, 0.0), m.distal_z - 2.0, m.distal_z + 25.0, 0.6)
     return Scene(
@@ -142,7 +125,8 @@ def pour(bench: Bench, data: Data) -> Scene:
             bench.solid(stream, Paint.SILICONE),
         ),
         View.FUNNEL_UP,
-        (Label("thin stream", (m.gate_x, 0.0, m.distal_z + 20.0)), *_vent_labels(bench, "silicone must rise here")),
+        Label("thin stream", (m.gate_x, 0.0, m.distal_z + 20.0)),
+        *_vent_labels(bench, "silicone must rise here"),
     )  # fmt: skip
 
 
@@ -151,7 +135,7 @@ def cure(bench: Bench, data: Data) -> Scene:
     hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.layout
     syringe = bench.syringe(0.2) if m.inlet else []
     pose = _in_pose(data) if m.inlet else View.FUNNEL_UP
-    return Scene((*_closed(bench), *syringe), pose, (Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)),))
+    return Scene((*_closed(bench), *syringe), pose, Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)))
 
 
 # Scenes at the scale: weigh, degas, and load the syringe.
@@ -175,16 +159,13 @@ def weigh(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), bench.solid(scale, Paint.STEEL)),
         _FRONT,
-        (
-            Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (_CUP_RADIUS_MM, 0.0, level)),
-            Label(f"first {batch['a_g']:g} g of {first}", (-_CUP_RADIUS_MM, 0.0, share * level)),
-            Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
-        ),
+        Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (_CUP_RADIUS_MM, 0.0, level)),
+        Label(f"first {batch['a_g']:g} g of {first}", (-_CUP_RADIUS_MM, 0.0, share * level)),
+        Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
     )
 
 
 def degas(bench: Bench, data: Data) -> Scene:
-    """Show the cup under vacuum, large enough for the foam."""
     level = _find_level_mm(data)
     bell = difference(
         cylinder("z", (0.0, 0.0), -2.0, 75.0, 45.0), cylinder("z", (0.0, 0.0), 0.0, 72.0, 42.0),
@@ -193,16 +174,13 @@ def degas(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, 4 * level), bench.solid(bell, Paint.GLASS)),
         _FRONT,
-        (
-            Label("foam rises some\nfour times as high,\nthen falls", (_CUP_RADIUS_MM, 0.0, 4 * level)),
-            Label("vacuum chamber", (-43.0, 0.0, 60.0)),
-            Label(f"silicone before:\n{level:.0f} mm high in this cup", (-_CUP_RADIUS_MM, 0.0, level)),
-        ),
+        Label("foam rises some\nfour times as high,\nthen falls", (_CUP_RADIUS_MM, 0.0, 4 * level)),
+        Label("vacuum chamber", (-43.0, 0.0, 60.0)),
+        Label(f"silicone before:\n{level:.0f} mm high in this cup", (-_CUP_RADIUS_MM, 0.0, level)),
     )
 
 
 def load_syringe(bench: Bench, data: Data) -> Scene:
-    """Show the syringe with its silicone."""
     filling, inlet = data["filling"], given(bench.layout.inlet)
     shown = bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"])
     high = max(float(item.mesh.vertices[:, 1].max()) for item in shown)
@@ -217,13 +195,11 @@ def load_syringe(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*shown, bench.solid(wire, Paint.SENSOR), bench.solid(cap, Paint.SEAL)),
         Camera.looking_from((-1.0, -0.2, 0.2), (0.0, 1.0, 0.0)),
-        (
-            Label("cap: take it off\nbefore you press\nthe air out", (inlet.x, low, inlet.z)),
-            Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),
-            Label(
-                "wire beside the plunger\nlets the air out; then\npull it out",
-                (inlet.x - radius, level + 8.0, inlet.z + 0.7 * radius),
-            ),
+        Label("cap: take it off\nbefore you press\nthe air out", (inlet.x, low, inlet.z)),
+        Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),
+        Label(
+            "wire beside the plunger\nlets the air out; then\npull it out",
+            (inlet.x - radius, level + 8.0, inlet.z + 0.7 * radius),
         ),
-        (Arrow((inlet.x, high + 16.0, inlet.z), (inlet.x, high + 2.0, inlet.z)),),
+        Arrow((inlet.x, high + 16.0, inlet.z), (inlet.x, high + 2.0, inlet.z)),
     )

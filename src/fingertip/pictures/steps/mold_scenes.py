@@ -41,39 +41,33 @@ def cure_test(bench: Bench, data: Data) -> Scene:
         drop = Cone("y", centre, 2.0, 2.0 + _DROP_MM / 2, _DROP_MM, _DROP_MM / 3)
         shown += [bench.solid(spare, colour), bench.solid(drop, Paint.SILICONE)]
         labels.append(Label(f"drop on {name}", (centre[1], 2.0 + _DROP_MM / 2, centre[0])))
-    return Scene(tuple(shown), Camera.looking_from((0.15, 0.8, -0.6), (0.0, 0.6, 0.8)), tuple(labels))
+    return Scene(shown, Camera.looking_from((0.15, 0.8, -0.6), (0.0, 0.6, 0.8)), *labels)
 
 
 def close_empty(bench: Bench, data: Data) -> Scene:
-    """Show the halves before they close, with keys and sockets."""
     m, apart = bench.layout, bench.apart_mm
     x, z, _ = max(m.keys, key=lambda key: -key[0])
     return Scene(
         (bench.part("mold_dorsal", (0.0, apart, 0.0)), bench.part("mold_palmar")),
         View.LOW,
-        (
-            Label("dorsal half", (0.0, m.dorsal_height + apart, m.distal_z)),
-            Label("palmar half", (-m.half_width, -m.palmar_height / 2, m.proximal_z)),
-            Label("key", (x, apart - bench.design.mold.key_height_mm / 2, z)),
-            Label("pry slot", (-m.half_width, 0.0, m.pry_z)),
-        ),
-        (Arrow((0.0, apart * 0.95, m.distal_z), (0.0, apart * 0.25, m.distal_z)),),
+        Label("dorsal half", (0.0, m.dorsal_height + apart, m.distal_z)),
+        Label("palmar half", (-m.half_width, -m.palmar_height / 2, m.proximal_z)),
+        Label("key", (x, apart - bench.design.mold.key_height_mm / 2, z)),
+        Label("pry slot", (-m.half_width, 0.0, m.pry_z)),
+        Arrow((0.0, apart * 0.95, m.distal_z), (0.0, apart * 0.25, m.distal_z)),
     )
 
 
 def try_fit(bench: Bench, data: Data) -> Scene:
-    """Show bone or core above its recess."""
     m, apart = bench.layout, bench.apart_mm
     base = -bench.design.mold.recess_length_mm / 2
     return Scene(
         (bench.part(bench.insert, (0.0, apart, 0.0)), bench.part("mold_palmar")),
         View.DORSAL,
-        (
-            Label(bench.insert, (0.0, apart, bench.dims.base_end_z)),
-            Label("recess: scrape it\nwhere it shines", (0.0, -2.0, base)),
-            Label("cavity", (0.0, -m.palmar_height / 3, bench.dims.sensor_z)),
-        ),
-        (Arrow((0.0, 0.9 * apart, base), (0.0, 0.1 * apart, base)),),
+        Label(bench.insert, (0.0, apart, bench.dims.base_end_z)),
+        Label("recess: scrape it\nwhere it shines", (0.0, -2.0, base)),
+        Label("cavity", (0.0, -m.palmar_height / 3, bench.dims.sensor_z)),
+        Arrow((0.0, 0.9 * apart, base), (0.0, 0.1 * apart, base)),
     )
 
 
@@ -83,23 +77,18 @@ def drill(bench: Bench, data: Data) -> Scene:
     z, top = axis_z(bench.design), m.dorsal_height
     wide = _drill(z, top + 2.0, top + 16.0, chaplet["hole_mm"] / 2)
     facet = given(bench.dims.chaplet).facet_y - apart
-    narrow = _drill(z, facet + 2.0, facet + 16.0, chaplet["pilot_mm"] / 2)
+    narrow, depth_mm = _drill(z, facet + 2.0, facet + 16.0, chaplet["pilot_mm"] / 2), chaplet["pilot_depth_mm"]
     return Scene(
         (
             bench.part("mold_dorsal", cut=True), bench.part(bench.insert, (0.0, -apart, 0.0), cut=True),
             bench.solid(wide, Paint.STEEL), bench.solid(narrow, Paint.STEEL),
         ),
         View.SIDE,
-        (
-            Label(f"drill {chaplet['hole_mm']:g} mm", (0.0, top + 12.0, z)),
-            Label("boss", (0.0, facet + apart + 0.6, z + chaplet["diameter_mm"] / 2)),
-            Label(
-                f"drill {chaplet['pilot_mm']:g} mm,\nno deeper than\n{chaplet['pilot_depth_mm']:g} mm",
-                (0.0, facet + 12.0, z),
-            ),
-            Label("pocket of the sensor" if bench.insert == "bone" else "core", (0.0, -apart - 2.0, z + 3.0)),
-        ),
-        (Arrow((0.0, top + 9.0, z - 4.0), (0.0, top + 2.0, z - 4.0)),),
+        Label(f"drill {chaplet['hole_mm']:g} mm", (0.0, top + 12.0, z)),
+        Label("boss", (0.0, facet + apart + 0.6, z + chaplet["diameter_mm"] / 2)),
+        Label(f"drill {chaplet['pilot_mm']:g} mm,\nno deeper than\n{depth_mm:g} mm", (0.0, facet + 12.0, z)),
+        Label("pocket of the sensor" if bench.insert == "bone" else "core", (0.0, -apart - 2.0, z + 3.0)),
+        Arrow((0.0, top + 9.0, z - 4.0), (0.0, top + 2.0, z - 4.0)),
     )  # fmt: skip
 
 
@@ -111,7 +100,6 @@ def _drill(z: float, low: float, high: float, radius: float) -> Solid:
 
 
 def release(bench: Bench, data: Data) -> Scene:
-    """Show both cavities, opened like a book."""
     m = bench.layout
     dorsal = bench.part("mold_dorsal")
     beside = 2 * m.half_width + 6.0
@@ -126,11 +114,10 @@ def release(bench: Bench, data: Data) -> Scene:
     ]
     if data["chaplet"]:
         marks.append(Label("face of the boss:\nleave bare", (beside, -1.0, axis_z(bench.design))))
-    return Scene((bench.part("mold_palmar"), Shown(turned, dorsal.colour)), camera, tuple(marks))
+    return Scene((bench.part("mold_palmar"), Shown(turned, dorsal.colour)), camera, *marks)
 
 
 def seat_tape(bench: Bench, data: Data) -> Scene:
-    """Show the tape around the seat."""
     seat, dims = data["fit"]["seat_tape"], bench.dims
     half = dims.bone_outline.section.half_width
     middle, floor = -(seat["from_mm"] + seat["to_mm"]) / 2, -dims.base_flat_depth
@@ -146,30 +133,26 @@ def seat_tape(bench: Bench, data: Data) -> Scene:
         shown.append(bench.solid(scrap, Paint.PAPER))
         labels.append(Label("baking paper\non the bare film", (0.0, floor, low + 1.0)))
     labels.append(Label("the skin begins here", (0.0, -dims.flat_depth, 0.0)))
-    return Scene(tuple(shown), View.PALMAR, tuple(labels))
+    return Scene(shown, View.PALMAR, *labels)
 
 
 def core_only(bench: Bench, data: Data) -> Scene:
-    """Show the core in the palmar half."""
     return Scene(
         (bench.part("core"), bench.part("mold_palmar")),
         View.DORSAL,
-        (Label("core, without sensor", (0.0, 2.0, bench.dims.base_end_z + 2.0)),),
+        Label("core, without sensor", (0.0, 2.0, bench.dims.base_end_z + 2.0)),
     )
 
 
 def prime(bench: Bench, data: Data) -> Scene:
-    """Show where the primer goes on the bone."""
     dims = bench.dims
     _, y, z = bench.head
     return Scene(
         (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE), *bench.seat_tape()),
         View.PALMAR,
-        (
-            Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
-            Label("none on the tape", (0.0, y, z / 2)),
-            Label("none below the collar", (0.0, 0.0, dims.base_end_z / 2)),
-        ),
+        Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
+        Label("none on the tape", (0.0, y, z / 2)),
+        Label("none below the collar", (0.0, 0.0, dims.base_end_z / 2)),
     )
 
 
@@ -177,21 +160,19 @@ def hold(bench: Bench, data: Data) -> Scene:
     """Show bone or core in the dorsal half, with the screw that holds it."""
     m, z = bench.layout, axis_z(bench.design) if data["chaplet"] else 0.0
     lift = 10.0
-    labels = [
+    marks: list[Label | Arrow] = [
         Label("dorsal half", (0.0, m.dorsal_height * 0.8, m.proximal_z)),
         Label(bench.insert, (0.0, 0.0, bench.dims.base_end_z + 2.0)),
     ]
     if seat := data["fit"]["seat_tape"]:  # whole, or its cut edges alone would show
         middle = -(seat["from_mm"] + seat["to_mm"]) / 2
-        labels.append(Label("tape on the seat", (0.0, -bench.dims.base_flat_depth, middle)))
+        marks.append(Label("tape on the seat", (0.0, -bench.dims.base_flat_depth, middle)))
     if data["chaplet"]:
         chaplet, facet = data["chaplet"], given(bench.dims.chaplet).facet_y
-        labels += [
+        marks += [
             Label(f"{chaplet['thread']} x {chaplet['length_mm']:g} mm", (0.0, m.dorsal_height + lift, z)),
-            Label(
-                "facet on boss, forked\npaper between\nuntil it is held",
-                (0.0, facet, z + 2.0),
-            ),
+            Label("facet on boss, forked\npaper between\nuntil it is held", (0.0, facet, z + 2.0)),
+            Arrow((0.0, m.dorsal_height + lift, z + 6.0), (0.0, m.dorsal_height + 1.0, z + 6.0)),
         ]
     return Scene(
         (
@@ -201,15 +182,11 @@ def hold(bench: Bench, data: Data) -> Scene:
             *bench.chaplet_screw((0.0, lift, 0.0)),
         ),
         View.CAVITY_UP if data["chaplet"] else View.SIDE,
-        tuple(labels),
-        (Arrow((0.0, m.dorsal_height + lift, z + 6.0), (0.0, m.dorsal_height + 1.0, z + 6.0)),)
-        if data["chaplet"]
-        else (),
+        *marks,
     )
 
 
 def bolt(bench: Bench, data: Data) -> Scene:
-    """Show bolts and nuts on their way into the closed mold."""
     m, apart = bench.layout, bench.apart_mm
     (x, z), count = m.bolts[0], data["mold"]["bolts"]
     return Scene(
@@ -218,12 +195,10 @@ def bolt(bench: Bench, data: Data) -> Scene:
             *bench.bolts((0.0, apart, 0.0), (0.0, -1.3 * apart, 0.0)),
         ),
         View.LOW,
-        (
-            Label(f"{count} bolts, crosswise,\nby hand", (x, m.dorsal_height + apart, z)),
-            Label(f"{count} nuts in their traps", (x, -m.palmar_height - 1.2 * apart, z)),
-            Label("no gap here", (-m.half_width, 0.0, m.distal_z - 2.0)),
-        ),
-        (Arrow((x, m.dorsal_height + 0.9 * apart, z), (x, m.dorsal_height + 0.2 * apart, z)),),
+        Label(f"{count} bolts, crosswise,\nby hand", (x, m.dorsal_height + apart, z)),
+        Label(f"{count} nuts in their traps", (x, -m.palmar_height - 1.2 * apart, z)),
+        Label("no gap here", (-m.half_width, 0.0, m.distal_z - 2.0)),
+        Arrow((x, m.dorsal_height + 0.9 * apart, z), (x, m.dorsal_height + 0.2 * apart, z)),
     )  # fmt: skip
 
 
@@ -244,11 +219,9 @@ def open_(bench: Bench, data: Data) -> Scene:
             *bench.in_mold(), bench.casting(),
         ),
         View.RUNNER_SIDE,
-        tuple(labels),
-        (
-            Arrow((0.0, apart * 0.6, m.distal_z + 3.0), (0.0, apart * 1.3, m.distal_z + 3.0)),
-            Arrow((0.0, -apart * 0.6, m.distal_z + 3.0), (0.0, -apart * 1.3, m.distal_z + 3.0)),
-        ),
+        *labels,
+        Arrow((0.0, apart * 0.6, m.distal_z + 3.0), (0.0, apart * 1.3, m.distal_z + 3.0)),
+        Arrow((0.0, -apart * 0.6, m.distal_z + 3.0), (0.0, -apart * 1.3, m.distal_z + 3.0)),
     )  # fmt: skip
 
 
@@ -261,19 +234,19 @@ def patch(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*bench.assembled_bone(), bench.part("skin"), bench.solid(filled, Paint.PATCH)),
         View.DORSAL,
-        (Label("fill this hole,\nlevel with the skin", (0.0, outer.dorsal_height_at(0.0, z), z)),),
+        Label("fill this hole,\nlevel with the skin", (0.0, outer.dorsal_height_at(0.0, z), z)),
     )
 
 
 def roll_off(bench: Bench, data: Data) -> Scene:
-    """Show the core on its way out of the skin."""
     out = bench.design.skin.length_mm * 0.7
     low = bench.dims.base_end_z
     return Scene(
         (bench.part("skin"), bench.part("core", (0.0, 0.0, -out))),
         View.DORSAL,
-        (Label("roll the edge back\nand strip the skin off", (0.0, 0.0, 0.0)), Label("core", (0.0, 0.0, low - out))),
-        (Arrow((0.0, 12.0, 0.0), (0.0, 12.0, 14.0)),),
+        Label("roll the edge back\nand strip the skin off", (0.0, 0.0, 0.0)),
+        Label("core", (0.0, 0.0, low - out)),
+        Arrow((0.0, 12.0, 0.0), (0.0, 12.0, 14.0)),
     )
 
 
@@ -283,10 +256,8 @@ def pull_on(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*bench.assembled_bone(), bench.part("skin", (0.0, 0.0, out))),
         View.DORSAL,
-        (
-            Label("wet inside", (0.0, 0.0, out)),
-            Label("edge of the skin\nends here, on the collar", (0.0, bench.dims.collar.section.dorsal, 0.0)),
-            Label("keep sensor and slot dry", (0.0, -bench.dims.flat_depth, bench.dims.sensor_z)),
-        ),
-        (Arrow((0.0, 12.0, out + 6.0), (0.0, 12.0, out - 10.0)),),
+        Label("wet inside", (0.0, 0.0, out)),
+        Label("edge of the skin\nends here, on the collar", (0.0, bench.dims.collar.section.dorsal, 0.0)),
+        Label("keep sensor and slot dry", (0.0, -bench.dims.flat_depth, bench.dims.sensor_z)),
+        Arrow((0.0, 12.0, out + 6.0), (0.0, 12.0, out - 10.0)),
     )

@@ -9,7 +9,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.insert import cavity, filled_bone
-from fingertip.cad.shapes.mold import runners, vents
+from fingertip.cad.shapes.mold import block, runners, vents
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
@@ -64,20 +64,16 @@ class Bench:
         return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
 
     def part_solid(self, name: str) -> tuple[Solid, Colour]:
-        """Return solid and colour of a part."""
         return PARTS[name].solid(self.design), PARTS[name].colour
 
     def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
-        """Show a part."""
         solid, colour = self.part_solid(name)
         return self.solid(solid, colour, shift, cut=cut)
 
     def sensor(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
-        """Show the sensor."""
         return self.solid(sensor_body(self.design), Paint.SENSOR, shift, cut=cut)
 
     def assembled_bone(self, *, cut: bool = False, lid: bool = True) -> list[Shown]:
-        """Show the bone with sensor and lid."""
         shown = [self.part("bone", cut=cut), self.sensor(cut=cut)]
         if lid and "lid" in parts_by_name(self.design):
             shown.append(self.part("lid", cut=cut))
@@ -90,7 +86,6 @@ class Bench:
     def bolts(
         self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False
     ) -> list[Shown]:
-        """Show the bolts of the mold and their nuts."""
         return [
             self.solid(item.solid, item.colour, nut_shift if "nut" in item.name else bolt_shift, cut=cut)
             for item in hardware(self.design, ("mold_palmar", "mold_dorsal"))
@@ -106,17 +101,12 @@ class Bench:
         ]
 
     def casting(self, *, cut: bool = False) -> Shown:
-        """Show the silicone as it leaves the mold, with runner and vents."""
-        cast = intersection(union(cavity(self.design), *runners(self.design)), self._block())
+        cast = intersection(union(cavity(self.design), *runners(self.design)), block(self.design))
         return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), Paint.SILICONE, cut=cut)
 
     def vents(self) -> list[Shown]:
         """Show the silicone in the vents, whole where the casting is cut open."""
-        return [self.solid(intersection(vent, self._block()), Paint.SILICONE) for vent in vents(self.design)]
-
-    def _block(self) -> Box:
-        m = self.layout
-        return Box((-m.half_width, -m.palmar_height, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
+        return [self.solid(intersection(vent, block(self.design)), Paint.SILICONE) for vent in vents(self.design)]
 
     def seat_tape(self) -> list[Shown]:
         """Show the tape around the seat, on the collar or on the base below it; none without one."""
@@ -132,10 +122,7 @@ class Bench:
         return [self.solid(difference(around, filled_bone(self.design)), Paint.TAPE)]
 
     def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
-        """Show the syringe above its cone, its barrel cut open, with silicone up to a share of its volume.
-
-        `drawn_share` is the share up to which the plunger is pulled back at least.
-        """
+        """Show the syringe over its cone, its barrel cut open, filled to a share, drawn to `drawn_share` or more."""
         inlet = given(self.layout.inlet)
         centre, kind = (inlet.z, inlet.x), inlet.syringe
         tip = self.layout.dorsal_height - NOZZLE_DEPTH_MM + lift_mm

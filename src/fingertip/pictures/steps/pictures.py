@@ -22,7 +22,6 @@ SCENES: Mapping[str, Callable[[Bench, Data], Scene]] = {
 def draw_steps(
     design: Design, data: Data, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
 ) -> dict[str, bytes]:
-    """Draw the picture of each step, by the names of their scenes."""
     bench, pictures = Bench(design), {}
     for number, name in enumerate(names, 1):
         progress(f"drawing step {number} of {len(names)}")

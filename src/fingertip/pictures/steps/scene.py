@@ -7,7 +7,7 @@ another label.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
@@ -16,9 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.design.geometry.solids import (
-    Point3,
-)
+from fingertip.design.geometry.solids import Point3
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 
@@ -35,16 +33,12 @@ _HEAD_PX, _HEAD_ANGLE = 13.0, math.radians(24.0)
 
 @dataclass(frozen=True)
 class Shown:
-    """Mesh at the place where it is drawn."""
-
     mesh: Mesh
     colour: Colour
 
 
 @dataclass(frozen=True)
 class Label:
-    """Text that names a point."""
-
     text: str
     """One line, or several that are separated by line feeds."""
     point_mm: Point3
@@ -58,25 +52,24 @@ class Arrow:
     end_mm: Point3
 
 
-@dataclass(frozen=True)
 class Scene:
-    """Content of a picture: meshes, the camera that sees them, and what is written beside them."""
+    """Content of a picture: meshes, the camera that sees them, and what is written and drawn beside them."""
 
-    shown: tuple[Shown, ...]
-    camera: Camera
-    labels: tuple[Label, ...] = ()
-    arrows: tuple[Arrow, ...] = ()
+    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
+        self.shown, self.camera = tuple(shown), camera
+        self.labels = [mark for mark in marks if isinstance(mark, Label)]
+        self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
 
 
 def draw_scene(scene: Scene) -> bytes:
-    """Draw a scene as a PNG, as large as its parts allow within the margins."""
     ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
     centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
     scale = min(room[0] / size[0], room[1] / size[1])
     height = int(size[1] * scale) + 2 * _PADDING_PX
-    height = max(height, _PADDING_PX * 2 + _LINE_PX * max(_count_lines(scene, side, centre) for side in (-1, 1)))
+    lines = (sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre)) for side in (-1, 1))
+    height = max(height, _PADDING_PX * 2 + _LINE_PX * max(lines))
 
     canvas = Canvas(_WIDTH_PX, height, scale, scene.camera)
     for item in scene.shown:
@@ -109,10 +102,6 @@ def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:
     right, up = scene.camera.axes[:2]
     chosen = [label for label in scene.labels if (1 if (np.array(label.point_mm) - centre) @ right > 0 else -1) == side]
     return sorted(chosen, key=lambda label: -float(np.array(label.point_mm) @ up))
-
-
-def _count_lines(scene: Scene, side: int, centre: Array) -> int:
-    return sum(label.text.count("\n") + 2 for label in _labels_on(scene, side, centre))
 
 
 def _spread(entries: Sequence[tuple[Pixel, str]], height: int) -> list[float]:
@@ -169,7 +158,6 @@ class Paint:
 
 
 Data = Mapping[str, Any]
-"""Data of the casting sheet."""
 Given = TypeVar("Given")
 
 

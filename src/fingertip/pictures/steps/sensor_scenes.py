@@ -16,31 +16,26 @@ _BEYOND_COLLAR_MM = 9.0
 
 
 def place_sensor(bench: Bench, data: Data) -> Scene:
-    """Show the sensor on its way into pocket and slot, through the collar where its tail passes it."""
     dims, (x, y, z) = bench.dims, bench.head
     if dims.tail_passes_collar:
         out = 0.6 * (dims.sensor.length_mm - dims.sensor.head_diameter_mm)
         return Scene(
             (bench.part("bone"), bench.sensor((0.0, -0.1, out))),
             View.PALMAR,
-            (
-                Label("head, stuck down last", (x, y, z + out)),
-                Label("pocket", (x, y, z)),
-                Label("passage through\nthe collar", (dims.tail_half_width, y - 0.4, 0.0)),
-                Label("solder relief", (0.0, y + 1.0, dims.tail_end_z)),
-            ),
-            (Arrow((-8.0, y - 3.0, z + out), (-8.0, y - 3.0, z + 0.3 * out)),),
+            Label("head, stuck down last", (x, y, z + out)),
+            Label("pocket", (x, y, z)),
+            Label("passage through\nthe collar", (dims.tail_half_width, y - 0.4, 0.0)),
+            Label("solder relief", (0.0, y + 1.0, dims.tail_end_z)),
+            Arrow((-8.0, y - 3.0, z + out), (-8.0, y - 3.0, z + 0.3 * out)),
         )
     return Scene(
         (bench.part("bone"), bench.sensor((0.0, -_LIFT_MM, 0.0))),
         View.PALMAR,
-        (
-            Label("head, adhesive film\non this side", (x, y - _LIFT_MM, z)),
-            Label("pocket", (x, y, z + dims.sensor.head_diameter_mm / 2)),
-            Label("slot of the tail", (0.0, y, dims.tail_end_z / 2 + z / 2)),
-            Label("solder relief", (0.0, y, dims.tail_end_z)),
-        ),
-        (Arrow((x, y - 0.9 * _LIFT_MM, z), (x, y - 0.2 * _LIFT_MM, z)),),
+        Label("head, adhesive film\non this side", (x, y - _LIFT_MM, z)),
+        Label("pocket", (x, y, z + dims.sensor.head_diameter_mm / 2)),
+        Label("slot of the tail", (0.0, y, dims.tail_end_z / 2 + z / 2)),
+        Label("solder relief", (0.0, y, dims.tail_end_z)),
+        Arrow((x, y - 0.9 * _LIFT_MM, z), (x, y - 0.2 * _LIFT_MM, z)),
     )
 
 
@@ -58,12 +53,10 @@ def wires(bench: Bench, data: Data) -> Scene:
             bench.solid(path, Paint.WIRE),
         ),
         View.CUT_FROM_BELOW,
-        (
-            Label("solder here", (0.0, -dims.flat_depth, dims.tail_end_z)),
-            Label("thread the wires\nin here first", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
-            Label("tie them here", (0.0, dims.tie_hole_y, dims.tie_hole_z)),
-            Label("sensor", bench.head),
-        ),
+        Label("solder here", (0.0, -dims.flat_depth, dims.tail_end_z)),
+        Label("thread the wires\nin here first", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
+        Label("tie them here", (0.0, dims.tie_hole_y, dims.tie_hole_z)),
+        Label("sensor", bench.head),
     )  # fmt: skip
 
 
@@ -73,13 +66,11 @@ def try_fold(bench: Bench, data: Data) -> Scene:
     return Scene(
         (bench.part("bone", cut=True),),
         View.CUT_FROM_ABOVE,
-        (
-            Label("trough", (0.0, fold.floor_y, (fold.nose_z + fold.trough_end_z) / 2)),
-            Label("window", (0.0, fold.nose_y, (fold.window_low_z + fold.nose_z - fold.radius) / 2)),
-            Label("passage in\nthe collar", (0.0, y - 0.5, fold.nose_z / 2)),
-            Label("nose", (0.0, fold.nose_y, fold.nose_z - fold.radius / 2)),
-            Label("pocket", bench.head),
-        ),
+        Label("trough", (0.0, fold.floor_y, (fold.nose_z + fold.trough_end_z) / 2)),
+        Label("window", (0.0, fold.nose_y, (fold.window_low_z + fold.nose_z - fold.radius) / 2)),
+        Label("passage in\nthe collar", (0.0, y - 0.5, fold.nose_z / 2)),
+        Label("nose", (0.0, fold.nose_y, fold.nose_z - fold.radius / 2)),
+        Label("pocket", bench.head),
     )
 
 
@@ -107,16 +98,13 @@ def _film_mm(bench: Bench) -> float:
 
 
 def solder_tabs(bench: Bench, data: Data) -> Scene:
-    """Show the flat sensor with its wires."""
     wire, film = data["fit"]["wire_mm"], _film_mm(bench)
     return Scene(
-        tuple(_straight_sensor(bench, film, wire, (0.0, 0.0, 0.0))),
+        _straight_sensor(bench, film, wire, (0.0, 0.0, 0.0)),
         Camera.from_angles(28, 50),
-        (
-            Label("head", (0.0, 0.0, 0.0)),
-            Label(f"wires of {wire:g} mm,\nstraight out", (0.0, wire, -film - 12.0)),
-            Label(f"joints at most\n{data['fit']['crimp_mm']:g} mm high,\nvarnished", (0.0, wire, -film)),
-        ),
+        Label("head", (0.0, 0.0, 0.0)),
+        Label(f"wires of {wire:g} mm,\nstraight out", (0.0, wire, -film - 12.0)),
+        Label(f"joints at most\n{data['fit']['crimp_mm']:g} mm high,\nvarnished", (0.0, wire, -film)),
     )
 
 
@@ -127,26 +115,21 @@ def thread(bench: Bench, data: Data) -> Scene:
     return Scene(
         (bench.part("bone", cut=True), *_straight_sensor(bench, film, wire, (0.0, y + 0.05, z + 0.35 * film))),
         View.CUT_FROM_BELOW,
-        (
-            Label("head comes last", (0.0, y, z + 0.35 * film)),
-            Label("wires and tabs first", (0.0, y, z - 0.65 * film - 14.0)),
-            Label("passage", (0.0, y, given(bench.dims.fold).nose_z / 2)),
-        ),
-        (Arrow((0.0, y - 6.0, z + 0.3 * film), (0.0, y - 6.0, z)),),
+        Label("head comes last", (0.0, y, z + 0.35 * film)),
+        Label("wires and tabs first", (0.0, y, z - 0.65 * film - 14.0)),
+        Label("passage", (0.0, y, given(bench.dims.fold).nose_z / 2)),
+        Arrow((0.0, y - 6.0, z + 0.3 * film), (0.0, y - 6.0, z)),
     )
 
 
 def fold(bench: Bench, data: Data) -> Scene:
-    """Show the folded tail around the nose, cut open."""
     course = given(bench.dims.fold)
     return Scene(
-        tuple(bench.assembled_bone(cut=True, lid=False)),
+        bench.assembled_bone(cut=True, lid=False),
         View.CUT_FROM_ABOVE,
-        (
-            Label("around the nose,\nwithout a crease", (0.0, course.nose_y, course.nose_z - course.radius)),
-            Label("end of the film\nin the trough", (0.0, course.floor_y, course.film_end_z)),
-            Label("head", bench.head),
-        ),
+        Label("around the nose,\nwithout a crease", (0.0, course.nose_y, course.nose_z - course.radius)),
+        Label("end of the film\nin the trough", (0.0, course.floor_y, course.film_end_z)),
+        Label("head", bench.head),
     )
 
 
@@ -154,12 +137,10 @@ def stick_head(bench: Bench, data: Data) -> Scene:
     """Show the head in its pocket, and the room at the end of the trough."""
     course, room = given(bench.dims.fold), data["fit"]["end_room_mm"] / 2
     return Scene(
-        tuple(bench.assembled_bone(cut=True, lid=False)),
+        bench.assembled_bone(cut=True, lid=False),
         View.CUT_FROM_ABOVE,
-        (
-            Label(f"{room:g} mm must be free", (0.0, course.floor_y, course.tabs_end_z + room)),
-            Label("head: adhesive film last", bench.head),
-        ),
+        Label(f"{room:g} mm must be free", (0.0, course.floor_y, course.tabs_end_z + room)),
+        Label("head: adhesive film last", bench.head),
     )
 
 
@@ -172,40 +153,32 @@ def bend_wires(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*bench.assembled_bone(cut=True, lid=False), bench.solid(wires, Paint.WIRE)),
         View.CUT_FROM_ABOVE,
-        (
-            Label("loop, not pulled\nat the joints", (0.0, course.floor_y + wire, course.tabs_end_z)),
-            Label(f"fix with adhesive here,\nthen {way}", (0.0, course.floor_y + wire, course.nose_z)),
-        ),
+        Label("loop, not pulled\nat the joints", (0.0, course.floor_y + wire, course.tabs_end_z)),
+        Label(f"fix with adhesive here,\nthen {way}", (0.0, course.floor_y + wire, course.nose_z)),
     )
 
 
 def stick_lid(bench: Bench, data: Data) -> Scene:
-    """Show the lid above its trough."""
     course = given(bench.dims.fold)
     lid = bench.part("lid", (0.0, _LIFT_MM, 0.0))
     middle = (course.nose_z + course.trough_end_z) / 2
     return Scene(
         (*bench.assembled_bone(lid=False), lid),
         View.DORSAL,
-        (
-            Label("lid", (0.0, bench.dims.bone_outline.section.dorsal + _LIFT_MM, middle)),
-            Label("bead of adhesive\nalong the edges", (0.0, course.floor_y, middle)),
-        ),
-        (Arrow((0.0, _LIFT_MM + 3.0, middle), (0.0, course.floor_y + 4.0, middle)),),
+        Label("lid", (0.0, bench.dims.bone_outline.section.dorsal + _LIFT_MM, middle)),
+        Label("bead of adhesive\nalong the edges", (0.0, course.floor_y, middle)),
+        Arrow((0.0, _LIFT_MM + 3.0, middle), (0.0, course.floor_y + 4.0, middle)),
     )
 
 
 def cover_sensor(bench: Bench, data: Data) -> Scene:
-    """Show the tape over pocket and slot."""
     (_, y, z) = bench.head
     return Scene(
         (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE)),
         View.PALMAR,
-        (
-            Label("one strip of\npolyimide tape,\nedges pressed down", (0.0, y, z / 2)),
-            Label("over the head", (0.0, y, z + 1.0)),
-            Label("from the collar on", (0.0, y, 0.3)),
-        ),
+        Label("one strip of\npolyimide tape,\nedges pressed down", (0.0, y, z / 2)),
+        Label("over the head", (0.0, y, z + 1.0)),
+        Label("from the collar on", (0.0, y, 0.3)),
     )
 
 
@@ -224,10 +197,8 @@ def seal_passage(bench: Bench, data: Data) -> Scene:
     return Scene(
         tuple(bench.solid(intersection(solid, near), colour, cut=True) for solid, colour in shown),
         View.CUT_FROM_BELOW,
-        (
-            Label("silicone adhesive,\nflush with the collar", (0.0, y, -0.3)),
-            Label(f"leave the {beside} open", (0.0, 0.0 if dims.fold else y, end)),
-        ),
+        Label("silicone adhesive,\nflush with the collar", (0.0, y, -0.3)),
+        Label(f"leave the {beside} open", (0.0, 0.0 if dims.fold else y, end)),
     )
 
 
@@ -243,7 +214,7 @@ def peel_tape(bench: Bench, data: Data) -> Scene:
         at = (-dims.bone_outline.section.half_width, 0.0, -(span[0] + span[1]) / 2)
         labels.append(Label("peel the tape off here,\nacross the finger", at))
     shown = (*bench.assembled_bone(), bench.part("skin"), *bench.seat_tape())
-    return Scene(shown, View.DORSAL, tuple(labels))
+    return Scene(shown, View.DORSAL, *labels)
 
 
 def _on_hand(bench: Bench) -> tuple[tuple[Shown, ...], list[Point3]]:
@@ -261,35 +232,29 @@ def _on_hand(bench: Bench) -> tuple[tuple[Shown, ...], list[Point3]]:
 
 
 def pin(bench: Bench, data: Data) -> Scene:
-    """Show the pin of the joint on its way in."""
     joint, half = given(bench.dims.joint), bench.dims.pin_length / 2
     out = 2.5 * half
     shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half - out, half - out, joint.pin_radius)
     return Scene(
         (bench.part("bone"), bench.solid(shaft, Paint.STEEL)),
         View.DORSAL,
-        (
-            Label(f"pin of {data['joint']['pin_mm']:g} mm", (-half - out, joint.axis_y, joint.axis_z)),
-            Label("ream this bore", (-half, joint.axis_y, joint.axis_z)),
-        ),
-        (Arrow((-half - 0.6 * out, joint.axis_y + 4.0, joint.axis_z), (-half, joint.axis_y + 4.0, joint.axis_z)),),
+        Label(f"pin of {data['joint']['pin_mm']:g} mm", (-half - out, joint.axis_y, joint.axis_z)),
+        Label("ream this bore", (-half, joint.axis_y, joint.axis_z)),
+        Arrow((-half - 0.6 * out, joint.axis_y + 4.0, joint.axis_z), (-half, joint.axis_y + 4.0, joint.axis_z)),
     )
 
 
 def bend(bench: Bench, data: Data) -> Scene:
-    """Show the finger on the hand at both stops."""
     shown, edges = _on_hand(bench)
     texts = ("straight:\nmust stop here", f"bent by {data['joint']['travel_deg']:g} degrees:\nmust stop here")
-    return Scene(shown, View.SIDE, tuple(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
+    return Scene(shown, View.SIDE, *(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
 
 
 def try_anchor(bench: Bench, data: Data) -> Scene:
-    """Show the anchor pin in its hole."""
     return _show_anchor(bench, "anchor pin: try it,\ntake it out again")
 
 
 def anchor(bench: Bench, data: Data) -> Scene:
-    """Show the anchor pin of the tendon."""
     return _show_anchor(bench, "anchor pin; the tendon\nis knotted here")
 
 
@@ -300,15 +265,15 @@ def _show_anchor(bench: Bench, text: str) -> Scene:
     return Scene(
         (bench.part("bone", cut=True), bench.solid(wire, Paint.STEEL)),
         Camera.from_angles(30, -20),
-        (Label(text, (0.0, found.y, found.z)),),
+        Label(text, (0.0, found.y, found.z)),
     )
 
 
 def wire_loop(bench: Bench, data: Data) -> Scene:
-    """Show where the wires cross the joint."""
     shown, edges = _on_hand(bench)
     return Scene(
         shown,
         View.SIDE,
-        (Label("wires cross here,\nin a loose loop", edges[0]), Label("still loose\nwhen bent", edges[-1])),
+        Label("wires cross here,\nin a loose loop", edges[0]),
+        Label("still loose\nwhen bent", edges[-1]),
     )

@@ -77,10 +77,7 @@ class CoupledMotion:
 
 
 class CoupledContact:
-    """A pad under a drive that comes in chunks; any chunks give the bits of `integrate`.
-
-    It begins at standstill, in balance with the pressing force of the first sample. Raises TraceError.
-    """
+    """A pad under a drive in any chunks, from standstill in balance with the first force. Raises TraceError."""
 
     def __init__(
         self,
@@ -133,13 +130,9 @@ class CoupledContact:
         carried, stats = self._carried.copy(), np.zeros(3)
         coupled_loop.run(*self._parameters, self._weights, MAX_STEPS, self._step_s, *drive, carried, *out, stats)
         if (failed := int(stats[coupled_loop.FAILED_SAMPLE])) > 0:
-            raise TraceError(
-                Issue(
-                    f"sample {self._samples - repeated + failed}",
-                    f"needs more than {MAX_STEPS} steps from the previous sample; choose a larger tolerance_n than "
-                    f"{self._tolerance_n:g} N, or a softer contact.",
-                )
-            )
+            problem = f"needs more than {MAX_STEPS} steps from the previous sample"
+            remedy = f"choose a larger tolerance_n than {self._tolerance_n:g} N, or a softer contact."
+            raise TraceError(Issue(f"sample {self._samples - repeated + failed}", f"{problem}; {remedy}"))
         self._carried, self._last = carried, np.array([[column[-1]] for column in drive], dtype=np.float64)
         self._samples += len(carriage_m)
         x, v, s, y = (column[repeated:] for column in out)

@@ -54,15 +54,12 @@ POSITION, VELOCITY, BRISTLE, COMPRESSION, RATE, STEP = range(6)
 ACCEPTED, REJECTED, FAILED_SAMPLE = range(3)
 """Indices of the statistics: accepted steps, rejected steps, and the sample at which the loop gave up, or 0."""
 
+Curve = tuple[float, float, float, float]
+Bristles = tuple[float, float, float, float, float]
+Normal = tuple[float, float, float, float]
 
-def bristle_rate(
-    curve: tuple[float, float, float, float],
-    sigma: tuple[float, float, float, float, float],
-    load: float,
-    scale: float,
-    v: float,
-    s: float,
-) -> float:
+
+def bristle_rate(curve: Curve, sigma: Bristles, load: float, scale: float, v: float, s: float) -> float:
     """Return ds/dt, with relaxation of bristles that hardly touch or are bent beyond breakaway; `scale` is c."""
     mu_c, mu_s, per_vs, elastic = curve
     s0, _, _, relax_per_s, n0 = sigma
@@ -85,7 +82,7 @@ def bristle_rate(
     return ds
 
 
-def normal_rate(normal: tuple[float, float, float, float], d: float, y: float, w: float) -> float:
+def normal_rate(normal: Normal, d: float, y: float, w: float) -> float:
     """Return dw/dt: contact resonance while touching, the softer and slower hand in flight."""
     stiffness, damping, rho, flight_damping = normal
     if y > 0.0:
@@ -94,10 +91,10 @@ def normal_rate(normal: tuple[float, float, float, float], d: float, y: float, w
 
 
 def linearise(
-    curve: tuple[float, float, float, float],
-    sigma: tuple[float, float, float, float, float],
+    curve: Curve,
+    sigma: Bristles,
     mount: tuple[float, float, float],
-    normal: tuple[float, float, float, float],
+    normal: Normal,
     pull: float,
     d: float,
     x: float,
@@ -108,10 +105,9 @@ def linearise(
 ) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
     """Return dv/dt, ds/dt and dw/dt, and the entries of the Jacobian that vary.
 
-    These are J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy and J_ww.
-    J_sv is the derivative of ds/dt by v, and so on. J_vx is -k / m, the only entries of the rows of x and y are 1, and
-    all others are 0. At y = 0 and at v = 0, where the right-hand side has corners, the derivatives are those of one
-    side.
+    These are J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy and J_ww. J_sv is the derivative of ds/dt by v, and so on. J_vx
+    is -k / m, the only entries of the rows of x and y are 1, and all others are 0. At y = 0 and at v = 0, where the
+    right-hand side has corners, the derivatives are those of one side.
     """
     mu_c, mu_s, per_vs, elastic = curve
     s0, s1, s2, relax_per_s, n0 = sigma
@@ -178,10 +174,10 @@ def linearise(
 
 
 def _coupled_loop(
-    curve: tuple[float, float, float, float],
-    sigma: tuple[float, float, float, float, float],
+    curve: Curve,
+    sigma: Bristles,
     mount: tuple[float, float, float],
-    normal: tuple[float, float, float, float],
+    normal: Normal,
     weights: tuple[float, float, float, float, float],
     max_steps: int,
     H: float,
@@ -223,9 +219,8 @@ def _coupled_loop(
             if attempts > max_steps:
                 stats[FAILED_SAMPLE] = i + 1
                 return
-            # Step size: end exactly on the sample. Two equal steps avoid a tiny last one.
-            # Usually a step is a whole sample. Its length then comes from a branch, which a processor foresees, and not
-            # from the error of the step before, for which it would wait.
+            # Step size: end exactly on the sample; two equal steps avoid a tiny last one. Usually a step is a whole
+            # sample: its length then comes from a branch, which a processor foresees, not from the error before it.
             is_last = t + h >= H * (1 - 1e-9)
             if is_last and t == 0.0:
                 step, per_step = H, per_H
@@ -329,10 +324,8 @@ def _coupled_loop(
 
             # Stage 5.
             ts = t + step
-            ye, we = (
-                y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4,
-                w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4,
-            )
+            ye = y + A51 * uy1 + A52 * uy2 + A53 * uy3 + A54 * uy4
+            we = w + A51 * uw1 + A52 * uw2 + A53 * uw3 + A54 * uw4
             c1, c2, c3, c4 = C51 * per_step, C52 * per_step, C53 * per_step, C54 * per_step
             ry = we + c1 * uy1 + c2 * uy2 + c3 * uy3 + c4 * uy4
             uy5 = (
@@ -393,10 +386,7 @@ def _coupled_loop(
             else:
                 rejected += 1
                 h = step * factor
-        xs[i + 1] = x
-        vs_out[i + 1] = v
-        ss[i + 1] = s
-        ys[i + 1] = y
+        xs[i + 1], vs_out[i + 1], ss[i + 1], ys[i + 1] = x, v, s, y
     carried[POSITION], carried[VELOCITY], carried[BRISTLE], carried[COMPRESSION], carried[RATE] = x, v, s, y, w
     carried[STEP] = h
     stats[ACCEPTED], stats[REJECTED] = steps, rejected

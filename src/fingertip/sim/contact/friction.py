@@ -46,9 +46,7 @@ RELAX_PER_S = 1 / RELAXATION_S
 STICK_SLIP_STRIBECK_M_S = 0.06
 """Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction still falls at the article's speeds. Assumption."""
 GROSS_SLIP_M_S = 1e-3
-"""Sliding speed above which slip is gross [m/s]; slip onset is the time at which it is first exceeded.
-
-Assumption: 1/40 of the article's slowest slide."""
+"""Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +66,7 @@ class Friction:
     sigma2: float = 0.6
     """Viscous friction [s/m]. Assumption: at 8 cm/s it adds 0.05 to the coefficient."""
     elastic: float = 0.0
-    """Fraction of the deflection ``mu_c / sigma0`` up to which bristles bend elastically.
-
-    0 is plain LuGre friction, where bristles always creep."""
+    """Fraction of ``mu_c / sigma0`` up to which bristles bend elastically; 0 is plain LuGre friction."""
 
     def __post_init__(self) -> None:
         issues = [
@@ -84,9 +80,8 @@ class Friction:
             issues.append(Issue("friction.mu_s", f"{self.mu_s:g} is below mu_c; at least {self.mu_c:g}."))
         if not issues and not self.is_passive:
             maximum = self.sigma2 * self.mu_c / (self.mu_s - self.mu_c)
-            issues.append(
-                Issue("friction.sigma1", f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}.")
-            )
+            message = f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}."
+            issues.append(Issue("friction.sigma1", message))
         if issues:
             raise TraceError(issues)
 

@@ -25,11 +25,9 @@ YOUNG_PA = 1.0e6
 POISSON = 0.5
 """Poisson's ratio: rubber is incompressible."""
 HAND_N_PER_M = 90.0
-"""Stiffness of the hand behind the finger [N/m]. In the article (III.C), target positions spread over 2 cm gave forces
-of 0.2 to 2 N."""
+"""Stiffness of the hand behind the finger [N/m]: 2 cm of target positions gave 0.2 to 2 N (article, III.C)."""
 RESONANCE_HZ = 90.0
-"""Normal resonance of the embedded fingertip at 1 N [Hz]. Its spectrum rarely exceeds 100 Hz (article, figure 2); the
-value below that is an assumption."""
+"""Normal resonance of the embedded fingertip at 1 N [Hz]. Assumption: below 100 Hz (article, figure 2)."""
 DAMPING_RATIO = 0.15
 """Damping ratio of the pad in both directions. Assumption: soft silicone has a loss factor of 0.1 to 0.4."""
 
@@ -105,10 +103,7 @@ class Pad:
 
 
 def cube_root(values: Array) -> Array:
-    """Cube root of values of at least 0, with operations that every processor rounds alike.
-
-    Newton's method for ``y^3 = x`` from the fourth root, for values from 1e-12 to 1e4; smaller ones count as 0.
-    """
+    """Cube root of values from 1e-12 to 1e4, or of 0, by Newton's method, which every processor rounds alike."""
     x = np.where(values > 1e-12, values, 1.0)
     y = np.sqrt(np.sqrt(x))
     for _ in range(9):
@@ -183,10 +178,7 @@ class ContactResonance:
         self._lag, self._step_s, self._state = 2 * zeta / w, h, np.zeros(3)
 
     def process(self, drive_n: Array, load_n: Array, jump_n: Array | None = None) -> Array:
-        """Return the contact force [N] under a drive [N]; the finger touches where the load is above 0.
-
-        A drive may jump by `jump_n` right after the previous point.
-        """
+        """Return the contact force [N]. A drive may jump by `jump_n` [N] right after the previous point."""
         out = np.zeros(len(drive_n))
         jumps = np.zeros(len(drive_n)) if jump_n is None else jump_n
         _resonate(self._free, self._lag, self._step_s, drive_n, jumps, load_n, self._state, out)

@@ -51,7 +51,6 @@ def generate_profile(
     length_m: float,
     patch_radius_m: float = 0.0,
 ) -> SurfaceProfile:
-    """Generate a profile."""
     count = math.ceil(length_m / _SPACING_M) + 2
     waves, square = [], 0.0
     for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):
@@ -137,8 +136,6 @@ _interpolate = CompiledLoop(_interpolate_loop, outputs=1, samples="position", pl
 
 @dataclass(frozen=True)
 class Surface:
-    """One test surface."""
-
     label: str
     roughness_um: float
     """Arithmetic mean deviation Ra of the profile [um]."""

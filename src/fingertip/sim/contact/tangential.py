@@ -59,18 +59,13 @@ class Mount:
 
 @dataclass(frozen=True)
 class PadMotion:
-    """Motion of the pad at the points of the time grid."""
-
     position_m: Array
     velocity_m_s: Array
     bristle_m: Array
 
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:
-    """Longest step that resolves the oscillation of a stuck pad on its bristles [s].
-
-    Bristles and mount are springs in parallel, so the pad turns by ``sqrt((k + N sigma0) / m)`` radians per second.
-    """
+    """Longest step for a stuck pad, which turns by ``sqrt((k + N sigma0) / m)`` radians per second [s]."""
     stiffness = mount.stiffness_n_per_m + max_load_n * friction.sigma0
     return MAX_PHASE * math.sqrt(mount.mass_kg / stiffness) if stiffness > 0.0 else math.inf
 
@@ -86,9 +81,8 @@ class DraggedPad:
     def __init__(self, friction: Friction, mount: Mount, step_s: float) -> None:
         issues = find_not_positive("step_s", step_s, "s", "0.000125")
         if friction.elastic:
-            issues.append(
-                Issue("friction.elastic", f"{friction.elastic:g} needs error control; use coupled.integrate.")
-            )
+            message = f"{friction.elastic:g} needs error control; use coupled.integrate."
+            issues.append(Issue("friction.elastic", message))
         raise_issues(issues)
         self._friction, self._mount, self._step_s = friction, mount, step_s
         self._state: Array | None = None

@@ -18,7 +18,7 @@ from pydantic import ConfigDict, Field
 
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
-from fingertip.design.parameters import ParameterTable, choice, quantity
+from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.sim.signal.parameters import (
@@ -39,13 +39,9 @@ class Contact(ParameterTable):
     surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
         "medium", "One of the article's six surfaces (III.C)."
     )
-    length_m: float = assumption(0.1, "m", "Length of the surface.", above=0, maximum=1)
+    length_m: float = assumption(0.1, "m", (Above(0), 1), "Length of the surface.")
     resonance_hz: float = quantity(
-        90.0,
-        "Hz",
-        "Normal resonance at 1 N: 90 embedded, 230 for the bare sensor (article, fig. 2).",
-        minimum=20,
-        maximum=500,
+        90.0, "Hz", (20, 500), "Normal resonance at 1 N: 90 embedded, 230 for the bare sensor (article, fig. 2)."
     )
     bristles: Literal["plain", "elasto_plastic"] = choice(
         "plain", "LuGre friction as published, or without its creep below breakaway."
@@ -66,67 +62,53 @@ class Hold(ParameterTable):
 
     mode: Literal["press", "grasp"] = choice("press", "Press to a depth (sliding finger), or grasp with a force.")
     min_force_n: float = quantity(
-        0.2, "N", "Lower limit of the force that the seed draws (article, III.C).", above=0, maximum=4
+        0.2, "N", (Above(0), 4), "Lower limit of the force that the seed draws (article, III.C)."
     )
-    max_force_n: float = quantity(
-        2.0, "N", "Upper limit; the lift of 5 cm ends contacts of up to 4 N.", above=0, maximum=4
-    )
+    max_force_n: float = quantity(2.0, "N", (Above(0), 4), "Upper limit; the lift of 5 cm ends contacts of up to 4 N.")
     share: float = quantity(
-        1.0,
-        "",
-        "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5.",
-        above=0,
-        maximum=1,
+        1.0, "", (Above(0), 1), "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5."
     )
-    close_s: float = assumption(0.4, "s", "Time in which the force of a grasp rises.", minimum=0.02, maximum=10)
-    wait_s: float = quantity(1.0, "s", "Wait between the phases (article, III.C).", minimum=0, maximum=60)
-    min_s: float = quantity(0.0, "s", "Minimum holding time.", minimum=0, maximum=600)
+    close_s: float = assumption(0.4, "s", (0.02, 10), "Time in which the force of a grasp rises.")
+    wait_s: float = quantity(1.0, "s", (0, 60), "Wait between the phases (article, III.C).")
+    min_s: float = quantity(0.0, "s", (0, 600), "Minimum holding time.")
     release: bool = Field(True, description="Whether the finger lifts (press) or the grasp opens at the end.")
-    after_s: float = assumption(0.2, "s", "Recording time after the end.", minimum=0, maximum=60)
+    after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
 
 
 class Slide(ParameterTable):
     """Slide of the surface under the finger; 0 m means none."""
 
-    distance_m: float = quantity(0.0, "m", "Distance (article: 0.04).", minimum=0, maximum=1)
-    speed_m_s: float = quantity(0.04, "m/s", "Peak velocity (article: 0.04, 0.06, 0.08).", minimum=0.005, maximum=0.2)
-    acceleration_m_s2: float = assumption(
-        1.0, "m/s2", "Acceleration of the trapezoidal velocity profile.", minimum=0.05, maximum=20
-    )
+    distance_m: float = quantity(0.0, "m", (0, 1), "Distance (article: 0.04).")
+    speed_m_s: float = quantity(0.04, "m/s", (0.005, 0.2), "Peak velocity (article: 0.04, 0.06, 0.08).")
+    acceleration_m_s2: float = assumption(1.0, "m/s2", (0.05, 20), "Acceleration of the trapezoidal velocity profile.")
 
 
 class LoadChange(ParameterTable):
     """One change of the holding force; 0 N means none."""
 
-    by_n: float = quantity(0.0, "N", "Force added on this finger.", minimum=-4, maximum=4)
-    rise_s: float = assumption(0.1, "s", "Duration of the change.", minimum=0.001, maximum=10)
-    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
+    by_n: float = quantity(0.0, "N", (-4, 4), "Force added on this finger.")
+    rise_s: float = assumption(0.1, "s", (0.001, 10), "Duration of the change.")
+    at_s: float = assumption(1.0, "s", (0, 600), "Start, after the holding force is reached.")
 
 
 class Tap(ParameterTable):
     """Knocks on the held object, called taps in scene files; 0 N means none."""
 
-    force_n: float = quantity(0.0, "N", "Peak force.", minimum=0, maximum=50)
-    rise_s: float = assumption(
-        0.004, "s", "Rise time, and fall time, of a knock: 2 to 10 ms.", minimum=0.001, maximum=0.1
-    )
-    at_s: float = assumption(
-        1.0, "s", "Time of the first knock, after the holding force is reached.", minimum=0, maximum=600
-    )
-    count: int = assumption(1, "", "Number of knocks.", minimum=1, maximum=1000)
-    interval_s: float = assumption(0.5, "s", "Time from one knock to the next.", minimum=0.01, maximum=600)
+    force_n: float = quantity(0.0, "N", (0, 50), "Peak force.")
+    rise_s: float = assumption(0.004, "s", (0.001, 0.1), "Rise time, and fall time, of a knock: 2 to 10 ms.")
+    at_s: float = assumption(1.0, "s", (0, 600), "Time of the first knock, after the holding force is reached.")
+    count: int = assumption(1, "", (1, 1000), "Number of knocks.")
+    interval_s: float = assumption(0.5, "s", (0.01, 600), "Time from one knock to the next.")
 
 
 class Motor(ParameterTable):
     """Vibration of the hand's motors; 0 N means none."""
 
-    force_n: float = quantity(0.0, "N", "Amplitude of the fundamental.", minimum=0, maximum=5)
-    frequency_hz: float = assumption(45.0, "Hz", "Frequency of the fundamental.", minimum=1, maximum=500)
-    harmonic: float = assumption(
-        0.3, "", "Amplitude of the second harmonic, relative to the fundamental.", minimum=0, maximum=1
-    )
-    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
-    duration_s: float = assumption(1.0, "s", "Duration.", minimum=0.01, maximum=600)
+    force_n: float = quantity(0.0, "N", (0, 5), "Amplitude of the fundamental.")
+    frequency_hz: float = assumption(45.0, "Hz", (1, 500), "Frequency of the fundamental.")
+    harmonic: float = assumption(0.3, "", (0, 1), "Amplitude of the second harmonic, relative to the fundamental.")
+    at_s: float = assumption(1.0, "s", (0, 600), "Start, after the holding force is reached.")
+    duration_s: float = assumption(1.0, "s", (0.01, 600), "Duration.")
 
 
 class _SceneTables(SimulationFile):
@@ -204,100 +186,74 @@ class SceneFile(PathTables, _SceneTables):
 class GraspedObject(ParameterTable):
     """Grasped object."""
 
-    mass_kg: float = quantity(0.255, "kg", "Mass (article: 0.5, 0.255, 0.06, 0.02).", minimum=0.005, maximum=5)
+    mass_kg: float = quantity(0.255, "kg", (0.005, 5), "Mass (article: 0.5, 0.255, 0.06, 0.02).")
     surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
         "wood", "Surface (article, III.C: three wooden objects and a plastic bottle)."
     )
     friction_spread: float = assumption(
-        0.03, "", "The seed draws friction within this relative range around the surface's.", minimum=0, maximum=0.5
+        0.03, "", (0, 0.5), "The seed draws friction within this relative range around the surface's."
     )
     patch_average: bool = Field(
         False, description="Whether pads average the surface profile over their contact patches, as real ones do."
     )
-    length_m: float = assumption(
-        0.05, "m", "Distance after which the object has left the fingers.", minimum=0.005, maximum=0.5
-    )
+    length_m: float = assumption(0.05, "m", (0.005, 0.5), "Distance after which the object has left the fingers.")
 
 
 class Grasp(ParameterTable):
     """Fingers that hold the object, their planned force, and the times of the grasp."""
 
     kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
-    force_n: float = quantity(0.0, "N", "Planned holding force of the thumb; 0: by the margins.", minimum=0, maximum=20)
+    force_n: float = quantity(0.0, "N", (0, 20), "Planned holding force of the thumb; 0: by the margins.")
     min_margin: float = assumption(
-        1.1,
-        "",
+        1.1, "", (Above(0), 20),
         "Lower limit of the force that the seed draws, as a multiple of what just holds the weight.",
-        above=0,
-        maximum=20,
-    )
+    )  # fmt: skip
     max_margin: float = quantity(
-        1.2,
-        "",
+        1.2, "", (Above(0), 20),
         "Upper limit. Assumption; above mu_s / mu_c = 1.25 no knock makes the object slide out.",
-        above=0,
-        maximum=20,
-    )
+    )  # fmt: skip
     min_force_n: float = assumption(
-        0.5, "N", "Minimum force of the thumb: well above the sensor's turn-on.", above=0, maximum=20
+        0.5, "N", (Above(0), 20), "Minimum force of the thumb: well above the sensor's turn-on."
     )
     uneven: float = assumption(
-        0.1,
-        "",
-        "The seed draws each opposing finger's share within this relative range around equal shares.",
-        minimum=0,
-        maximum=0.9,
+        0.1, "", (0, 0.9), "The seed draws each opposing finger's share within this relative range around equal shares."
     )
-    reach_m: float = assumption(0.03, "m", "Closing from the open hand to the touch.", minimum=0.001, maximum=0.08)
-    close_s: float = assumption(0.6, "s", "Time in which the commands close the hand.", minimum=0.05, maximum=10)
-    settle_s: float = assumption(0.5, "s", "Wait before the object is let go.", minimum=0, maximum=60)
-    let_go_s: float = assumption(0.5, "s", "Time in which the hand takes over the weight.", minimum=0.01, maximum=10)
+    reach_m: float = assumption(0.03, "m", (0.001, 0.08), "Closing from the open hand to the touch.")
+    close_s: float = assumption(0.6, "s", (0.05, 10), "Time in which the commands close the hand.")
+    settle_s: float = assumption(0.5, "s", (0, 60), "Wait before the object is let go.")
+    let_go_s: float = assumption(0.5, "s", (0.01, 10), "Time in which the hand takes over the weight.")
     after_s: float = quantity(
-        2.0,
-        "s",
-        "Recording time after the pin has stopped; power grasps 1 s longer (article, III.C).",
-        minimum=0,
-        maximum=60,
+        2.0, "s", (0, 60), "Recording time after the pin has stopped; power grasps 1 s longer (article, III.C)."
     )
 
 
 class Knock(ParameterTable):
     """Impact of the robot's pin along the direction in which the object would slip; 0 m/s means none."""
 
-    speed_m_s: float = quantity(0.08, "m/s", "Velocity of the pin (article: 0.08).", minimum=0, maximum=0.2)
+    speed_m_s: float = quantity(0.08, "m/s", (0, 0.2), "Velocity of the pin (article: 0.08).")
     at_s: float = quantity(
-        1.0,
-        "s",
-        "Time of the impact, after the hand carries the weight (article: 1 s between phases).",
-        minimum=0,
-        maximum=60,
+        1.0, "s", (0, 60), "Time of the impact, after the hand carries the weight (article: 1 s between phases)."
     )
-    stroke_m: float = assumption(0.01, "m", "Distance that the pin moves after the touch.", minimum=0.001, maximum=0.1)
-    stiffness_n_per_m: float = assumption(
-        2000.0, "N/m", "Stiffness of pin and robot: a compliant arm.", minimum=50, maximum=100000
-    )
+    stroke_m: float = assumption(0.01, "m", (0.001, 0.1), "Distance that the pin moves after the touch.")
+    stiffness_n_per_m: float = assumption(2000.0, "N/m", (50, 100000), "Stiffness of pin and robot: a compliant arm.")
     damping_s_per_m: float = assumption(
-        5.0, "s/m", "Hunt and Crossley's damping: an impact at 0.08 m/s rebounds with 0.8 of it.", minimum=0, maximum=20
+        5.0, "s/m", (0, 20), "Hunt and Crossley's damping: an impact at 0.08 m/s rebounds with 0.8 of it."
     )
     normal_share: float = assumption(
-        0.05, "", "Fraction of the pin's force that presses the object against the thumb.", minimum=-0.5, maximum=0.5
+        0.05, "", (-0.5, 0.5), "Fraction of the pin's force that presses the object against the thumb."
     )
 
 
 class Hand(ParameterTable):
     """Response of the hand to commands."""
 
-    period_s: float = assumption(0.01, "s", "Control period.", minimum=0.0005, maximum=0.2)
-    delay_s: float = assumption(
-        0.02, "s", "Delay from a command to the response of the motors.", minimum=0, maximum=0.5
-    )
-    lag_s: float = assumption(0.03, "s", "First-order lag of the motors.", minimum=0.001, maximum=1)
-    rate_m_s: float = assumption(0.1, "m/s", "Maximum velocity of closing: 60 mm in 0.6 s.", minimum=0.005, maximum=1)
-    max_force_n: float = assumption(15.0, "N", "Force at which a finger's tendon stalls.", above=0, maximum=100)
-    motor_n: float = assumption(
-        0.01, "N", "Amplitude with which a motor at full velocity shakes its finger.", minimum=0, maximum=5
-    )
-    motor_hz: float = assumption(45.0, "Hz", "Frequency of that vibration.", minimum=1, maximum=500)
+    period_s: float = assumption(0.01, "s", (0.0005, 0.2), "Control period.")
+    delay_s: float = assumption(0.02, "s", (0, 0.5), "Delay from a command to the response of the motors.")
+    lag_s: float = assumption(0.03, "s", (0.001, 1), "First-order lag of the motors.")
+    rate_m_s: float = assumption(0.1, "m/s", (0.005, 1), "Maximum velocity of closing: 60 mm in 0.6 s.")
+    max_force_n: float = assumption(15.0, "N", (Above(0), 100), "Force at which a finger's tendon stalls.")
+    motor_n: float = assumption(0.01, "N", (0, 5), "Amplitude with which a motor at full velocity shakes its finger.")
+    motor_hz: float = assumption(45.0, "Hz", (1, 500), "Frequency of that vibration.")
 
 
 class _ManipulationTables(SimulationFile):

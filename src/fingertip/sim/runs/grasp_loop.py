@@ -45,10 +45,7 @@ def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) ->
 
 
 def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, float]:
-    """Rate r(N, z) at which bristles relax, and the derivative of r by s, times s (`fingertip.sim.contact.surfaces`).
-
-    The arguments are the rate R, N / N0, and sigma0 z / mu_s.
-    """
+    """Rate at which bristles relax from R, N / N0 and sigma0 z / mu_s, and its derivative by s, times s."""
     r = full * (1 - load_ratio) if load_ratio < 1.0 else 0.0
     stretch = stretch if stretch >= 0.0 else -stretch
     if stretch <= 1.0:

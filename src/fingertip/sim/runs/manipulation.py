@@ -55,7 +55,6 @@ class ManipulationResult:
 
     @property
     def time_s(self) -> Array:
-        """Times of the samples [s]."""
         return self.signals.time_s
 
     @property
@@ -70,12 +69,10 @@ class ManipulationResult:
 
     @property
     def samples(self) -> int:
-        """Number of samples."""
         return len(self.time_s)
 
     @property
     def sample_rate_hz(self) -> float:
-        """Sampling rate [Hz]."""
         return (self.samples - 1) / self.duration_s
 
     @property
@@ -85,7 +82,6 @@ class ManipulationResult:
 
     @property
     def column_names(self) -> list[str]:
-        """Names of the recorded columns."""
         return [*self.columns]
 
     @property
@@ -191,17 +187,10 @@ def run_manipulation(
 
 def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> Observation:
     """Collect what a controller sees: the samples since its last command."""
-    chunk = stepper.chunks[-1]
-    voltage_v = chunk.find("voltage_v")
+    find, closing_m = stepper.chunks[-1].find, stepper.motors.closing_m.copy()
+    voltage_v = find("voltage_v")
     assert voltage_v is not None
-    return Observation(
-        time_s,
-        voltage_v,
-        stepper.motors.closing_m.copy(),
-        planned_m,
-        chunk.find("sampled_envelope_v"),
-        chunk.find("sampled_filtered_v"),
-    )
+    return Observation(time_s, voltage_v, closing_m, planned_m, find("sampled_envelope_v"), find("sampled_filtered_v"))
 
 
 def _delay_commands(commands: Array, start: int, end: int, period: int, delay: int) -> Array:

@@ -66,10 +66,7 @@ class MotionPlan:
 
 
 def thumb_force_n(scene: ManipulationFile, margin: float) -> float:
-    """Force of the thumb for a margin over the force that just holds the weight [N].
-
-    Thumb and opposing fingers press with the same force, and friction acts on both sides.
-    """
+    """Force of the thumb for a margin over holding the weight by friction on both sides [N]."""
     grasp, mu = scene.grasp, SURFACES[scene.object.surface].friction.mu_s
     return grasp.force_n or max(grasp.min_force_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
 
@@ -144,7 +141,6 @@ class FixedGrip:
     """Controller that does not react: it commands the planned closing."""
 
     def step(self, observation: Observation) -> Array:
-        """Return the planned closing [m]."""
         return observation.planned_m
 
 
@@ -167,8 +163,6 @@ POSITION_TOLERANCE_M = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MotorMotion:
-    """Motion of the fingers at the next points, (fingers, points)."""
-
     closing_m: Array
     force_n: Array
     """Force with which the finger presses [N]."""
@@ -200,7 +194,6 @@ class Motors:
         self.closing_m, self._phase, self._shaking, self._root = (np.zeros(count) for _ in range(4))
 
     def follow(self, command_m: Array) -> MotorMotion:
-        """Advance the motors over a chunk."""
         stall_m = self.reach_m + self.pad.depth_m(self.hand.max_force_n)  # while the other side stands still
         goal = np.clip(command_m, 0.0, stall_m[:, None])
         if all(name in self.fingers for name in SHARED_MOTOR):
@@ -218,10 +211,7 @@ class Motors:
 
 
 def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
-    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0, the cube root of a force, with Newton's method.
-
-    The function is convex, so from its first step at the latest the iteration approaches the root from above.
-    """
+    """Solve ``n^3 / k + c n^2 = depth`` for n >= 0 with Newton's method, which converges from above."""
     if depth <= 0.0:
         return 0.0
     n = start if start > 0.0 else math.sqrt(depth / c)
@@ -234,10 +224,7 @@ def solve_force_root(depth: float, k: float, c: float, start: float) -> float:
 
 
 def approach(distance: float, h: float, lag: float, rate: float) -> float:
-    """Distance to the command after a step, for a first-order lag with limited velocity: exact, also across the limit.
-
-    A motor that is closer than `POSITION_TOLERANCE_M` stands still.
-    """
+    """Distance to the command after a step of a first-order lag with limited velocity: exact."""
     size = distance if distance >= 0.0 else -distance
     if size <= POSITION_TOLERANCE_M:
         return distance

@@ -84,7 +84,6 @@ class SceneRecord:
 
     @property
     def column_names(self) -> list[str]:
-        """Names of the recorded columns."""
         return self.scene.outputs
 
 
@@ -98,27 +97,22 @@ class SceneResult:
 
     @property
     def scene(self) -> SceneFile:
-        """Scene that was simulated."""
         return self.record.scene
 
     @property
     def seed(self) -> int:
-        """Seed of everything random."""
         return self.record.seed
 
     @property
     def force_n(self) -> float:
-        """Holding force on this finger [N]."""
         return self.record.force_n
 
     @property
     def stages(self) -> tuple[StageCost, ...]:
-        """Stages that ran, with their cost."""
         return self.record.stages
 
     @property
     def time_s(self) -> Array:
-        """Times of the samples [s]."""
         return self.signals.time_s
 
     @property
@@ -139,7 +133,6 @@ class SceneResult:
 
 
 def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArray[Any]]:
-    """Select the outputs that a scene names, in its order."""
     return {name: getattr(signals, name) for name in scene.outputs}
 
 
@@ -174,12 +167,10 @@ class SceneRun:
 
     @functools.cached_property
     def pad(self) -> Pad:
-        """Pad of the finger."""
         return Pad.from_design(self.design, self.scene.contact.resonance_hz)
 
     @functools.cached_property
     def friction(self) -> Friction:
-        """Friction of the surface, as the scene asks for it."""
         contact = self.scene.contact
         friction = SURFACES[contact.surface].friction
         if contact.stick_slip:
@@ -188,11 +179,9 @@ class SceneRun:
 
     @functools.cached_property
     def timeline(self) -> Timeline:
-        """Moments of the scene's events."""
         return build_timeline(self.scene, self.pad, self.force_n)
 
     def make_profile(self) -> SurfaceProfile:
-        """Generate the profile of the surface on which the finger slides."""
         return self._set_up().make_profile()
 
     @property
@@ -202,11 +191,9 @@ class SceneRun:
 
     @property
     def samples(self) -> int:
-        """Number of samples of the recording."""
         return count_samples(self.timeline.duration_s, self.design.detector.sample_rate_hz)
 
     def predict_plain_s(self) -> float:
-        """Predict the time that the scene takes in plain Python [s]."""
         assert self.grid
         contact, outputs, slides = self.scene.contact, frozenset(self.scene.outputs), self.timeline.slide is not None
         adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")

@@ -43,7 +43,6 @@ class HandSignals:
 
     @classmethod
     def join(cls, chunks: list[HandSignals]) -> HandSignals:
-        """Join the signals of consecutive chunks."""
         by_finger = zip(*(chunk.fingers for chunk in chunks), strict=True)
         names = [field.name for field in fields(cls) if field.name != "fingers"]
         joined = {name: np.concatenate([getattr(chunk, name) for chunk in chunks], axis=-1) for name in names}
@@ -100,7 +99,6 @@ class ManipulationStepper:
 
     @property
     def is_lost(self) -> bool:
-        """True if the object has left the fingers."""
         return bool(self._state[grasp_loop.PAD_STATES * len(self.scene.fingers) + grasp_loop.HAS_LEFT] > 0.0)
 
     def advance(self, command_m: Array) -> None:
@@ -153,15 +151,13 @@ class ManipulationStepper:
         count = len(fingers)
         rows = [*closing, *command, object_m, pin_n]
         sampled = [sampler.process(row, at) for sampler, row in zip(self._samplers, rows, strict=True)]
-        self.chunks.append(
-            HandSignals(
-                at.time_s,
-                tuple(_turn_velocity(finger) for finger in fingers),
-                np.stack(sampled[:count]),
-                np.stack(sampled[count : 2 * count]),
-                *sampled[2 * count :],
-            )
-        )
+        # The velocity of the object over the pad is the opposite of a finger's own.
+        turned = [
+            finger if finger.velocity_m_s is None else replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
+            for finger in fingers
+        ]
+        closing_m, command_m = np.stack(sampled[:count]), np.stack(sampled[count : 2 * count])
+        self.chunks.append(HandSignals(at.time_s, tuple(turned), closing_m, command_m, *sampled[2 * count :]))
 
     def _set_up(self, finger: int) -> FingerSetup:
         scene, name = self.scene, self.scene.fingers[finger]
@@ -189,13 +185,6 @@ def _describe_drives(
         FingerDrive(load, push, jump, object_m - bent, np.where(load > 0.0, speed, 0.0), bristle, bent)
         for load, push, jump, bent, speed, bristle in zip(loads, pushes, jumps, shear, speeds, bristles, strict=True)
     ]
-
-
-def _turn_velocity(finger: FingerSignals) -> FingerSignals:
-    """Give a finger the velocity of the object over the pad instead of its opposite."""
-    if finger.velocity_m_s is None:
-        return finger
-    return replace(finger, velocity_m_s=0.0 - finger.velocity_m_s)
 
 
 def _refine(values: Array, parts: int) -> Array:

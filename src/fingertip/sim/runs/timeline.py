@@ -27,7 +27,6 @@ SLIDE_M = 0.04
 LIFT_M = 0.05
 """Height by which the finger lifts at the end [m]."""
 LIFT_S = 2.0
-"""Duration of that lift [s]."""
 APPROACH_M = 0.01
 """Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
 OPEN_S = 0.3
@@ -71,11 +70,9 @@ class TrapezoidalMove:
 
     @property
     def end_s(self) -> float:
-        """End of the move [s]."""
         return self.start_s + 2 * self._ramp_s + self._cruise_s
 
     def velocity_m_s(self, time_s: Array) -> Array:
-        """Velocity [m/s]."""
         a = self.acceleration_m_s2
         rising, falling = a * (time_s - self.start_s), a * (self.end_s - time_s)
         return np.clip(np.minimum(rising, falling), 0.0, self.peak_m_s)
@@ -175,7 +172,6 @@ _TOLERANCE_N = 1e-6
 
 
 def mount_pad(pad: Pad, force_n: float) -> Mount:
-    """Tangential mount of a pad at a holding force [N]."""
     k = pad.tangential_stiffness_n_per_m(force_n)
     return Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
 
@@ -201,7 +197,6 @@ class ErrorControlledPad:
         self._meter = meter
 
     def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
-        """Follow the pad over the next points."""
         with self._meter.stage("friction", coupled.STATES):
             motion = self._contact.process(carriage_m, carriage_m_s, load_n)
         self._meter.add(StageCost("friction", coupled.STATES, motion.evaluations, 0.0))
@@ -244,7 +239,6 @@ class CoupledPad:
 
 
 SlidingPad = SteppedPad | ErrorControlledPad | CoupledPad
-"""Pad on a carriage."""
 
 
 def _describe(
@@ -254,15 +248,8 @@ def _describe(
     push_n: Array | None,
     contact_n: Array | None = None,
 ) -> FingerDrive:
-    return FingerDrive(
-        load_n=load_n,
-        push_n=push_n,
-        path_m=motion.position_m,
-        velocity_m_s=motion.velocity_m_s,
-        bristle_m=motion.bristle_m,
-        shear_m=carriage_m - motion.position_m,
-        contact_n=contact_n,
-    )
+    path_m, shear_m = motion.position_m, carriage_m - motion.position_m
+    return FingerDrive(load_n, push_n, None, path_m, motion.velocity_m_s, motion.bristle_m, shear_m, contact_n)
 
 
 # Disturbances that are not slip: knocks and motors shake the contact.

@@ -13,13 +13,11 @@ with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import EnvelopeModel, model_envelope
@@ -29,13 +27,9 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, TACTILE, VMID, Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import (
-    find_negative,
-    find_not_positive,
-    raise_issues,
-)
+from fingertip.foundation.validation import find_negative, find_not_positive, raise_issues
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 
 # Exact steps of linear state equations.
@@ -87,10 +81,7 @@ COMPONENTS = (
 
 @dataclass(frozen=True)
 class Diode:
-    """Shockley diode with a series resistance: ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``.
-
-    The defaults are the 1N4148 of common SPICE libraries at SPICE's nominal 27 degrees Celsius.
-    """
+    """Shockley diode ``i = Is (exp((v - i Rs) / (n Vt)) - 1)``; by default the 1N4148 of SPICE at 27 degrees."""
 
     saturation_a: Value = SATURATION_A
     emission: Value = EMISSION
@@ -131,7 +122,6 @@ class AnalogBoard:
 
     @classmethod
     def from_circuit(cls, circuit: Circuit, has_diode: bool, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
-        """Board of a circuit."""
         network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
@@ -175,7 +165,6 @@ class AnalogBoard:
 
     @property
     def envelope_decay_s(self) -> Value:
-        """Time constant of the envelope [s]."""
         return self.envelope.decay_s(self.network.values)
 
     @property
@@ -213,12 +202,11 @@ class LinearBoard:
 
 
 def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
-    """Compute the board's state equations."""
     rail = board.rail_v or 0.0
     states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
     saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}
     network = board.network.drive(*saturated) if saturated else board.network
-    system = network.state_space()
+    system = network.state_space
     n = system.A.shape[-1]
     A, B = (matrix.reshape(-1, *matrix.shape[-2:]) for matrix in (system.A, system.B))
     # The inputs are the voltage u, which comes first, and the saturated outputs, which are constant.
@@ -262,27 +250,3 @@ def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, 
     count = len(amplifier1_row)
     columns, outputs = (np.stack(found, axis=1).reshape(count, -1) for found in (step_columns, output_rows))
     return n, rows, columns, outputs, amplifier1_row
-
-
-# Monte Carlo samples of the board: components within their tolerances, for thousands of boards at once.
-
-RESISTOR_TOLERANCE = 0.01
-CAPACITOR_TOLERANCE = 0.05
-SATURATION_FACTOR = 2.0
-"""Range of the diodes' saturation current: from the nominal value divided by this to the value times it. Assumption."""
-
-
-def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
-    """Draw boards with independent components, uniform within their tolerances. Raises TraceError."""
-    if count < 1:
-        raise TraceError(Issue("count", f"{count} is too few; give at least 1 board."))
-    rng = random.Random(f"{seed}:boards")
-    nominal = board.components
-    drawn = np.array([[2 * rng.random() - 1 for _ in range(len(nominal) + 1)] for _ in range(count)])
-    values: dict[str, NDArray[np.float64]] = {
-        name: value * (1 + (RESISTOR_TOLERANCE if name.startswith("R") else CAPACITOR_TOLERANCE) * drawn[:, i])
-        for i, (name, value) in enumerate(nominal.items())
-    }
-    factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
-    saturation = np.asarray(board.diode.saturation_a) * factors
-    return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))

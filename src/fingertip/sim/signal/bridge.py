@@ -145,9 +145,7 @@ assumption.
 HYSTERESIS = 0.10
 """Largest relative error by which the force reads high after a higher one (article, III.B: at most 10 %)."""
 _PLAY_FRACTION = 0.2
-"""Fraction of the force that goes through the play operator. Assumption.
-
-A play operator alone would pass no vibration smaller than itself, and the article's vibrations do pass."""
+"""Fraction of the force through the play operator. Assumption: the article's small vibrations do pass."""
 CREEP_FROM_S = 1.0
 """Time under load from which creep is counted in decades [s]: data sheets read the sensor then. Assumption."""
 _PLAY, _LOADED = range(2)

@@ -56,7 +56,7 @@ class AntiAliasFilter:
 
     def __init__(self, circuit: Circuit, source: str, pin: str, step_s: float) -> None:
         network = build_network(circuit).drive(source)
-        system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space()
+        system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space
         step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
         # The loop has two states, the second of which is the voltage at the pin. One pole stands in both.
         last = int(np.argmax(system.rows[pin][: len(system.A)]))
@@ -76,10 +76,7 @@ class AntiAliasFilter:
         return cls(board_circuit(select_components(design)), PINS[pin], pin, step_s)
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> Array:
-        """Return the voltage at the pin [V] at the same instants as the voltage at the board's output [V].
-
-        Where the input jumps, `after_v` is the voltage right after each instant.
-        """
+        """Return the voltage at the pin [V]; where the input jumps, `after_v` is the voltage right after."""
         out = np.zeros(len(voltage_v))
         if len(voltage_v):
             if self._state is None:
@@ -130,10 +127,7 @@ class AdcRange:
         return cls.from_design(design)
 
     def above_signal_ground(self, design: Design) -> AdcRange:
-        """The same range for voltages above the signal ground, which on a single supply lies near half of it.
-
-        Filtered signal and envelope are computed so. The controller subtracts the signal ground from its readings.
-        """
+        """The same range above the signal ground, which the controller subtracts from filtered signal and envelope."""
         ground_v = SUPPLIES[design.board.supply].signal_ground_v(design.board.supply_v)
         return replace(self, low_v=self.low_v - ground_v, high_v=self.high_v - ground_v)
 
@@ -253,10 +247,7 @@ class EnvelopeStream:
 
 
 class SimulatedBoardDetector(Detector):
-    """Detector `analog` behind the design's simulated board: raw voltage in, ON or OFF out.
-
-    It is a detector like those of `fingertip.slip`: any chunks give the same bits, and it is causal.
-    """
+    """Detector `analog` behind the design's simulated board, of raw voltages in any chunks."""
 
     def __init__(self, design: Design) -> None:
         self._board, self._detector = EnvelopeStream(design), AnalogDetector.for_design(design)
@@ -311,10 +302,6 @@ def _noise_s(design: Design) -> float:
 
 
 def _measure_level(design: Design, sampled_v: Array) -> NoiseLevel:
-    """Measure the noise level of a sampled envelope.
-
-    The threshold that follows is at least one step of the ADC: a diode without bias passes so little noise that the
-    ADC shows none.
-    """
+    """Measure the noise of a sampled envelope; the threshold is at least a step, where the ADC shows none."""
     settled = sampled_v[round(_SETTLING_S * design.detector.sample_rate_hz) :]
     return measure_noise_level(settled, design, "simulated noise")

@@ -27,8 +27,7 @@ ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 BLOCK = 8
 """Rows of the step matrices that one pass computes: the length of a column is a multiple of it."""
 ENVELOPE, LEVEL, OUTPUT = range(3)
-"""Indices of what a chunk carries to the next one, beside the circuit's states: envelope [V], level of the step and the
-filter's output [V]."""
+"""Indices of what a chunk carries beside the states: envelope [V], level of the step, output [V]."""
 LOG_OFF = math.log(1e-3)
 """Logarithm of the fraction of the tolerance below which the diode's charge is neglected."""
 STEPS, REJECTED, IMPLICIT = range(3)
@@ -78,10 +77,7 @@ def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> fl
 def multiply(
     columns: Sequence[float], start: int, z: Sequence[float], width: int, rows: int, out: MutableSequence[float]
 ) -> None:
-    """Multiply the matrix that begins at `start`, stored by columns, with z; `rows` is a multiple of `BLOCK`.
-
-    Eight sums at a time do not wait for each other, and every sum keeps its order.
-    """
+    """Multiply a matrix, stored by columns, with z: eight sums at a time do not wait for each other."""
     for block in range(0, rows, BLOCK):
         a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0
         at = start + block

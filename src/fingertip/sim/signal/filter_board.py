@@ -57,13 +57,8 @@ def simulate_board(
     envelope_v = np.concatenate([chunk.envelope_v for chunk in chunks])
     if single:
         filtered_v, envelope_v = filtered_v[0], envelope_v[0]
-    return BoardSignals(
-        filtered_v,
-        envelope_v,
-        sum(chunk.steps for chunk in chunks),
-        sum(chunk.rejected for chunk in chunks),
-        sum(chunk.implicit for chunk in chunks),
-    )
+    counts = zip(*((chunk.steps, chunk.rejected, chunk.implicit) for chunk in chunks), strict=True)
+    return BoardSignals(filtered_v, envelope_v, *map(sum, counts))
 
 
 def simulate_boards(
@@ -113,10 +108,7 @@ class AnalogStream:
         """Steps taken so far, accepted and rejected."""
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
-        """Return filtered voltages and envelopes [V] at the next samples, (boards, samples) like the voltages [V].
-
-        Raises TraceError.
-        """
+        """Return filtered voltages and envelopes [V], (boards, samples) like the voltages. Raises TraceError."""
         after = voltage_v if after_v is None else after_v
         for name, rows in (("voltage_v", voltage_v), ("after_v", after)):
             raise_issues(
@@ -229,8 +221,6 @@ class Comparator:
 
 @dataclass(frozen=True, eq=False)
 class ComparatorSignals:
-    """Signals of the comparator for one envelope."""
-
     mean_v: Array
     on: NDArray[np.bool_]
     edges_s: Array
@@ -273,8 +263,6 @@ class ComparatorStream:
 
 
 class SlipPin:
-    """Voltage of a design's slip pin, chunk by chunk."""
-
     def __init__(self, design: Design, step_s: float) -> None:
         self._comparator = Comparator.from_design(design)
         self._stream = ComparatorStream(self._comparator, AnalogBoard.from_design(design), step_s)
@@ -340,7 +328,4 @@ def _comparator_loop(
 
 
 _compare = CompiledLoop(_comparator_loop, mean_after, outputs=5, samples="envelope", plain_us=4.0)
-"""Carries mean and output to the next chunk.
-
-Fills the mean, ON or OFF, the moments at which the output changes, and their number.
-"""
+"""Carries mean and output; fills the mean, ON or OFF, and the moments of changes with their number."""

@@ -75,10 +75,7 @@ class FingerDrive:
 
 @dataclass(frozen=True, eq=False)
 class FingerSignals:
-    """Signals of one finger at the instants of its converter, named as the outputs in `sim.signal.parameters`.
-
-    A signal that no output needs is None.
-    """
+    """Signals of one finger at its converter's instants, named as the outputs; None where no output needs it."""
 
     time_s: Array
     voltage_v: Array | None = None
@@ -95,7 +92,6 @@ class FingerSignals:
 
     @classmethod
     def join(cls, chunks: list[FingerSignals]) -> FingerSignals:
-        """Join the signals of consecutive chunks."""
         names = [field.name for field in fields(cls) if getattr(chunks[0], field.name) is not None]
         return cls(**{name: np.concatenate([getattr(chunk, name) for chunk in chunks]) for name in names})
 
@@ -121,12 +117,10 @@ class FingerSetup:
     patch_average: bool = False
     """True if the pad averages the profile over its contact patch."""
     path: PathTables = field(default_factory=PathTables)
-    """Path from force to samples."""
     event_origin_s: float = 0.0
     """Moment from which a touch of the cable is counted [s]."""
 
     def make_profile(self) -> SurfaceProfile:
-        """Generate the profile of the surface under this finger."""
         assert self.surface
         return generate_profile(
             self.open_random("surface"), self.surface.roughness_um, self.surface.cutoff_wavelength_m,
@@ -136,8 +130,6 @@ class FingerSetup:
 
 
 class Finger:
-    """Finger in progress."""
-
     def __init__(
         self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter, contact_is_given: bool = False
     ) -> None:
@@ -325,11 +317,7 @@ class _BoardSignals:
 
 
 def _build_converter(
-    setup: FingerSetup,
-    grid: Grid,
-    purpose: str,
-    pin: str,
-    from_signal_ground: bool = False,
+    setup: FingerSetup, grid: Grid, purpose: str, pin: str, from_signal_ground: bool = False
 ) -> Converter:
     sensing, design = setup.path.sensing, setup.design
     noise = open_stream(*setup.seed, purpose) if sensing.noise else None

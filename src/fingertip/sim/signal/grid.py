@@ -20,8 +20,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, ShareText, describe_share
 
 BASE_HZ = 10_000.0
-"""Points per second: forces are then within 0.1 mN and envelopes within 1 mV of the limit for vanishing steps
-(docs/accuracy.md)."""
+"""Points per second: forces within 0.1 mN, envelopes within 1 mV of vanishing steps (docs/accuracy.md)."""
 _SNAP = 1e-6
 """Distance from a point, in steps, at which an instant counts as that point."""
 
@@ -40,16 +39,13 @@ class Grid:
 
     @property
     def rate_hz(self) -> float:
-        """Number of points per second."""
         return BASE_HZ * self.refinement
 
     @property
     def step_s(self) -> float:
-        """Time between two points [s]."""
         return 1 / self.rate_hz
 
     def time_s(self, first: int, count: int) -> Array:
-        """Times of points [s]."""
         return np.arange(first, first + count) / self.rate_hz
 
     def count_points(self, duration_s: float, sample_rate_hz: float) -> int:
@@ -65,10 +61,7 @@ def count_samples(duration_s: float, sample_rate_hz: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """Samples that a chunk of points contains.
-
-    Positions count from the last point before the chunk, or from the first point in the first chunk.
-    """
+    """Samples in a chunk of points, by positions from the last point before it, or the very first."""
 
     first: int
     """Number of samples before the chunk."""
@@ -80,7 +73,6 @@ class Instants:
 
     @property
     def time_s(self) -> Array:
-        """Times of the samples [s]."""
         return np.arange(self.first, self.first + len(self.index)) / self.sample_rate_hz
 
 
@@ -92,7 +84,6 @@ class SampleClock:
         self._points = self._samples = 0
 
     def advance(self, points: int) -> Instants:
-        """Return the instants within the next points."""
         origin, last = max(self._points - 1, 0), self._points + points - 1
         end = math.floor((last + _SNAP) / self._ratio) + 1
         at = np.arange(self._samples, end) * self._ratio
@@ -129,7 +120,6 @@ class Sampler:
 
 Stream = np.random.RandomState
 OpenStream = Callable[[str], Stream]
-"""Function from a purpose to its stream."""
 
 
 def open_stream(seed: int, *purpose: str) -> Stream:
@@ -139,7 +129,6 @@ def open_stream(seed: int, *purpose: str) -> Stream:
 
 
 def draw_noise(stream: Stream, deviation: float, count: int) -> Array:
-    """Draw white Gaussian noise."""
     return np.asarray(deviation * stream.standard_normal(count))
 
 
@@ -155,8 +144,6 @@ STAGES = (
 
 @dataclass(frozen=True)
 class StageCost:
-    """Cost of one stage in one run."""
-
     name: str
     states: int
     evaluations: int
@@ -171,13 +158,11 @@ class CostMeter:
 
     @contextlib.contextmanager
     def stage(self, name: str, states: int = 0, evaluations: int = 0) -> Iterator[None]:
-        """Measure one run of a stage."""
         start = time.process_time()
         yield
         self.add(StageCost(name, states, evaluations, time.process_time() - start))
 
     def add(self, cost: StageCost) -> None:
-        """Add the cost of one run of a stage."""
         assert cost.name in STAGES
         before = self._costs.get(cost.name, StageCost(cost.name, 0, 0, 0.0))
         self._costs[cost.name] = StageCost(

@@ -25,8 +25,6 @@ _GONE = 40.0
 
 
 class InterferenceSource:
-    """All interference of one finger, chunk by chunk."""
-
     def __init__(
         self, grid: Grid, drift: Drift, cable: Cable, noise: Noise, held_s: float, open_stream: OpenStream
     ) -> None:
@@ -37,7 +35,6 @@ class InterferenceSource:
 
     @property
     def is_silent(self) -> bool:
-        """True if nothing is added."""
         cable, noise = self._cable, self._noise
         return not any((self._drift.volt_per_s, cable.step_v, cable.hum_v, noise.pink_v, noise.hand_v, noise.hum_v))
 
@@ -64,10 +61,7 @@ class InterferenceSource:
 
 
 def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:
-    """Voltage that a touched cable adds [V], and its jumps: one at each end of the touch, which then decays.
-
-    A jump between two points is taken to happen at the later one. Mains hum is added during the touch.
-    """
+    """Voltage of a touched cable [V], and its jumps, each at the point that follows it; with hum in between."""
     volts, jumps = np.zeros(len(time_s)), np.zeros(len(time_s))
     begin = held_s + cable.at_s
     for moment, sign in ((begin, 1.0), (begin + cable.duration_s, -1.0)):
@@ -98,7 +92,6 @@ class RefinedNoise:
         self._known = np.zeros(0)
 
     def process(self, count: int) -> Array:
-        """Return the noise at the next points."""
         if self._parts == 1:
             return self._draw(count)
         at = np.arange(self._points, self._points + count)

@@ -17,13 +17,12 @@ from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
 from fingertip.design.files import format_parameter_table, format_value, load_tables
 from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES
-from fingertip.design.parameters import ParameterTable, choice, quantity
+from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 
 ACCELERATION_M_S2 = 1.0
-"""Acceleration and deceleration of a move [m/s2]. Assumption: the article only says that 4 cm at 4 cm/s took about one
-second. This value gives 1.04 s."""
+"""Acceleration of a move [m/s2]. Assumption: 4 cm at 4 cm/s take the article about one second, here 1.04 s."""
 
 
 @dataclass(frozen=True)
@@ -197,57 +196,49 @@ MIN_BITS = 8
 MIN_RANGE_V = 0.01
 
 
-def assumption(default: float, unit: str, description: str, **bounds: Any) -> Any:
+def assumption(default: float, unit: str, bounds: tuple[float | Above, float], description: str) -> Any:
     """Declare a number with a unit that no source gives; its description says so."""
-    return quantity(default, unit, f"{description} Assumption.", **bounds)
+    return quantity(default, unit, bounds, f"{description} Assumption.")
 
 
 class Drift(ParameterTable):
     """Slow changes of sensor and amplifier."""
 
     share_per_decade: float = quantity(
-        0.0, "", "Creep: relative increase per decade of time (data sheet: below 0.05).", minimum=0, maximum=0.2
+        0.0, "", (0, 0.2), "Creep: relative increase per decade of time (data sheet: below 0.05)."
     )
-    volt_per_s: float = assumption(0.0, "V/s", "Drift of the amplifier with temperature.", minimum=-0.1, maximum=0.1)
+    volt_per_s: float = assumption(0.0, "V/s", (-0.1, 0.1), "Drift of the amplifier with temperature.")
 
 
 class Cable(ParameterTable):
     """Touch of the cable; 0 V means none."""
 
-    step_v: float = quantity(0.0, "V", "Jump when the touch begins, and back when it ends.", minimum=-1, maximum=1)
-    decay_s: float = assumption(0.05, "s", "Decay time of the jump.", minimum=0.001, maximum=10)
-    hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum during the touch.", minimum=0, maximum=1)
-    hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
-    at_s: float = assumption(1.0, "s", "Start, after the holding force is reached.", minimum=0, maximum=600)
-    duration_s: float = assumption(0.5, "s", "Duration.", minimum=0.01, maximum=600)
+    step_v: float = quantity(0.0, "V", (-1, 1), "Jump when the touch begins, and back when it ends.")
+    decay_s: float = assumption(0.05, "s", (0.001, 10), "Decay time of the jump.")
+    hum_v: float = quantity(0.0, "V", (0, 1), "Amplitude of the mains hum during the touch.")
+    hum_hz: float = quantity(50.0, "Hz", (16, 60), "Mains frequency.")
+    at_s: float = assumption(1.0, "s", (0, 600), "Start, after the holding force is reached.")
+    duration_s: float = assumption(0.5, "s", (0.01, 600), "Duration.")
 
 
 class Noise(ParameterTable):
     """Noise that is not white, added to the tactile voltage for the whole recording; 0 V means none."""
 
     pink_v: float = quantity(
-        0.0,
-        "V",
-        "RMS pink noise per decade of frequency, of sensor and amplifier; 1e-4 is a noisy film.",
-        minimum=0,
-        maximum=0.1,
-        verified=False,
-    )
+        0.0, "V", (0, 0.1),
+        "RMS pink noise per decade of frequency, of sensor and amplifier; 1e-4 is a noisy film. (unverified)",
+    )  # fmt: skip
     hand_v: float = quantity(
-        0.0,
-        "V",
-        "RMS vibration of a hand from 30 to 90 Hz while it touches; 1e-4 to 5e-4 in hands.",
-        minimum=0,
-        maximum=0.1,
-        verified=False,
-    )
-    hum_v: float = quantity(0.0, "V", "Amplitude of the mains hum's fundamental.", minimum=0, maximum=1)
-    hum_hz: float = quantity(50.0, "Hz", "Mains frequency.", minimum=16, maximum=60)
+        0.0, "V", (0, 0.1),
+        "RMS vibration of a hand from 30 to 90 Hz while it touches; 1e-4 to 5e-4 in hands. (unverified)",
+    )  # fmt: skip
+    hum_v: float = quantity(0.0, "V", (0, 1), "Amplitude of the mains hum's fundamental.")
+    hum_hz: float = quantity(50.0, "Hz", (16, 60), "Mains frequency.")
     hum_third: float = quantity(
-        0.3, "", "Amplitude of the third harmonic, relative to the fundamental.", minimum=0, maximum=1, verified=False
+        0.3, "", (0, 1), "Amplitude of the third harmonic, relative to the fundamental. (unverified)"
     )
     hum_fifth: float = quantity(
-        0.15, "", "Amplitude of the fifth harmonic, relative to the fundamental.", minimum=0, maximum=1, verified=False
+        0.15, "", (0, 1), "Amplitude of the fifth harmonic, relative to the fundamental. (unverified)"
     )
 
 
@@ -262,11 +253,7 @@ class Sensing(ParameterTable):
     )
     noise: bool = Field(True, description="Whether the board's amplifiers and the ADC add white noise.")
     jitter_s: float = quantity(
-        0.0,
-        "s",
-        "RMS sampling jitter of the ADC; 0: none (assumption: a data acquisition card's).",
-        minimum=0,
-        maximum=1e-4,
+        0.0, "s", (0, 1e-4), "RMS sampling jitter of the ADC; 0: none (assumption: a data acquisition card's)."
     )
 
 
@@ -274,9 +261,9 @@ class ConverterInput(ParameterTable):
     """Converter that samples in place of the design's ADC; 0 bits mean the design's."""
 
     bits: int = Field(0, ge=0, le=24, description="Resolution: 10 or 12 in most microcontrollers; 0: the design's ADC.")
-    low_v: float = quantity(0.0, "V", "Lower end of its range.", minimum=-100, maximum=100 - MIN_RANGE_V)
+    low_v: float = quantity(0.0, "V", (-100, 100 - MIN_RANGE_V), "Lower end of its range.")
     high_v: float = quantity(
-        5.0, "V", "Upper end of its range: 3.3 or 5 in most microcontrollers.", minimum=-100 + MIN_RANGE_V, maximum=100
+        5.0, "V", (-100 + MIN_RANGE_V, 100), "Upper end of its range: 3.3 or 5 in most microcontrollers."
     )
 
 

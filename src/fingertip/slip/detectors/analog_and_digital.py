@@ -47,15 +47,9 @@ class ChainSettings:
     @classmethod
     def from_design(cls, design: Design) -> ChainSettings:
         """Take the settings from a design: the board's ideal filters, the detector's window and threshold."""
-        board, detector = design.board, design.detector
-        return cls(
-            detector.sample_rate_hz,
-            board.cutoff_hz,
-            board.passband_gain,
-            board.envelope_cutoff_hz,
-            detector.window_samples,
-            detector.threshold_v,
-        )
+        b, d = design.board, design.detector
+        window, threshold_v = d.window_samples, d.threshold_v
+        return cls(d.sample_rate_hz, b.cutoff_hz, b.passband_gain, b.envelope_cutoff_hz, window, threshold_v)
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,11 +248,9 @@ class AnalogDetector(Detector):
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> AnalogDetector:
         """Create the detector with a design's window, and its threshold times a factor. Raises TraceError."""
         if noise_v is not None:
-            message = (
-                f"{noise_v:g} V of input noise does not determine the threshold of the detector analog, which applies "
-                "to the board's output; set detector.threshold_v instead."
-            )
-            raise TraceError(Issue("noise_v", message))
+            problem = f"{noise_v:g} V of input noise does not determine the threshold of the detector analog"
+            remedy = "set detector.threshold_v instead."
+            raise TraceError(Issue("noise_v", f"{problem}, which applies to the board's output; {remedy}"))
         d = design.detector
         return cls(d.sample_rate_hz, d.window_samples, d.threshold_v * threshold_scale)
 

@@ -36,7 +36,6 @@ from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast_coefficients import (
-    HIGH_HZ,
     LOW_HZ,
     FastCoefficients,
     FastModel,
@@ -77,8 +76,7 @@ SCORE_S = 0.1
 MIN_NOISE_SHARE = 0.5
 """Smallest noise that is learned, as a share of the stated noise: half of it was trained on."""
 MIN_NOISE_V_RTHZ = 1.26e-5
-"""Smallest noise density that is taken for stated [V/sqrt(Hz)]: 0.4 mV at 2 kHz, as in training. In less noise,
-features would exceed what was trained on: a slip would look like a contact."""
+"""Smallest noise density taken for stated [V/sqrt(Hz)], that of training: a slip would look like a contact."""
 LIMIT_SHARE = 0.9
 """Share of the filtered signal's range that is used: a stage may be at its limit beyond it."""
 LIMITED_S = 0.03
@@ -107,8 +105,6 @@ class FilteredSignal:
 
 @dataclass(frozen=True)
 class FastSettings:
-    """Settings of the detector."""
-
     sample_rate_hz: float
     noise_v: float
     """White RMS noise at the input, before the noise is learned [V]."""
@@ -121,7 +117,6 @@ class FastSettings:
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
-        """Take the settings from a design."""
         rate_hz = design.detector.sample_rate_hz
         noise = max(input_noise_v(design), _min_noise_v(rate_hz)) if noise_v is None else noise_v
         filtered = FilteredSignal.from_design(design)
@@ -157,7 +152,6 @@ class FastDetector(Detector):
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FastDetector:
-        """Create the detector for a design and, by default, its noise."""
         return cls(replace(FastSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
     @property
@@ -179,16 +173,6 @@ class FastDetector(Detector):
     def noise_v(self) -> float:
         """White RMS noise that has the energy of the learned wide floor [V]."""
         return math.sqrt(self._state[fast_loop.FLOOR] / self.coefficients.wide_share)
-
-    @property
-    def noise_energy_v2(self) -> float:
-        """Mean power of the stated noise in the wide band [V^2]."""
-        return self.coefficients.wide_share * self.settings.noise_v**2
-
-    @property
-    def band_hz(self) -> tuple[float, float]:
-        """Edges of the wide band [Hz]."""
-        return LOW_HZ, HIGH_HZ
 
     @classmethod
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
@@ -287,14 +271,12 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     return FastCoefficients(
-        *(board[0].b0, board[0].a1),
-        *board[1],
-        *restore[0],
-        *restore[1],
-        *filters.high_edge,
-        *filters.upper,
-        *filters.wide,
-        *filters.slow,
+        *board,
+        *restore,
+        filters.high_edge,
+        filters.upper,
+        filters.wide,
+        filters.slow,
         sample_rate_hz=rate,
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,

@@ -28,41 +28,14 @@ class FastCoefficients(NamedTuple):
     a score is smoothed; their times stand in `fast`. Scores are those of `FastModel` and of `fast`.
     """
 
-    board_1_b: float
-    board_1_a1: float
-    board_b0: float
-    board_b1: float
-    board_b2: float
-    board_a1: float
-    board_a2: float
-    restore_1_b0: float
-    restore_1_b1: float
-    restore_1_a1: float
-    restore_b0: float
-    restore_b1: float
-    restore_b2: float
-    restore_a1: float
-    restore_a2: float
-    edge_b0: float
-    edge_b1: float
-    edge_b2: float
-    edge_a1: float
-    edge_a2: float
-    upper_b0: float
-    upper_b1: float
-    upper_b2: float
-    upper_a1: float
-    upper_a2: float
-    wide_b0: float
-    wide_b1: float
-    wide_b2: float
-    wide_a1: float
-    wide_a2: float
-    slow_b0: float
-    slow_b1: float
-    slow_b2: float
-    slow_a1: float
-    slow_a2: float
+    board_1: FirstOrder
+    board: SecondOrder
+    restore_1: FirstOrder
+    restore: SecondOrder
+    edge: SecondOrder
+    upper: SecondOrder
+    wide: SecondOrder
+    slow: SecondOrder
     sample_rate_hz: float
     filtered_gain: float
     """Factor from the filtered signal to a voltage at the filter's input; 0 if the board gives no filtered signal."""
@@ -82,7 +55,6 @@ class FastCoefficients(NamedTuple):
     wide_share: float
     """Energy of white noise of unit variance in the wide band."""
     upper_share: float
-    """The same in the upper band."""
     min_floor: float
     """Lower bound of the wide band's floor [V^2]."""
     min_upper_floor: float
@@ -112,11 +84,9 @@ SLOW_HZ = 28.0
 """Cutoff behind which the voltage follows the slow force [Hz]: just below contacts' highest frequency."""
 
 RESTORED_HZ = 15.0
-"""Cutoff to which that of the board's high-pass filter is moved in software [Hz]: well below the bands. With a lower
-one, offsets of the filtered signal and its recovery from a limit would count more."""
+"""Cutoff of the restored high-pass [Hz]: below the bands, but not so low that offsets and limits count."""
 
 ThirdOrder = tuple[FirstOrder, SecondOrder]
-"""Filter of third order: a section of first order, followed by one of second order."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +116,6 @@ class FastFilters:
 
 @functools.lru_cache(maxsize=16)
 def design_filters(sample_rate_hz: float) -> FastFilters:
-    """Design the filters for a sampling rate [Hz]."""
     return FastFilters(
         restored=_third_order(sample_rate_hz, RESTORED_HZ),
         high_edge=_butterworth(sample_rate_hz, HIGH_HZ, 1),
@@ -157,10 +126,7 @@ def design_filters(sample_rate_hz: float) -> FastFilters:
 
 
 def design_board_filter(sample_rate_hz: float, cutoff_hz: float) -> tuple[ThirdOrder, ThirdOrder]:
-    """Design the board's high-pass filter for a gain of 1, and the filter that restores what it takes away.
-
-    The product of both is `FastFilters.restored`: their numerators and denominators cancel.
-    """
+    """Design the board's high-pass filter for a gain of 1, and what turns it into `FastFilters.restored`."""
     first, second = board = _third_order(sample_rate_hz, cutoff_hz)
     low_first, low_second = _third_order(sample_rate_hz, RESTORED_HZ)
     gain_1, gain_2 = low_first.b0 / first.b0, low_second.b0 / second.b0
@@ -213,7 +179,6 @@ def _filter(section: SecondOrder, samples: Sequence[float] | Array) -> Array:
 # evaluation therefore takes the same number of comparisons for every input.
 
 TABLE = "fast_model.json"
-"""Name of the table, beside this module."""
 DEPTH = 4
 """Comparisons of one tree."""
 NODES = (1 << DEPTH) - 1
@@ -268,13 +233,11 @@ class FastModel:
 
     @property
     def trees(self) -> int:
-        """Number of trees."""
         return len(self.leaves) // (NODES + 1)
 
 
 @functools.cache
 def load_model() -> FastModel:
-    """Read the table."""
     table = json.loads(resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8"))
     features, thresholds, leaves = (np.array(table[n], dtype=np.float64) for n in ("features", "thresholds", "leaves"))
     scores = (table[name] for name in ("offset", "threshold", "noise_rise", "incipient_threshold"))

@@ -39,15 +39,13 @@ CLIP_RATIO = 4.0
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
 MOVED_TICKS = 25.0
-"""Ticks for which the force must have changed for an ON to count as begun with the change: 50 ms, later than slip of
-any strength is found."""
+"""Ticks of a change of force for an ON to count as begun with it: 50 ms, later than slip is found."""
 MOVED_WITHIN_TICKS = 50.0
 """Ticks after a change of force within which an ON counts as begun with it: 100 ms."""
 DOUBTED_TICKS = 150.0
 """Ticks after which such an ON no longer holds the floors: 0.3 s. A hand vibrates more from the grasp on."""
 UNLEARNED_RATIO = 0.03
-"""Squared coefficient of variation of the wide energy below which a long ON is a tone. Noise in a band of 100 Hz has
-0.25 behind 20 ms."""
+"""Squared coefficient of variation of the wide energy of a tone; noise in 100 Hz has 0.25 behind 20 ms."""
 DECAY_RATIO = 0.02
 """Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
 it within 34 ms, however strong the vibration was."""
@@ -104,11 +102,11 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        p_b, p_a1, h_b0, h_b1, h_b2, h_a1, h_a2, q_b0, q_b1, q_a1, r_b0, r_b1, r_b2, r_a1, r_a2, e_b0,
-        e_b1, e_b2, e_a1, e_a2, u_b0, u_b1, u_b2, u_a1, u_a2, w_b0, w_b1, w_b2, w_a1, w_a2, s_b0, s_b1, s_b2,
-        s_a1, s_a2, rate, filtered_gain, filtered_limit, limited_samples, still_samples, short, long, tick_samples,
-        slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor,
-        min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
+        (p_b, _, p_a1), (h_b0, h_b1, h_b2, h_a1, h_a2), (q_b0, q_b1, q_a1), (r_b0, r_b1, r_b2, r_a1, r_a2),
+        (e_b0, e_b1, e_b2, e_a1, e_a2), (u_b0, u_b1, u_b2, u_a1, u_a2), (w_b0, w_b1, w_b2, w_a1, w_a2),
+        (s_b0, s_b1, s_b2, s_a1, s_a2), rate, filtered_gain, filtered_limit, limited_samples, still_samples,
+        short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share,
+        min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
         stay_ratio, score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]

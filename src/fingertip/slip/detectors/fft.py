@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,9 +25,7 @@ from fingertip.slip.detectors.registry import Detector, DetectorOutput
 # The energy in noise is a weighted sum of squares of independent Gaussian variables.
 
 ALARMS_PER_HOUR = 1.0
-"""False alarms from noise alone that the rule for a threshold permits.
-
-It is a sixth of the 0.1 per minute that a detector may have in all, so noise never dominates the count."""
+"""False alarms from noise alone that a threshold permits: a sixth of all that a detector may have."""
 
 
 def tail_probability(weights: Array, threshold: float) -> float:
@@ -69,14 +67,12 @@ WINDOW_S = 0.064
 """Window length [s]: 128 samples at 2 kHz (article, section IV.B)."""
 HOP_S = 0.002
 """Time between the starts of two windows [s]."""
-_EXCURSION_S = WINDOW_S / 8
+EXCURSION_S = WINDOW_S / 8
 """Assumed mean duration of an excursion above the threshold [s]; a test counts the alarms in noise."""
 
 
 @dataclass(frozen=True)
 class FftSettings:
-    """Settings of the detector."""
-
     sample_rate_hz: float
     window_samples: int
     hop_samples: int
@@ -96,7 +92,7 @@ class FftSettings:
 
 @functools.lru_cache(maxsize=64)
 def _unit_noise_threshold(weights: tuple[float, ...]) -> float:
-    return math.sqrt(solve_threshold(np.array(weights), _EXCURSION_S))
+    return math.sqrt(solve_threshold(np.array(weights), EXCURSION_S))
 
 
 class FftDetector(Detector):
@@ -114,7 +110,7 @@ class FftDetector(Detector):
         # A band narrower than a bin takes the nearest bin.
         in_band = in_band or [max(1, round(settings.low_hz * n / settings.sample_rate_hz))]
         self._first_bin, self._end_bin = in_band[0], in_band[-1] + 1
-        unit_threshold = _unit_noise_threshold(tuple(self._noise_weights().tolist()))
+        unit_threshold = _unit_noise_threshold(tuple(self.noise_weights().tolist()))
         self._threshold_v = unit_threshold * settings.noise_v * settings.threshold_scale
         self._past = np.zeros(0)
         self._until_next = 0
@@ -122,7 +118,6 @@ class FftDetector(Detector):
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FftDetector:
-        """Create the detector for a design and, by default, its noise."""
         return cls(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
 
     @classmethod
@@ -131,7 +126,7 @@ class FftDetector(Detector):
         fft = cls(FftSettings.from_design(design, 1.0))
         rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
         # In white noise of unit variance the mean square of the statistic is the sum of the weights.
-        return math.sqrt(float(np.mean(rms_v**2))) / math.sqrt(float(fft._noise_weights().sum()))
+        return math.sqrt(float(np.mean(rms_v**2))) / math.sqrt(float(fft.noise_weights().sum()))
 
     @property
     def threshold_v(self) -> float:
@@ -169,11 +164,7 @@ class FftDetector(Detector):
         band = np.fft.rfft((samples - samples[0]) * self._window)[self._first_bin : self._end_bin]
         return math.sqrt(float(np.sum(band.real**2 + band.imag**2)))
 
-    def noise_thresholds(self) -> Iterator[tuple[Array, float, float]]:
-        """Yield the weights [V^2] and excursion time [s] from which the threshold was solved, and the threshold [V]."""
-        yield self._noise_weights() * self.settings.noise_v**2, _EXCURSION_S, self._threshold_v
-
-    def _noise_weights(self) -> Array:
+    def noise_weights(self) -> Array:
         """Weights of the energy as a sum of squares (`false_alarms.tail_probability`), in noise of unit variance."""
         spectra = np.fft.rfft(np.diag(self._window))[:, self._first_bin : self._end_bin]
         rows = np.concatenate((spectra.real, spectra.imag), axis=1)

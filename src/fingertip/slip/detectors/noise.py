@@ -11,9 +11,7 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 DEVIATIONS = 6.0
-"""Standard deviations between the mean noise level and the noise-derived threshold.
-
-Gaussian noise crosses it less than once in a year of independent windows of 30 ms (1e-9 each)."""
+"""Deviations between noise level and threshold: noise crosses it less than once in a year of 30 ms windows."""
 
 
 @dataclass(frozen=True)

@@ -79,11 +79,8 @@ ENVELOPE_MEAN = "mean of the envelope"
 
 @dataclass(frozen=True)
 class DetectorType:
-    """Type of detector."""
-
     label: str
     words: str
-    """Few words for a list of all detectors."""
     input_column: str
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
     quantity: str
@@ -109,7 +106,6 @@ class DetectorType:
 
     @property
     def implementation(self) -> type[Detector]:
-        """Class that computes it."""
         module, name = self.code.split(":")
         return cast("type[Detector]", getattr(import_module(f"{__package__}.{module}"), name))
 
@@ -166,7 +162,6 @@ class UsedSignals:
     """Column that it would take too and that is not there."""
 
     def describe(self) -> str:
-        """Describe the columns."""
         used = " and ".join(self.columns)
         return f"on {used}" if self.missing is None else f"on {used} alone (no column {self.missing})"
 

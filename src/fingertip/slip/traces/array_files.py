@@ -87,11 +87,6 @@ _WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
 """Bytes of a sample -> its full scale."""
 
 
-def load_arrays(path: Path, kind: str, columns: ColumnMap) -> Mapping[str, Any]:
-    """Load arrays by name. Those that no column names are None, so that messages suggest them. Raises TraceError."""
-    return _LOADERS[kind](path, columns)
-
-
 @contextlib.contextmanager
 def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
     """Turn any exception of a library that reads a file into one sentence: a damaged file may raise any."""
@@ -270,7 +265,9 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         return arrays
 
 
-_LOADERS: Mapping[str, Callable[[Path, ColumnMap], Mapping[str, Any]]] = {
+LOADERS: Mapping[str, Callable[[Path, ColumnMap], Mapping[str, Any]]] = {
     "npy": _load_npy, "npz": _load_npz, "mat": _load_mat, "parquet": _load_parquet, "wav": _load_wav,
     "tdms": _load_tdms,
 }  # fmt: skip
+"""Kind of file -> function that loads arrays by name; those that no column names are None, so that messages suggest
+them. Raises TraceError."""

@@ -43,10 +43,7 @@ def is_value(cell: str) -> bool:
 
 
 def parse_instant(cell: str) -> datetime.datetime | None:
-    """Parse a date with time, or a time of day, as ISO 8601 writes them; None for anything else.
-
-    A time of day has an arbitrary date. Digits below a microsecond are cut off.
-    """
+    """Parse a date with time, or a time of day (then of an arbitrary date), as ISO 8601 writes them, else None."""
     text = unquote(cell)
     if ":" not in text:  # a bare date, or a whole number, which would be read as one
         return None
@@ -96,20 +93,10 @@ def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
     return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
 
 
-def _lacks_only_times(columns: ColumnMap) -> bool:
-    """Return whether all columns are given by number but that of the times, whose name is no number, such as none."""
-    others = [column for column in columns.required if column != "time_s"]
-    return (
-        "time_s" in columns.required
-        and "time_s" in columns.names
-        and not columns.names["time_s"].isdecimal()
-        and all(columns.name_in_file(column).isdecimal() for column in others)
-    )
-
-
 def suggest_numbers(count: int, columns: ColumnMap) -> str:
     """Suggest the options that read a file without a header, whose lines have `count` cells."""
-    if _lacks_only_times(columns):
+    by_name = [column for column in columns.required if not columns.name_in_file(column).isdecimal()]
+    if by_name == ["time_s"] and "time_s" in columns.names:  # such as none
         return "the file has no header and its times are left out: give the sampling rate with --rate-hz, such as 2000"
     options = [f"--column {column}={number}" for number, column in enumerate(columns.required, 1)]
     if count < len(options):
@@ -125,7 +112,6 @@ def suggest_numbers(count: int, columns: ColumnMap) -> str:
 # samples.
 
 LVM_HEADER_LINES = 200
-"""Number of lines in which the headers of a file end."""
 TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"
 _SEGMENT_KEYS = (
@@ -144,7 +130,6 @@ class PassedOver:
     first: int = 0
 
     def append(self, number: int) -> None:
-        """Add a line by its number."""
         self.count += 1
         self.first = self.first or number
 

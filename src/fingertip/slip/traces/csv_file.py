@@ -20,6 +20,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError, quote_value
+from fingertip.foundation.input_files import SAMPLES_LIMIT
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.columns import (
     LVM_HEADER_LINES,
@@ -40,7 +41,6 @@ from fingertip.slip.traces.trace import (
     check_trace_file,
     max_lines,
     max_rows,
-    max_samples,
     shape_message,
 )
 
@@ -96,8 +96,6 @@ def _detect_encoding(path: Path) -> str:
 
 @dataclass(frozen=True)
 class _Source:
-    """File whose header is known."""
-
     path: Path
     encoding: str
     header: Header
@@ -170,7 +168,6 @@ class _Faults(Generic[T]):
     last: tuple[int, T] | None = None
 
     def add(self, line: int, what: T) -> None:
-        """Add a line by its number."""
         self.count += 1
         self.last = (line, what)
         self.first = self.first or self.last
@@ -203,7 +200,6 @@ class _Samples:
     """Time of the first sample, in a file of dates."""
 
     def drop_last(self) -> None:
-        """Remove the last sample, with what is wrong with it."""
         number = self.lines.pop()
         for values in self.values.values():
             values.pop()
@@ -250,7 +246,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     samples = _Samples(
         {column: array.array("d") for column in places}, wrong={column: _Faults[str]() for column in places}
     )
-    after_header, most = False, max_samples()
+    after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
     for number, line in without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
@@ -282,10 +278,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
 
 
 def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float | None:
-    """Parse a cell, quoted or not; None if it is not a number. NaN is accepted here.
-
-    Times may be dates, if the first one is; they become seconds since then.
-    """
+    """Parse a cell, quoted or not, as a number, NaN too, or as seconds since the first date; None if it is neither."""
     plain = unquote(cell)
     if column == "time_s" and ":" in plain and (instant := parse_instant(plain)) is not None:
         if samples.start is None and len(samples.lines) == 1:

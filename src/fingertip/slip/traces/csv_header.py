@@ -27,8 +27,7 @@ MAX_PREAMBLE = 200
 MAX_CELLS = 10_000
 """Maximum number of columns by whose number one can be chosen."""
 MAX_SAMPLES_ABOVE = 5000
-"""Maximum number of samples above the header: a controller that runs already sends some until it repeats the header,
-which it does each second."""
+"""Maximum number of samples above the header, which a controller repeats each second."""
 NOT_TEXT = "is not a text file; a trace is a CSV file with the columns time_s,voltage_v."
 
 _SEPARATOR = re.compile(r'"?sep=.?"?', re.IGNORECASE)
@@ -38,8 +37,6 @@ _UNIT = re.compile(r'"?[\[(]?(s|ms|[uµμ]s|ns|sec|seconds?|v|mv|volts?|n|newton
 
 @dataclass(frozen=True)
 class Header:
-    """Line that names the columns."""
-
     names: tuple[str, ...]
     """Names of the columns. Those in the `ColumnMap` are spelt as there, whatever their case in the file."""
     delimiter: str
@@ -62,11 +59,7 @@ class Header:
         return len(cells) == len(self.names) and any(cells) and all(map(_UNIT.fullmatch, cells))
 
     def count_cells(self, first: int, columns: ColumnMap) -> int:
-        """Return how many cells each line must have, given the number in the first line.
-
-        It is the number of names, or fewer where a program omits the last cells (LabVIEW's comments) and none of those
-        belongs to the trace.
-        """
+        """Return how many cells each line must have: a program may omit last ones that no column of a trace takes."""
         minimum = 1 + max(self.names.index(name) for name in map(columns.name_in_file, COLUMNS) if name in self.names)
         return first if minimum <= first < len(self.names) else len(self.names)
 
@@ -87,7 +80,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
         is_comment = text.lstrip().startswith("#")
         text = text.lstrip().lstrip("#") if is_comment else text
         for candidate in (columns, *alternatives):
-            if _are_numbers(candidate) and not is_comment and (found := _match_numbers(text, candidate)):
+            if not is_comment and (found := _match_numbers(text, candidate)):
                 before = skipped[-1][1] if skipped else ""
                 return Header(*found, number - 1, _strip_comment(before))
             cells, delimiter = _split(text, candidate)
@@ -111,17 +104,12 @@ def _strip_comment(line: str) -> str:
     return line.lstrip("\ufeff").strip().lstrip("#").strip()
 
 
-def _are_numbers(columns: ColumnMap) -> bool:
-    """Return whether every required column is given by its number in the line."""
-    return all(columns.name_in_file(column).isdecimal() for column in columns.required)
-
-
 def _match_numbers(line: str, columns: ColumnMap) -> tuple[tuple[str, ...], str] | None:
-    """Return names and delimiter of a line that has values in the required columns; None for any other line.
-
-    The comma comes late: in a line with another delimiter it may be a decimal comma.
-    """
-    required = [int(columns.name_in_file(column)) for column in columns.required]
+    """Match a line with values in the required columns. The comma comes late: it may be a decimal comma."""
+    names = [columns.name_in_file(column) for column in columns.required]
+    if not all(map(str.isdecimal, names)):
+        return None
+    required = [int(name) for name in names]
     if not 1 <= min(required) <= max(required) <= MAX_CELLS:
         return None
     for delimiter in ("\t", ";", ",", SPACES):
@@ -136,10 +124,7 @@ def _join_required(columns: ColumnMap) -> str:
 
 
 def _split(line: str, columns: ColumnMap) -> tuple[list[str], str]:
-    """Split a line at the delimiter that gives the most known names; return the cells and the delimiter.
-
-    A column given by its number is one of these names, if any other is found by its name.
-    """
+    """Split a line at the delimiter that gives the most known names, by name or else by number."""
     split = {d: _normalise_case(_split_at(line, d), columns) for d in (*DELIMITERS, SPACES)}
     known = set(map(columns.name_in_file, COLUMNS))
     delimiter = max(split, key=lambda d: len(known & set(split[d])))

@@ -17,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError
 from fingertip.foundation.input_files import check_archive
-from fingertip.slip.traces.array_files import RATE, load_arrays
+from fingertip.slip.traces.array_files import LOADERS, RATE
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.sampling import restore_even_times
@@ -156,7 +156,7 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
             return _with_even_times(read_csv(path, columns), columns)
         if kind not in READABLE:
             raise TraceError(Issue(str(path), kind))
-        arrays = load_arrays(path, kind, columns)
+        arrays = LOADERS[kind](path, columns)
     except OSError as error:
         reason = error.strerror or str(error)
         raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None

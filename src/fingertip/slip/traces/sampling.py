@@ -12,9 +12,7 @@ from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 
 RATE_TOLERANCE = 0.005
-"""Maximum deviation of a trace's mean sampling rate from the detector's, as a share of it.
-
-The cutoff frequency deviates by the same share."""
+"""Maximum deviation of a trace's mean sampling rate, and so of the cutoff, as a share of the detector's."""
 STEP_TOLERANCE = 0.5
 """Maximum deviation of a time step from the usual one, as a share of it; more is a gap or a wrong time stamp."""
 MIN_RATE_HZ, MAX_RATE_HZ = 1000.0, 20000.0
@@ -93,11 +91,8 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: S
         if places.size:
             is_even = False
             i = int(places[0]) + 1
-            yield Issue(
-                field,
-                f"{time_s[i]:.9g} s {sample_location(i, lines)} {what} (previous time {time_s[i - 1]:.9g} s, "
-                f"median step {usual:.4g} s){_count_others(places.size)}; {remedy}.",
-            )
+            context = f"(previous time {time_s[i - 1]:.9g} s, median step {usual:.4g} s){_count_others(places.size)}"
+            yield Issue(field, f"{time_s[i]:.9g} s {sample_location(i, lines)} {what} {context}; {remedy}.")
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
     if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
         yield Issue(field, rate_message(rate, detector))
@@ -106,10 +101,7 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: S
 def _rounding_message(
     time_s: Array, rounding: RoundedTimes, detector: DetectorParameters, lines: Sequence[int] | None
 ) -> str:
-    """Describe rounded times, with the options that ignore them.
-
-    The rate in the remedy is the detector's if the mean rate agrees with it, and the mean rate otherwise.
-    """
+    """Describe rounded times, with the options that ignore them, at the detector's rate if the mean agrees."""
     at = rounding.first
     rate, mean, condition = "HZ, the rate of the recording, and", "", ""
     if rounding.rate_hz:

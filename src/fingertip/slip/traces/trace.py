@@ -101,9 +101,8 @@ class ColumnMap:
         if self.rate_hz is not None and not 0.0 < self.rate_hz < float("inf"):
             issues.append(Issue("--rate-hz", f"{self.rate_hz:g} Hz is not a sampling rate; choose 1000 to 20000 Hz."))
         if not (np.isfinite(self.scale) and self.scale != 0.0):
-            issues.append(
-                Issue("--scale", f"{self.scale:g} is not a scale; give volts per unit of the file's voltage.")
-            )
+            message = f"{self.scale:g} is not a scale; give volts per unit of the file's voltage."
+            issues.append(Issue("--scale", message))
         if not 0.0 < self.time_scale < float("inf"):
             message = f"{self.time_scale:g} is not a unit of time; give its length in seconds, or one of "
             issues.append(Issue("--time-scale", f"{message}{', '.join(TIME_UNITS_S)}."))
@@ -111,7 +110,6 @@ class ColumnMap:
             raise TraceError(issues)
 
     def name_in_file(self, column: str) -> str:
-        """Return the file's name for a trace's column."""
         return self.names.get(column, column)
 
     def with_simulated_names(self, names: Collection[str]) -> ColumnMap:
@@ -157,7 +155,6 @@ class RawTrace:
     name: str
     trace: Trace
     issues: tuple[Issue, ...] = ()
-    """Issues of the file's form."""
     lines: Sequence[int] | None = None
     """Line that contains each sample, in a file of lines."""
     has_all_times: bool = True
@@ -182,7 +179,6 @@ class RawTrace:
         return self.trace
 
     def find_issues(self, detector: DetectorParameters) -> list[Issue]:
-        """Find everything that prevents detection."""
         issues = [*self.issues, *_value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
         if self._times_are_valid:
             issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))
@@ -233,14 +229,12 @@ def length_message(count: int, minimum: int) -> str:
 
 def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> str:
     """Describe a voltage outside the ADC range, with the remedy."""
+    remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
     if all_whole:
-        scale = f"--scale {detector.adc_step_v:.8g}"
         remedy = (
-            f"the values are whole numbers, as ADC counts are: {scale} converts counts of {detector.adc_bits} bits to "
-            "volts; of other bits, give the step of that converter"
+            f"the values are whole numbers, as ADC counts are: --scale {detector.adc_step_v:.8g} converts counts of "
         )
-    else:
-        remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
+        remedy += f"{detector.adc_bits} bits to volts; of other bits, give the step of that converter"
     return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 
@@ -267,19 +261,14 @@ _CELLS_PER_SAMPLE = 4
 _REMEDY = "cut the recording into parts"
 
 
-def max_samples() -> int:
-    """Return the maximum number of samples: by default 70 minutes at 2 kHz, 7 minutes at 20 kHz."""
-    return SAMPLES_LIMIT.value
-
-
 def max_rows(columns: int) -> int:
     """Return the maximum number of lines of a table with this number of columns."""
-    return max(1, min(max_samples(), _CELLS_PER_SAMPLE * max_samples() // max(1, columns)))
+    return max(1, min(SAMPLES_LIMIT.value, _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value // max(1, columns)))
 
 
 def max_table_bytes() -> int:
     """Return the maximum size of all numbers of a table [bytes]."""
-    return 8 * _CELLS_PER_SAMPLE * max_samples()
+    return 8 * _CELLS_PER_SAMPLE * SAMPLES_LIMIT.value
 
 
 def check_trace_file(path: Path) -> None:
@@ -287,20 +276,18 @@ def check_trace_file(path: Path) -> None:
     try:
         check_regular(path, RECORDING_LIMIT, "a trace")
     except InputFileError as error:
-        issues = [Issue(issue.field, _with_stream(issue.message)) for issue in error.issues]
+        issues = []
+        for issue in error.issues:
+            message = issue.message.replace("make it smaller", _REMEDY)
+            if message.startswith("is a pipe"):
+                message = message.removesuffix(".") + ", or - for lines from standard input."
+            issues.append(Issue(issue.field, message))
         raise TraceError(issues) from None
-
-
-def _with_stream(message: str) -> str:
-    """Add to the refusal of a pipe how lines are read from one."""
-    if message.startswith("is a pipe"):
-        return message.removesuffix(".") + ", or - for lines from standard input."
-    return message.replace("make it smaller", _REMEDY)
 
 
 def max_lines() -> int:
     """Return the maximum number of lines of a file, those without a sample included."""
-    return 2 * max_samples() + 10_000
+    return 2 * SAMPLES_LIMIT.value + 10_000
 
 
 def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> Iterator[str]:
@@ -319,7 +306,7 @@ def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> I
 
 def shape_message(shape: Sequence[int], item_bytes: int = 8) -> str | None:
     """Describe an array that is too large, by the shape that its file states; None for any other."""
-    count, maximum = math.prod(shape), max_samples()
+    count, maximum = math.prod(shape), SAMPLES_LIMIT.value
     fits = all(0 <= length <= maximum for length in shape) and 0 <= count <= _CELLS_PER_SAMPLE * maximum
     if fits and count * item_bytes <= RECORDING_LIMIT.value:
         return None

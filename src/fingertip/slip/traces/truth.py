@@ -18,9 +18,7 @@ from fingertip.foundation.output_set import read_manifest
 from fingertip.foundation.output_set.writer import has_hash
 
 STICK_S = 0.05
-"""Gap up to which two true slips count as one stick-slip event [s].
-
-No hand can respond between them. The gap is the same for every detector, so all are scored on the same slips."""
+"""Gap up to which two true slips count as one [s]: no hand can respond between them, with any detector."""
 
 INCIPIENT_S = 0.007
 """Duration of incipient slip [s].
@@ -37,10 +35,7 @@ class Interval:
     end_s: float
 
     def overlaps(self, other: Interval, slack_s: float = 0.0) -> bool:
-        """Return whether two intervals overlap.
-
-        An interval of length 0, at a trace's last sample, overlaps one that contains its time.
-        """
+        """Return whether two intervals overlap; one of length 0, at a trace's end, overlaps one around it."""
         begin, end = max(self.onset_s, other.onset_s), min(self.end_s + slack_s, other.end_s)
         has_zero_length = self.onset_s == self.end_s or other.onset_s == other.end_s
         return begin < end or (has_zero_length and begin == end)
@@ -81,7 +76,6 @@ class SlipCollector:
         self._last_s = 0.0
 
     def add(self, time_s: Array, flags: NDArray[np.bool_]) -> None:
-        """Add the next samples."""
         if not len(time_s):
             return
         before = self._onset_s is not None
@@ -145,14 +139,10 @@ class Origin:
 
 
 UNKNOWN = Origin()
-"""Origin of a recording of which nothing is known."""
 
 
 def read_origin(path: Path) -> Origin:
-    """Read what the set beside a trace says of it: a file that is listed there, and unchanged, is simulated.
-
-    Where the set holds the detection of this trace too, that says when the robot moved.
-    """
+    """Read what the manifest beside a trace, and the detection of a simulated one, say of it."""
     manifest = read_manifest(path.parent)
     if manifest is None or manifest.kind != SIGNAL.kind or not has_hash(path, manifest.files.get(path.name)):
         return UNKNOWN
@@ -178,11 +168,7 @@ ENCODER_HZ = 100.0
 
 
 def encoder_band_s(motion_s: float) -> tuple[float, float]:
-    """Interval in which encoders first show a motion that begins at `motion_s` [s]: one of their periods.
-
-    Every picture and table takes the article's uncertainty from here. Friction in the robot and the encoders' step make
-    it later still.
-    """
+    """Interval in which encoders first show a motion that begins at `motion_s` [s]: one of their periods."""
     return motion_s, motion_s + 1 / ENCODER_HZ
 
 
@@ -204,4 +190,3 @@ ENCODER_NOTE = (
 )
 """Note of tables below delays since the robot moved."""
 BAND_LABEL = f"robot starts, known to {1000 / ENCODER_HZ:g} ms (encoders, {ENCODER_HZ:g} Hz)"
-"""Name of the band in the legends of pictures."""

@@ -79,12 +79,9 @@ def _format_front(summary: SweepSummary) -> bytes:
 
 
 _GROUP_ROWS = 65_536
-"""Number of rows of a Parquet row group."""
 
 
 class RowSource(Protocol):
-    """Source of the exported rows, such as a database."""
-
     @property
     def plan(self) -> SweepPlan:
         """Plan of the sweep."""
@@ -104,7 +101,8 @@ def write_csv(source: RowSource, path: Path) -> None:
     with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
         lines = csv.writer(text, lineterminator="\n")
-        lines.writerow(list_columns(source.plan))
+        axes = (axis.name for axis in source.plan.axes)
+        lines.writerow(["point", *axes, *source.plan.outputs, "status", "field", "reason"])
         for row in source.rows():
             numbers = ("" if math.isnan(value) else value for value in row.outputs.values())
             lines.writerow([row.point, *row.axes.values(), *numbers, row.status, row.field, row.reason])
@@ -113,10 +111,7 @@ def write_csv(source: RowSource, path: Path) -> None:
 
 
 def write_parquet(source: RowSource, path: Path) -> None:
-    """Write the columns of `write_csv` with their types, in row groups; an output that was not computed is null.
-
-    Raises MissingLibraryError or OutputError.
-    """
+    """Write the columns of `write_csv` with their types. Raises MissingLibraryError or OutputError."""
     pyarrow, parquet = load_pyarrow()
     types = {"point": pyarrow.int64()}
     types |= {axis.name: _choose_axis_type(pyarrow, axis.values, axis.integer) for axis in source.plan.axes}
@@ -132,18 +127,10 @@ def write_parquet(source: RowSource, path: Path) -> None:
 
 
 def load_pyarrow() -> tuple[Any, Any]:
-    """Load the modules pyarrow and pyarrow.parquet; call this before a long sweep, not after it.
-
-    Raises MissingLibraryError.
-    """
+    """Load pyarrow and pyarrow.parquet, before a long sweep and not after it. Raises MissingLibraryError."""
     remedy = "write CSV with --csv"
     pyarrow = extras.load("pyarrow", "--parquet", alternative=remedy)
     return pyarrow, extras.load("pyarrow.parquet", "--parquet", alternative=remedy)
-
-
-def list_columns(plan: SweepPlan) -> list[str]:
-    """List the column names of an export."""
-    return ["point", *(axis.name for axis in plan.axes), *plan.outputs, "status", "field", "reason"]
 
 
 def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> Any:
@@ -157,7 +144,6 @@ def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> A
 
 def _build_column(pyarrow: Any, field: Any, group: list[SweepRow]) -> Any:
     name, categorical = field.name, pyarrow.types.is_dictionary(field.type)
-    values: list[Any]
     if name in ("point", "status", "field", "reason"):
         values = [getattr(row, name) for row in group]
     elif name in group[0].axes:

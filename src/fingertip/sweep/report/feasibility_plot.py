@@ -8,38 +8,18 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.plot_style import (
-    AREAS,
-    GRID_COLOUR,
-    PALE_GREY,
-    PALE_TEAL,
-    REFERENCE,
-    TEXT_COLOUR,
-    new_figure,
-    style_axes,
-    to_png,
-)
-from fingertip.sweep.report.statistics import (
-    FEASIBLE,
-    Bins,
-    Column,
-    PointClasses,
-    bin_by_value,
-    is_categorical,
-    suits_log_scale,
-    to_sortable,
-)
+from fingertip.foundation import plot_style as style
+from fingertip.sweep.report import statistics
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
-
 
 _VALUES_PER_BIN = 10
 """Number of distinct values in a bin above which no comb can be seen."""
@@ -47,27 +27,22 @@ _VALUES_PER_BIN = 10
 
 @dataclass(frozen=True)
 class PlotScale:
-    """Scale of one column along an axis of a plot."""
-
     name: str
-    bins: Bins
+    bins: statistics.Bins
     edges: NDArray[np.float64]
     """Edges of the cells, ascending, shape (bins + 1,)."""
     log: bool
-    """True if the scale is logarithmic."""
     categories: tuple[str, ...]
     """Words of a categorical or boolean column, which are drawn at 0, 1, 2 ...; empty for a numeric column."""
 
-    def locate(self, column: Column) -> NDArray[np.float64]:
-        """Compute the positions at which values of this column are drawn."""
+    def locate(self, column: statistics.Column) -> NDArray[np.float64]:
         if self.categories:
-            return np.searchsorted(self.bins.low, to_sortable(column)).astype(float)
+            return np.searchsorted(self.bins.low, statistics.to_sortable(column)).astype(float)
         return column.astype(float)
 
     def apply(
         self, axes: Axes, side: Literal["x", "y"], *, size: float = 9.0, margin: float = 0.0, max_label: int = 34
     ) -> None:
-        """Apply the scale to one side of a plot. Units: `size` [points]."""
         getattr(axes, f"set_{side}label")(wrap_name(self.name, max_label), fontsize=size)
         if self.categories:
             getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)
@@ -88,13 +63,13 @@ class PlotScale:
         getattr(axes, f"set_{side}lim")(low, high)
 
 
-def make_scale(name: str, column: Column, max_cells: int) -> PlotScale:
+def make_scale(name: str, column: statistics.Column, max_cells: int) -> PlotScale:
     """Make the scale of a column, with at most `max_cells` cells unless the column is categorical."""
-    bins = bin_by_value(column, max_cells)
-    if is_categorical(column) or column.dtype.kind == "b":
+    bins = statistics.bin_by_value(column, max_cells)
+    if statistics.is_categorical(column) or column.dtype.kind == "b":
         categories = tuple(str(value) for value in bins.low)
         return PlotScale(name, bins, np.arange(len(categories) + 1, dtype=float) - 0.5, False, categories)
-    log = suits_log_scale(column)
+    log = statistics.suits_log_scale(column)
     return PlotScale(name, bins, _compute_edges(bins, log), log, ())
 
 
@@ -137,11 +112,8 @@ def choose_points(count: int, max_points: int) -> NDArray[np.intp]:
     return np.sort(np.random.default_rng(0).choice(count, max_points, replace=False))
 
 
-def _compute_edges(bins: Bins, log: bool) -> NDArray[np.float64]:
-    """Compute the edges of the cells, halfway between neighbours.
-
-    If each cell is one value, the outer edges are as far out as the inner ones are in.
-    """
+def _compute_edges(bins: statistics.Bins, log: bool) -> NDArray[np.float64]:
+    """Compute the edges of the cells, halfway between neighbours; outer ones are as far from single values."""
     low, high = bins.low.astype(float), bins.high.astype(float)
     if log:
         low, high = np.log(low), np.log(high)
@@ -154,28 +126,29 @@ def _compute_edges(bins: Bins, log: bool) -> NDArray[np.float64]:
     return np.asarray(np.exp(edges) if log else edges, dtype=np.float64)
 
 
-_STATUS_COLOURS = {"failed": "black", "timeout": TEXT_COLOUR}
+_STATUS_COLOURS = {"failed": "black", "timeout": style.TEXT_COLOUR}
 _MAX_CELLS = 80
 _MAX_MARKERS = 3000
 _MAX_BARS = 40
 
 
-def draw_feasibility(axes: dict[str, Column], classes: PointClasses, ranked_axes: list[str]) -> bytes:
-    """Draw the feasibility plot of a sweep."""
+def draw_feasibility(
+    axes: dict[str, statistics.Column], classes: statistics.PointClasses, ranked_axes: list[str]
+) -> bytes:
     varied = {name: axes[name] for name in ranked_axes if len(np.unique(axes[name])) > 1}
     colours, codes, legend = _choose_colours(classes)
     if len(varied) == 2:
-        figure = new_figure(10, 7)
+        figure = style.new_figure(10, 7)
         plot = figure.subplots()
         (x_name, x), (y_name, y) = sorted(varied.items(), key=lambda item: list(axes).index(item[0]))
         scales = make_scale(x_name, x, _MAX_CELLS), make_scale(y_name, y, _MAX_CELLS)
         caption = _draw_map(plot, *scales, (x, y), codes, colours)
         _add_heading(figure, classes, caption, legend)
-        return to_png(figure)
+        return style.to_png(figure)
     # One panel per axis
     columns = 2 if len(varied) == 4 else min(3, max(1, len(varied)))
     rows = max(1, math.ceil(len(varied) / columns))
-    figure = new_figure(max(10.0, 4.2 * columns), 1.6 + 3.0 * rows)
+    figure = style.new_figure(max(10.0, 4.2 * columns), 1.6 + 3.0 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for plot, (name, column) in zip(panels, varied.items(), strict=False):
         bars = min(_MAX_BARS, max(4, math.isqrt(len(column)) // 2))
@@ -185,18 +158,18 @@ def draw_feasibility(axes: dict[str, Column], classes: PointClasses, ranked_axes
     for plot in panels[::columns]:
         plot.set_ylabel("share of points [%]")
     _add_heading(figure, classes, "share of points along each axis, over all values of the other axes", legend)
-    return to_png(figure)
+    return style.to_png(figure)
 
 
-def _choose_colours(classes: PointClasses) -> tuple[list[str], NDArray[np.intp], list[Patch]]:
+def _choose_colours(classes: statistics.PointClasses) -> tuple[list[str], NDArray[np.intp], list[Patch]]:
     """Choose colours, the colour index of each point, and the legend; the rarest of many classes share a colour."""
     from matplotlib.patches import Patch  # noqa: PLC0415
 
     counts, total = classes.count(), max(1, len(classes.indices))
     names = list(classes.names)
-    colours = [PALE_TEAL]
-    palette = iter(AREAS)
-    for name in names[1 : len(AREAS) + 1]:
+    colours = [style.PALE_TEAL]
+    palette = iter(style.AREAS)
+    for name in names[1 : len(style.AREAS) + 1]:
         colours.append(_STATUS_COLOURS.get(name) or next(palette))
     codes = classes.indices
     labels = [f"{name}  {_format_percent(counts[i] / total)}" for i, name in enumerate(names[: len(colours)])]
@@ -204,7 +177,7 @@ def _choose_colours(classes: PointClasses) -> tuple[list[str], NDArray[np.intp],
         others = len(names) - len(colours)
         codes = np.minimum(codes, len(colours))
         labels.append(f"others ({others})  {_format_percent(counts[len(colours) :].sum() / total)}")
-        colours.append(REFERENCE)
+        colours.append(style.REFERENCE)
     return colours, codes, [Patch(color=c, label=label) for c, label in zip(colours, labels, strict=True)]
 
 
@@ -212,8 +185,8 @@ def _format_percent(share: float) -> str:
     return f"{100 * share:.1f} %" if share >= 0.001 or share == 0 else "< 0.1 %"
 
 
-def _add_heading(figure: Figure, classes: PointClasses, caption: str, legend: list[Patch]) -> None:
-    feasible = int(classes.count()[classes.names.index(FEASIBLE)])
+def _add_heading(figure: Figure, classes: statistics.PointClasses, caption: str, legend: list[Patch]) -> None:
+    feasible = int(classes.count()[classes.names.index(statistics.FEASIBLE)])
     title = f"{feasible} of {len(classes.indices)} designs are feasible; colour: parameter named by the broken rule"
     figure.suptitle(f"{title}\n{caption}", x=0.01, ha="left", fontsize=10)
     figure.legend(handles=legend, loc="outside lower left", ncols=3, frameon=False, fontsize=9)
@@ -223,7 +196,7 @@ def _draw_map(
     plot: Axes,
     x: PlotScale,
     y: PlotScale,
-    columns: tuple[Column, Column],
+    columns: tuple[statistics.Column, statistics.Column],
     codes: NDArray[np.intp],
     colours: list[str],
 ) -> str:
@@ -236,17 +209,11 @@ def _draw_map(
     y.apply(plot, "y", margin=margin)
     plot.spines[["top", "right"]].set_visible(False)
     if as_markers:
-        plot.grid(True, color=GRID_COLOUR, linewidth=0.7)
+        plot.grid(True, color=style.GRID_COLOUR, linewidth=0.7)
         plot.set_axisbelow(True)
-        edges = [TEXT_COLOUR if code == 0 else "none" for code in codes]
-        plot.scatter(
-            x.locate(columns[0]),
-            y.locate(columns[1]),
-            c=[colours[code] for code in codes],
-            s=36.0 if len(codes) <= 600 else 14.0,
-            linewidths=0.4,
-            edgecolors=edges,
-        )
+        edges = [style.TEXT_COLOUR if code == 0 else "none" for code in codes]
+        fill, area = [colours[code] for code in codes], 36.0 if len(codes) <= 600 else 14.0
+        plot.scatter(x.locate(columns[0]), y.locate(columns[1]), area, fill, linewidths=0.4, edgecolors=edges)
         return "each marker is one design"
     # Number of points of each class in each cell
     shape = (y.bins.count, x.bins.count, len(colours))
@@ -254,15 +221,9 @@ def _draw_map(
     counts = np.bincount(flat, minlength=math.prod(shape)).reshape(shape)
     points = counts.sum(axis=2)
     most_frequent = np.where(points > 0, counts.argmax(axis=2), -1).astype(float)
-    plot.set_facecolor(PALE_GREY)
-    plot.pcolormesh(
-        x.edges,
-        y.edges,
-        np.ma.masked_less(most_frequent, 0),
-        cmap=ListedColormap(colours),
-        vmin=-0.5,
-        vmax=len(colours) - 0.5,
-    )
+    plot.set_facecolor(style.PALE_GREY)
+    drawn = np.ma.masked_less(most_frequent, 0)
+    plot.pcolormesh(x.edges, y.edges, drawn, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(colours) - 0.5)
     if points.max() <= 1:
         return "each cell is one design"
     return f"each cell shows its most frequent class; median of {np.median(points):.0f} designs per cell"
@@ -274,17 +235,9 @@ def _draw_shares(plot: Axes, x: PlotScale, codes: NDArray[np.intp], colours: lis
     shares = 100 * counts / counts.sum(axis=1, keepdims=True)
     bottom = np.zeros(len(shares))
     for i, colour in enumerate(colours):
-        plot.bar(
-            x.edges[:-1],
-            shares[:, i],
-            np.diff(x.edges),
-            bottom,
-            align="edge",
-            color=colour,
-            edgecolor=colour,
-            linewidth=0.3,
-        )
+        look: dict[str, Any] = {"align": "edge", "color": colour, "edgecolor": colour, "linewidth": 0.3}
+        plot.bar(x.edges[:-1], shares[:, i], np.diff(x.edges), bottom, **look)
         bottom += shares[:, i]
-    style_axes(plot)
+    style.style_axes(plot)
     x.apply(plot, "x")
     plot.set_ylim(0, 100)

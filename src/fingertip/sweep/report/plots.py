@@ -9,22 +9,13 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.plot_style import (
-    BLUE,
-    PALE_BLUE,
-    PALE_GREY,
-    PALE_RED,
-    RED,
-    TEXT_COLOUR,
-    new_figure,
-    style_axes,
-    to_png,
-)
+from fingertip.foundation import plot_style as style
+from fingertip.sweep.report import statistics
 from fingertip.sweep.report.feasibility_plot import (
     PlotScale,
     choose_points,
@@ -32,17 +23,6 @@ from fingertip.sweep.report.feasibility_plot import (
     histogram_edges,
     make_scale,
     wrap_name,
-)
-from fingertip.sweep.report.statistics import (
-    FEASIBLE,
-    Column,
-    OutputSensitivity,
-    compute_cell_statistics,
-    compute_correlation,
-    compute_ranks,
-    find_feasible,
-    is_categorical,
-    select_strongest_axes,
 )
 from fingertip.sweep.report.summary import Objective, SweepSummary, format_percent
 
@@ -58,17 +38,20 @@ _CHARACTER_IN, _LINE_IN = 0.078, 0.15
 """Largest mean width of a character, and height of a line, in the heading [inch]."""
 
 
-def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
+def draw_scatter_matrix(
+    columns: dict[str, statistics.Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()
+) -> bytes:
     """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it."""
     size = len(columns)
     panel = 1.75 if size > 4 else 2.4
     points = choose_points(len(feasible), _MAX_POINTS)
+    marker = min(5.0, max(2.4, 90 / math.sqrt(len(points))))
     width = panel * size + 1.0
     heading = _write_heading(len(points), len(feasible), left_out, width)
     top = 0.15 + _LINE_IN * len(heading)
     height = panel * size + 0.65 + top
     # Automatic layout would take seconds for so many panels.
-    figure = new_figure(width, height, automatic_layout=False)
+    figure = style.new_figure(width, height, automatic_layout=False)
     figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - top / height, 0.12, 0.12)
     panels = figure.subplots(size, size, squeeze=False)
     scales = [make_scale(name, _select_finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
@@ -86,8 +69,9 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
                 _draw_histogram(plot, x, values[j], feasible)
             else:
                 y.apply(plot, "y", size=8, margin=0.03, max_label=20)
-                positions = _locate_with_jitter(x, values[j][points]), _locate_with_jitter(y, values[i][points])
-                _draw_scatter(plot, *positions, feasible[points])
+                at_x, at_y = _locate_with_jitter(x, values[j][points]), _locate_with_jitter(y, values[i][points])
+                for drawn, colour in ((~feasible[points], style.PALE_RED), (feasible[points], style.BLUE)):
+                    plot.plot(at_x[drawn], at_y[drawn], ".", color=colour, markersize=marker, markeredgewidth=0)
             # Few ticks, and labels only on the outer panels
             for side, scale in (("x", x), ("y", y)):
                 if not scale.categories and not scale.log and (i != j or side == "x"):
@@ -102,22 +86,21 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
     for i in range(size):
         panels[i, 0].yaxis.set_label_coords(-0.58 / (panel * 0.9), 0.5)
     figure.suptitle("\n".join(heading), x=0.01, y=1 - 0.06 / height, ha="left", va="top", fontsize=9)
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: float) -> list[str]:
     """Write the lines of the heading, none wider than the figure."""
     points = f"all {count} points" if shown == count else f"{shown} of {count} points, chosen at random"
-    sentences = [
-        f"{points}; blue: feasible, red: infeasible; above the diagonal: rank correlation of the feasible points"
-    ]
+    colours = "blue: feasible, red: infeasible"
+    sentences = [f"{points}; {colours}; above the diagonal: rank correlation of the feasible points"]
     if left_out:
         sentences.append(f"not shown for lack of space: {', '.join(left_out)}")
     characters = int(width_in / _CHARACTER_IN)
     return [line for sentence in sentences for line in textwrap.wrap(sentence, characters, break_long_words=False)]
 
 
-def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]:
+def _locate_with_jitter(scale: PlotScale, column: statistics.Column) -> NDArray[np.float64]:
     """Compute the positions of points; those of a category are spread out, or they would cover each other."""
     positions = scale.locate(column)
     if not scale.categories:
@@ -125,18 +108,12 @@ def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]
     return positions + np.random.default_rng(1).uniform(-0.3, 0.3, len(positions))
 
 
-def _select_finite(column: Column) -> Column:
+def _select_finite(column: statistics.Column) -> statistics.Column:
     finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
     return finite if len(finite) else np.zeros(1)
 
 
-def _draw_scatter(plot: Axes, x: NDArray[np.float64], y: NDArray[np.float64], feasible: NDArray[np.bool_]) -> None:
-    size = min(5.0, max(2.4, 90 / math.sqrt(len(x))))
-    for selected, colour in ((~feasible, PALE_RED), (feasible, BLUE)):
-        plot.plot(x[selected], y[selected], ".", color=colour, markersize=size, markeredgewidth=0)
-
-
-def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
+def _draw_histogram(plot: Axes, x: PlotScale, column: statistics.Column, feasible: NDArray[np.bool_]) -> None:
     """Draw how many points there are at each value; bars of unequal width show their number per mean width."""
     positions = x.locate(column)
     edges = x.edges if x.categories else histogram_edges(positions, x, _HISTOGRAM_BINS)
@@ -144,30 +121,22 @@ def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[
     per_width = widths.mean() / widths if len(widths) > 1 and not x.bins.is_exact else np.ones(len(widths))
     feasible_heights = per_width * np.histogram(positions[feasible], edges)[0]
     infeasible_heights = per_width * np.histogram(positions[~feasible], edges)[0]
-    plot.bar(edges[:-1], feasible_heights, np.diff(edges), align="edge", color=BLUE)
-    plot.bar(edges[:-1], infeasible_heights, np.diff(edges), feasible_heights, align="edge", color=PALE_RED)
+    plot.bar(edges[:-1], feasible_heights, np.diff(edges), align="edge", color=style.BLUE)
+    plot.bar(edges[:-1], infeasible_heights, np.diff(edges), feasible_heights, align="edge", color=style.PALE_RED)
 
 
-def _draw_correlation(plot: Axes, a: Column, b: Column) -> None:
+def _draw_correlation(plot: Axes, a: statistics.Column, b: statistics.Column) -> None:
     plot.set_axis_off()
-    if is_categorical(a) or is_categorical(b):
+    if statistics.is_categorical(a) or statistics.is_categorical(b):
         return
     finite = np.isfinite(a.astype(float)) & np.isfinite(b.astype(float))
     a, b = a[finite], b[finite]
     if len(a) < 3 or np.ptp(a) == 0 or np.ptp(b) == 0:
         return
-    value = compute_correlation(compute_ranks(a), compute_ranks(b))
-    plot.text(
-        0.5,
-        0.5,
-        f"{round(value, 2) + 0.0:+.2f}",
-        ha="center",
-        va="center",
-        transform=plot.transAxes,
-        fontsize=8 + 8 * abs(value),
-        color=TEXT_COLOUR,
-        alpha=0.35 + 0.65 * abs(value),
-    )
+    value = statistics.compute_correlation(statistics.compute_ranks(a), statistics.compute_ranks(b))
+    text, size, alpha = f"{round(value, 2) + 0.0:+.2f}", 8 + 8 * abs(value), 0.35 + 0.65 * abs(value)
+    centre: dict[str, Any] = {"ha": "center", "va": "center", "transform": plot.transAxes}
+    plot.text(0.5, 0.5, text, fontsize=size, color=style.TEXT_COLOUR, alpha=alpha, **centre)
 
 
 _MAX_HEAT_MAPS = 3
@@ -175,12 +144,12 @@ _MAX_HEAT_MAPS = 3
 
 def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], bytes]]]:
     """Select the plots that have something to show; give the file name of each and the function that draws its PNG."""
-    table, feasible = summary.table, find_feasible(summary.table)
+    table, feasible = summary.table, statistics.find_feasible(summary.table)
     axes = {name: column for name, column in table.axes.items() if _varies(column)}
     if not axes:
         return
     if summary.limiting_rules:
-        ranked = select_strongest_axes(summary.find_sensitivity(FEASIBLE), [*axes], len(axes))
+        ranked = statistics.select_strongest_axes(summary.find_sensitivity(statistics.FEASIBLE), [*axes], len(axes))
         yield "feasibility.png", partial(draw_feasibility, axes, summary.classes, ranked)
     if summary.sensitivities:
         yield "sensitivity.png", partial(draw_sensitivities, summary.sensitivities, [*axes])
@@ -190,7 +159,7 @@ def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], byte
     names = [*(name for name in objectives if name in outputs), *(name for name in outputs if name not in objectives)]
     heat_maps = names[: max(1, min(len(objectives), _MAX_HEAT_MAPS))] if len(axes) > 1 else []
     for output in heat_maps:
-        strongest = select_strongest_axes(summary.find_sensitivity(output), [*axes], 2)
+        strongest = statistics.select_strongest_axes(summary.find_sensitivity(output), [*axes], 2)
         x, y = sorted(strongest, key=list(axes).index)
         minimise = objectives[output].sign > 0 if output in objectives else None
         values = table.outputs[output]
@@ -200,25 +169,26 @@ def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], byte
         yield "pareto_front.png", partial(_draw_front, summary)
 
 
-def _varies(column: Column) -> bool:
+def _varies(column: statistics.Column) -> bool:
     finite = _select_finite(column)
     return bool(np.any(finite != finite[0]))
 
 
-def _draw_scatter_matrix(summary: SweepSummary, axes: dict[str, Column], outputs: dict[str, Column]) -> bytes:
+def _draw_scatter_matrix(
+    summary: SweepSummary, axes: dict[str, statistics.Column], outputs: dict[str, statistics.Column]
+) -> bytes:
     """Draw as many columns as fit. Outputs get half of them, or more if there are few axes."""
     shown_outputs = list(outputs)[: max(MAX_COLUMNS // 2, MAX_COLUMNS - len(axes))]
     # Of many axes, those with the highest indices over the shown outputs
     totals = dict.fromkeys(axes, 0.0)
-    for sensitivity in summary.sensitivities:
-        for axis in sensitivity.axes:
-            if sensitivity.output in shown_outputs and axis.axis in totals:
-                totals[axis.axis] += axis.first_order_index
+    for axis in (axis for s in summary.sensitivities if s.output in shown_outputs for axis in s.axes):
+        if axis.axis in totals:
+            totals[axis.axis] += axis.first_order_index
     strongest = sorted(axes, key=lambda name: -totals[name])[: MAX_COLUMNS - len(shown_outputs)]
     shown_axes = [name for name in axes if name in strongest]
     columns = {name: axes[name] for name in shown_axes} | {name: outputs[name] for name in shown_outputs}
     left_out = [name for name in (*axes, *outputs) if name not in columns]
-    return draw_scatter_matrix(columns, find_feasible(summary.table), left_out)
+    return draw_scatter_matrix(columns, statistics.find_feasible(summary.table), left_out)
 
 
 def _draw_front(summary: SweepSummary) -> bytes:
@@ -237,24 +207,24 @@ _MAX_CANDIDATES = 20000
 
 
 def draw_heat_map(
-    axes: dict[str, Column],
+    axes: dict[str, statistics.Column],
     x_name: str,
     y_name: str,
     output: str,
-    values: Column,
+    values: statistics.Column,
     feasible: NDArray[np.bool_],
     minimise: bool | None,
 ) -> bytes:
     """Draw an output over two axes: its best value and its mean over all other axes."""
     max_cells = max(5, min(_MAX_CELLS, math.isqrt(len(feasible) // 12)))
     x, y = (make_scale(name, axes[name], _count_cells(axes[name], max_cells)) for name in (x_name, y_name))
-    cells = compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
+    cells = statistics.compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
     others = [name for name, column in axes.items() if name not in (x_name, y_name) and len(np.unique(column)) > 1]
     if cells.finite.max(initial=0) <= 1 and not others:
-        figure = new_figure(8.5, 6.5)
+        figure = style.new_figure(8.5, 6.5)
         _draw_cells(figure, figure.subplots(), (x, y), cells.mean, cells.points, output, output)
     else:
-        figure = new_figure(13, 6.2)
+        figure = style.new_figure(13, 6.2)
         left, right = figure.subplots(1, 2)
         extreme = "maximum" if minimise is False else "minimum"
         title = f"{extreme} of {output} in each cell" + ("" if minimise is None else " (best)")
@@ -268,14 +238,14 @@ def draw_heat_map(
     if others:
         caption += f"; over all values of {', '.join(others)}"
     figure.suptitle(caption, x=0.01, ha="left", fontsize=9)
-    return to_png(figure)
+    return style.to_png(figure)
 
 
-def draw_sensitivities(sensitivities: Sequence[OutputSensitivity], axes: Sequence[str]) -> bytes:
+def draw_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity], axes: Sequence[str]) -> bytes:
     """Draw first-order indices as a table: a row per output, a column per axis, and one for the unexplained share."""
     columns = [*axes, "no single axis"]
     shares = np.zeros((len(sensitivities), len(columns)))
-    figure = new_figure(max(9.0, 2.6 + 1.15 * len(columns)), 1.9 + 0.55 * len(sensitivities))
+    figure = style.new_figure(max(9.0, 2.6 + 1.15 * len(columns)), 1.9 + 0.55 * len(sensitivities))
     plot = figure.subplots()
     for i, sensitivity in enumerate(sensitivities):
         correlations = {axis.axis: axis.rank_correlation for axis in sensitivity.axes}
@@ -305,29 +275,32 @@ def draw_sensitivities(sensitivities: Sequence[OutputSensitivity], axes: Sequenc
         "designs are infeasible"
     )
     figure.suptitle(title, x=0.01, ha="left", fontsize=9)
-    return to_png(figure)
+    return style.to_png(figure)
 
 
 def draw_pareto_front(
-    objectives: Sequence[Objective], values: tuple[Column, Column], front: NDArray[np.intp], best: int
+    objectives: Sequence[Objective],
+    values: tuple[statistics.Column, statistics.Column],
+    front: NDArray[np.intp],
+    best: int,
 ) -> bytes:
     """Draw all candidates by the first two objectives, and their Pareto front."""
-    figure = new_figure(10, 7)
+    figure = style.new_figure(10, 7)
     plot = figure.subplots()
     x, y = values
     points = choose_points(len(x), _MAX_CANDIDATES)
     size = 3.5 if len(points) > 2000 else 6.0
-    plot.plot(x[points], y[points], ".", color=PALE_BLUE, markersize=size, markeredgewidth=0)
+    plot.plot(x[points], y[points], ".", color=style.PALE_BLUE, markersize=size, markeredgewidth=0)
     order = front[np.lexsort((y[front], x[front]))]
     label = f"Pareto front, {len(front)} designs"
     if len(objectives) == 2:
         # Steps instead of straight lines: no design is known to exist between two designs of the front.
         minimise = objectives[0].goal == "minimise"
-        plot.step(x[order], y[order], where="post" if minimise else "pre", color=RED, linewidth=1)
+        plot.step(x[order], y[order], where="post" if minimise else "pre", color=style.RED, linewidth=1)
     else:
         label += f" by all {len(objectives)} objectives"
-    plot.plot(x[order], y[order], "o", color=RED, markersize=4.5, markeredgewidth=0, label=label)
-    plot.plot(x[best], y[best], "o", markersize=14, markerfacecolor="none", color=TEXT_COLOUR, label="best.toml")
+    plot.plot(x[order], y[order], "o", color=style.RED, markersize=4.5, markeredgewidth=0, label=label)
+    plot.plot(x[best], y[best], "o", markersize=14, markerfacecolor="none", color=style.TEXT_COLOUR, label="best.toml")
     plot.set_xlabel(f"{objectives[0].output} ({objectives[0].goal})")
     plot.set_ylabel(f"{objectives[1].output} ({objectives[1].goal})")
     shown = f"all {len(x)} feasible designs"
@@ -335,11 +308,11 @@ def draw_pareto_front(
         shown = f"{len(points)} of {len(x)} feasible designs, chosen at random"
     plot.set_title(f"{shown}, and their Pareto front", loc="left", fontsize=10)
     plot.legend(frameon=False, fontsize=9)
-    style_axes(plot, "both")
-    return to_png(figure)
+    style.style_axes(plot, "both")
+    return style.to_png(figure)
 
 
-def _count_cells(column: Column, max_cells: int) -> int:
+def _count_cells(column: statistics.Column, max_cells: int) -> int:
     """Count the cells of an axis: one per value of a grid while they can be told apart, else `max_cells`."""
     count = len(np.unique(column))
     return count if count <= _MAX_CELLS else max_cells
@@ -349,7 +322,7 @@ def _draw_cells(
     figure: Figure,
     plot: Axes,
     scales: tuple[PlotScale, PlotScale],
-    values: Column,
+    values: statistics.Column,
     points: NDArray[np.intp],
     title: str,
     unit: str,
@@ -357,7 +330,7 @@ def _draw_cells(
     from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
     x, y = scales
-    plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([PALE_GREY]))
+    plot.pcolormesh(x.edges, y.edges, np.ma.masked_equal(points, 0), cmap=ListedColormap([style.PALE_GREY]))
     mesh = plot.pcolormesh(x.edges, y.edges, np.ma.masked_invalid(values), cmap="viridis")
     bar = figure.colorbar(mesh, ax=plot, pad=0.01)
     bar.set_label(unit, fontsize=9)

@@ -34,7 +34,6 @@ class Bins:
 
     @property
     def count(self) -> int:
-        """Number of bins."""
         return len(self.low)
 
     @property
@@ -68,18 +67,12 @@ def to_sortable(column: Column) -> Column:
 
 
 def bin_by_count(column: Column, max_bins: int) -> Bins:
-    """Divide a column into bins with about equally many points; equal values share a bin.
-
-    With `max_bins` distinct values or fewer, each value has its own bin.
-    """
+    """Divide a column into bins with about equally many points, or one for each of few distinct values."""
     return _divide(column, max_bins, lambda _, counts: max_bins * (np.cumsum(counts) - counts / 2) / counts.sum())
 
 
 def bin_by_value(column: Column, max_bins: int) -> Bins:
-    """Divide a column into bins of equal width, or of equal ratio if a logarithmic scale suits it.
-
-    With `max_bins` distinct values or fewer, each value has its own bin.
-    """
+    """Divide a column into bins of equal width or ratio, or one for each of few distinct values."""
 
     def locate(values: Column, _: NDArray[np.intp]) -> NDArray[np.float64]:
         scale = np.log(values) if suits_log_scale(values) else values.astype(float)
@@ -132,17 +125,13 @@ def estimate_explained_variance(y: NDArray[np.float64], bins: Bins) -> float:
 
 
 def compute_null_deviation(bins: int, points: int) -> float:
-    """Compute the standard deviation of `estimate_explained_variance` for a variable without effect.
-
-    The variance between bins then follows a chi-squared distribution with bins - 1 degrees of freedom.
-    """
+    """Compute the standard deviation of that share by chance: chi-squared with bins - 1 degrees of freedom."""
     return math.sqrt(2.0 * (bins - 1)) / (points - bins)
 
 
 def compute_cell_statistics(
     x: Bins, y: Bins, values: Column, feasible: NDArray[np.bool_], minimise: bool
 ) -> CellStatistics:
-    """Compute the best value and the mean of an output in every cell of two axes."""
     shape = (y.count, x.count)
     size = y.count * x.count
     cell_of_point = y.indices * x.count + x.indices
@@ -164,7 +153,10 @@ def find_pareto_front(costs: Costs) -> NDArray[np.intp]:
     result is exact: costs are compared, never added.
     """
     rows, index = np.unique(costs, axis=0, return_inverse=True)
-    on_front = _find_front_of_two(rows) if rows.shape[1] == 2 else _find_front_of_many(rows)
+    if rows.shape[1] == 2:  # they are sorted by the first objective, then by the second
+        on_front = np.asarray(rows[:, 1] < np.minimum.accumulate(np.append(np.inf, rows[:-1, 1])))
+    else:
+        on_front = _find_front_of_many(rows)
     return np.flatnonzero(on_front[index.reshape(-1)])
 
 
@@ -192,12 +184,6 @@ def _divide(column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.
     return Bins(bin_of_value[index], values[first], values[last])
 
 
-def _find_front_of_two(rows: Costs) -> NDArray[np.bool_]:
-    """Find the front of distinct rows that are sorted by the first objective, then by the second."""
-    min_before = np.minimum.accumulate(np.append(np.inf, rows[:-1, 1]))
-    return np.asarray(rows[:, 1] < min_before)
-
-
 def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
     ranks = np.stack([np.unique(column, return_inverse=True)[1].reshape(-1) for column in rows.T], axis=1)
     # A row that dominates another has a lower sum of ranks. So no remaining row dominates the one with the lowest sum.
@@ -212,7 +198,6 @@ def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
 
 
 FEASIBLE = "feasible"
-"""Class of the feasible points."""
 CHECKS_FAILED = "checks_failed"
 """Output that counts failed checks; a design with a failed check is not feasible."""
 _BINS = 12
@@ -228,11 +213,9 @@ class PointClasses:
     """Class of each point as an index into `names`, shape (points,)."""
 
     def count(self) -> NDArray[np.intp]:
-        """Count the points of each class, shape (classes,)."""
         return np.bincount(self.indices, minlength=len(self.names))
 
     def count_by_bin(self, bins: Bins) -> NDArray[np.intp]:
-        """Count the points of each class in each bin, shape (bins, classes)."""
         size = len(self.names)
         return np.bincount(bins.indices * size + self.indices, minlength=bins.count * size).reshape(bins.count, size)
 
@@ -242,7 +225,7 @@ class AxisInfluence:
     """Influence of one axis on how often a rule is broken."""
 
     axis: str
-    explained: float
+    explained_variance: float
     """Share of the variance of "the rule is broken" that the axis explains alone; 0 if it is not significant."""
     limiting_ranges: tuple[tuple[Any, Any], ...]
     """Ranges of the axis, minimum and maximum, in which no other rule refuses more points."""
@@ -254,11 +237,9 @@ class LimitingRule:
 
     rule: str
     points: int
-    """Number of points that it makes infeasible."""
     share: float
     """Share of these among all points, 0 to 1."""
     axes: tuple[AxisInfluence, ...]
-    """Influence of each axis, the strongest first."""
     example: str
     """Message of its first point."""
 
@@ -270,7 +251,6 @@ def find_feasible(table: SweepTable) -> NDArray[np.bool_]:
 
 
 def classify_points(table: SweepTable) -> PointClasses:
-    """Classify every point of a sweep."""
     refused = (table.status == "refused") & (table.field != "")
     words = np.where(refused, table.field, table.status)
     check = np.where(table.field == "", CHECKS_FAILED, np.char.add("check ", table.field.astype(str)))
@@ -306,7 +286,7 @@ def find_limiting_rules(table: SweepTable, classes: PointClasses) -> tuple[Limit
             )
             for name in table.axes
         ]
-        axes.sort(key=lambda axis: -axis.explained)
+        axes.sort(key=lambda axis: -axis.explained_variance)
         example = str(table.reason[int(np.argmax(broken))])
         rules.append(LimitingRule(rule, int(counts[i]), float(counts[i] / total), tuple(axes), example))
     return tuple(rules)
@@ -332,8 +312,6 @@ def _find_limiting_ranges(bins: Bins, counts: NDArray[np.intp], rule: int) -> tu
 
 @dataclass(frozen=True)
 class AxisSensitivity:
-    """Sensitivity of one output to one axis."""
-
     axis: str
     first_order_index: float
     """Share of the output's variance that the axis explains alone; 0 if it is not significant."""
@@ -352,11 +330,9 @@ class OutputSensitivity:
 
     output: str
     points: int
-    """Number of points that have the output."""
     null_deviation: float
     """Standard deviation of the index of an axis without effect (maximum over the axes)."""
     axes: tuple[AxisSensitivity, ...]
-    """Sensitivity to each axis, the strongest first."""
 
     @property
     def unexplained(self) -> float:
@@ -365,10 +341,7 @@ class OutputSensitivity:
 
 
 def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
-    """Compute the sensitivity of feasibility over all points, then of every output over the feasible points.
-
-    Outputs that do not vary are left out.
-    """
+    """Compute the sensitivity of feasibility, then of every output that varies over the feasible points."""
     feasible = find_feasible(table)
     columns = {name: np.where(feasible, column, np.nan) for name, column in table.outputs.items()}
     for name, column in {FEASIBLE: feasible.astype(float), **columns}.items():
@@ -378,7 +351,6 @@ def compute_sensitivities(table: SweepTable) -> Iterator[OutputSensitivity]:
 
 
 def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) -> OutputSensitivity | None:
-    """Compute the sensitivity of one output."""
     finite = np.isfinite(column)
     y = column[finite]
     if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -19,47 +19,30 @@ from fingertip.foundation.errors import DesignError
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report.statistics import (
-    AxisSensitivity,
-    Column,
-    LimitingRule,
-    OutputSensitivity,
-    PointClasses,
-    classify_points,
-    compute_sensitivities,
-    find_feasible,
-    find_limiting_rules,
-    find_nearest_to_ideal,
-    find_pareto_front,
-)
+from fingertip.sweep.report import statistics
 
 _MAX_RULES = 12
-"""Number of limiting rules in the text."""
 _MIN_CORRELATION = 0.1
 """Minimum rank correlation whose sign is shown."""
 
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """Everything that the report says and draws of a sweep."""
-
     plan: SweepPlan
     table: SweepTable
-    classes: PointClasses
-    limiting_rules: tuple[LimitingRule, ...]
-    sensitivities: tuple[OutputSensitivity, ...]
+    classes: statistics.PointClasses
+    limiting_rules: tuple[statistics.LimitingRule, ...]
+    sensitivities: tuple[statistics.OutputSensitivity, ...]
     selection: Selection
 
-    def find_sensitivity(self, output: str) -> OutputSensitivity | None:
-        """Find the sensitivity of one output; None if the output does not vary."""
+    def find_sensitivity(self, output: str) -> statistics.OutputSensitivity | None:
         return next((s for s in self.sensitivities if s.output == output), None)
 
 
 def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
-    """Summarise the rows of a sweep, finished or not."""
-    classes = classify_points(table)
-    rules = find_limiting_rules(table, classes)
-    sensitivities = tuple(compute_sensitivities(table))
+    classes = statistics.classify_points(table)
+    rules = statistics.find_limiting_rules(table, classes)
+    sensitivities = tuple(statistics.compute_sensitivities(table))
     objectives = [Objective(name, 1) for name in plan.file.minimise] + [Objective(n, -1) for n in plan.file.maximise]
     return SweepSummary(plan, table, classes, rules, sensitivities, select_best(table, tuple(objectives)))
 
@@ -67,64 +50,42 @@ def summarise(plan: SweepPlan, table: SweepTable) -> SweepSummary:
 def to_json_data(summary: SweepSummary) -> dict[str, Any]:
     """Convert a summary to one JSON object; numbers that are not finite become null."""
     table, selection = summary.table, summary.selection
-    feasible = find_feasible(table)
+    feasible = statistics.find_feasible(table)
     return {
         "sweep": summary.plan.file.name,
         "points": summary.plan.size,
         "rows": len(table.point),
         "status": {status: int(np.sum(table.status == status)) for status in STATUSES},
         "feasible": int(feasible.sum()),
-        "limiting_rules": [
-            {
-                "rule": rule.rule,
-                "points": rule.points,
-                "share": _to_json_number(rule.share),
-                "axes": [
-                    {
-                        "axis": axis.axis,
-                        "explained_variance": _to_json_number(axis.explained),
-                        "limiting_ranges": [list(ends) for ends in axis.limiting_ranges],
-                    }
-                    for axis in rule.axes
-                ],
-                "example": rule.example,
-            }
-            for rule in summary.limiting_rules
-        ],
+        "limiting_rules": [_to_json_object(rule) for rule in summary.limiting_rules],
         "outputs": {name: _describe_output(column[feasible]) for name, column in table.outputs.items()},
-        "sensitivity": [
-            {
-                "output": sensitivity.output,
-                "points": sensitivity.points,
-                "null_deviation": _to_json_number(sensitivity.null_deviation),
-                "axes": [
-                    {
-                        "axis": axis.axis,
-                        "first_order_index": _to_json_number(axis.first_order_index),
-                        "rank_correlation": _to_json_number(axis.rank_correlation),
-                    }
-                    for axis in sensitivity.axes
-                ],
-            }
-            for sensitivity in summary.sensitivities
-        ],
+        "sensitivity": [_to_json_object(sensitivity) for sensitivity in summary.sensitivities],
         "objectives": [{"output": o.output, "goal": o.goal} for o in selection.objectives],
         "best": None if selection.best is None else _describe_point(summary, selection.best),
         "pareto_front": [int(table.point[row]) for row in selection.front],
     }
 
 
+def _to_json_object(
+    record: statistics.LimitingRule
+    | statistics.OutputSensitivity
+    | statistics.AxisInfluence
+    | statistics.AxisSensitivity,
+) -> dict[str, Any]:
+    """Convert the fields of a record; `limiting_ranges` keep every digit of the axis."""
+    data = {field.name: getattr(record, field.name) for field in fields(record)}
+    data |= {name: _to_json_number(value) for name, value in data.items() if isinstance(value, float)}
+    return data | {"axes": [_to_json_object(axis) for axis in data["axes"]]} if "axes" in data else data
+
+
 def format_text(summary: SweepSummary) -> str:
-    """Format a summary as text: counts, limiting rules, output ranges, sensitivities and the best design."""
-    return "\n".join(
-        [
-            _format_counts(summary),
-            *_format_rules(summary.limiting_rules),
-            *_format_outputs(summary),
-            *_format_sensitivities(summary.sensitivities),
-            *_format_best(summary),
-        ]
-    )
+    lines = [_format_counts(summary), *_format_rules(summary.limiting_rules), *_format_outputs(summary)]
+    lines += [*_format_sensitivities(summary.sensitivities), "", describe_best(summary)]
+    if summary.selection.best is not None:
+        data = _describe_point(summary, summary.selection.best)
+        lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
+        lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
+    return "\n".join(lines)
 
 
 def describe_best(summary: SweepSummary) -> str:
@@ -132,13 +93,12 @@ def describe_best(summary: SweepSummary) -> str:
     selection, table = summary.selection, summary.table
     if not len(table.point):
         return "No point has been computed yet."
-    if not find_feasible(table).any():
+    if not statistics.find_feasible(table).any():
         rule = summary.limiting_rules[0]
         axis = rule.axes[0] if rule.axes else None
-        remedy = (
-            f" It depends most on {axis.axis}: change the range of that axis." if axis and axis.explained > 0 else ""
-        )
-        example = ""
+        remedy = example = ""
+        if axis and axis.explained_variance > 0:
+            remedy = f" It depends most on {axis.axis}: change the range of that axis."
         if rule.example:
             example = f" Message of the first point: {_explain_first_point(summary, rule)}"
         return (
@@ -159,7 +119,7 @@ def describe_best(summary: SweepSummary) -> str:
     return f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
 
 
-def _explain_first_point(summary: SweepSummary, rule: LimitingRule) -> str:
+def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -> str:
     """Explain why the first point of a rule is refused, with a remedy, which the rows of a sweep leave out."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
     base, changes = _split_parameters(summary.plan, summary.plan.point(int(summary.table.point[row])))
@@ -184,7 +144,7 @@ def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
     return {"point": point, "parameters": summary.plan.point(point), "outputs": outputs}
 
 
-def _describe_output(column: Column) -> dict[str, Any]:
+def _describe_output(column: statistics.Column) -> dict[str, Any]:
     finite = column[np.isfinite(column)]
     known = len(finite) > 0
     return {
@@ -203,7 +163,7 @@ def _to_json_number(value: float) -> float | None:
 
 def _format_counts(summary: SweepSummary) -> str:
     table = summary.table
-    feasible = int(find_feasible(table).sum())
+    feasible = int(statistics.find_feasible(table).sum())
     counts = {status: int(np.sum(table.status == status)) for status in STATUSES}
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
     share = f" ({format_percent(feasible / len(table.point))})" if len(table.point) else ""
@@ -211,19 +171,16 @@ def _format_counts(summary: SweepSummary) -> str:
     return f"{summary.plan.file.name}: {total}: {statuses}; {feasible} feasible{share}"
 
 
-def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
+def _format_rules(rules: Sequence[statistics.LimitingRule]) -> list[str]:
     if not rules:
         return []
-    lines = [
-        "",
-        "limiting rule                        points   share   main axis (explained variance): limiting range",
-    ]
+    lines = ["", "limiting rule                        points   share   main axis (explained variance): limiting range"]
     for rule in rules[:_MAX_RULES]:
         axis = rule.axes[0] if rule.axes else None
         influence = ""
-        if axis and axis.explained > 0:
+        if axis and axis.explained_variance > 0:
             ranges = ", ".join(_format_range(*ends) for ends in axis.limiting_ranges)
-            influence = f"{axis.axis} ({format_percent(axis.explained)})" + (f": {ranges}" if ranges else "")
+            influence = f"{axis.axis} ({format_percent(axis.explained_variance)})" + (f": {ranges}" if ranges else "")
         lines.append(f"{rule.rule:34} {rule.points:8} {format_percent(rule.share):>7}   {influence}".rstrip())
     if len(rules) > _MAX_RULES:
         lines.append(f"and {len(rules) - _MAX_RULES} less frequent")
@@ -231,7 +188,7 @@ def _format_rules(rules: Sequence[LimitingRule]) -> list[str]:
 
 
 def _format_outputs(summary: SweepSummary) -> list[str]:
-    feasible = find_feasible(summary.table)
+    feasible = statistics.find_feasible(summary.table)
     if not feasible.any() or not summary.table.outputs:
         return []
     lines = ["", "output (feasible points)              minimum     median    maximum"]
@@ -242,7 +199,7 @@ def _format_outputs(summary: SweepSummary) -> list[str]:
     return lines
 
 
-def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[str]:
+def _format_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity]) -> list[str]:
     if not sensitivities:
         return []
     lines = [
@@ -250,28 +207,15 @@ def _format_sensitivities(sensitivities: Sequence[OutputSensitivity]) -> list[st
         "share of the variance that each axis explains alone (first-order Sobol index; + rises, - falls with the axis)",
     ]
     for sensitivity in sensitivities:
-        axes = [
-            f"{axis.axis} {format_percent(axis.first_order_index)}{_format_direction(axis)}"
-            for axis in sensitivity.axes
-            if axis.first_order_index > 0
-        ]
+        axes = []
+        for axis in sensitivity.axes:
+            if axis.first_order_index > 0:
+                direction = ""
+                if abs(axis.rank_correlation) >= _MIN_CORRELATION:  # false for NaN, of a categorical axis
+                    direction = " +" if axis.rank_correlation > 0 else " -"
+                axes.append(f"{axis.axis} {format_percent(axis.first_order_index)}{direction}")
         lines.append(f"{sensitivity.output:34} {', '.join(axes) or 'no significant axis'}")
     return lines
-
-
-def _format_best(summary: SweepSummary) -> list[str]:
-    lines = ["", describe_best(summary)]
-    if summary.selection.best is not None:
-        data = _describe_point(summary, summary.selection.best)
-        lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
-        lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
-    return lines
-
-
-def _format_direction(axis: AxisSensitivity) -> str:
-    if not abs(axis.rank_correlation) >= _MIN_CORRELATION:  # also if it is NaN, for a categorical axis
-        return ""
-    return " +" if axis.rank_correlation > 0 else " -"
 
 
 def _format_value(value: Any) -> str:
@@ -283,14 +227,11 @@ def _format_range(low: Any, high: Any) -> str:
 
 
 def format_percent(share: float) -> str:
-    """Format a share in percent."""
     return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else "< 1 %"
 
 
 @dataclass(frozen=True)
 class Objective:
-    """Output to minimise or to maximise."""
-
     output: str
     sign: int
     """1 to minimise, -1 to maximise."""
@@ -316,13 +257,12 @@ class Selection:
     front: NDArray[np.intp]
     """Rows of the Pareto front: no candidate dominates them. Ascending."""
     best: int | None
-    """Row of the front nearest to the ideal point (see `statistics.find_nearest_to_ideal`); None without a
-    candidate or an objective."""
+    """Row of the front nearest to the ideal point; None without a candidate or an objective."""
 
 
 def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
     """Select the Pareto front of a table and its best row; of equal rows the first is the best."""
-    rows = np.flatnonzero(find_feasible(table))
+    rows = np.flatnonzero(statistics.find_feasible(table))
     if not objectives:
         return Selection(objectives, rows, 0, rows[:0], None)
     costs = np.stack([o.sign * table.outputs[o.output][rows] for o in objectives], axis=1)
@@ -330,8 +270,8 @@ def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selecti
     candidates, costs = rows[finite], costs[finite]
     if not len(candidates):
         return Selection(objectives, candidates, len(rows), candidates, None)
-    front = find_pareto_front(costs)
-    best = int(candidates[find_nearest_to_ideal(costs, front)])
+    front = statistics.find_pareto_front(costs)
+    best = int(candidates[statistics.find_nearest_to_ideal(costs, front)])
     return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
 
 
@@ -342,12 +282,10 @@ def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection)
     point = int(table.point[row])
     parameters = plan.point(point)
     goals = " and ".join(map(str, selection.objectives))
-    method = (
-        f"Best of {len(selection.candidates)} feasible designs to {goals}."
-        if len(selection.objectives) == 1
-        else f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, the "
-        "design nearest to the ideal point."
-    )
+    method = f"Best of {len(selection.candidates)} feasible designs to {goals}."
+    if len(selection.objectives) > 1:
+        method = f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, "
+        method += "the design nearest to the ideal point."
     lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]

@@ -17,6 +17,7 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
@@ -24,7 +25,6 @@ from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.casting.consumables import flat_width_mm, uses_adhesive
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg
-from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.catalogues.hardware import find_needle, select_thread
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty
 from fingertip.design import Design

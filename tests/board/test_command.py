@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from fingertip.board.kicad.models import MODEL_FOLDER
+from fingertip.board.kicad.project import MODEL_FOLDER
 
 from fingertip.foundation.output_set import MANIFEST
 from tests.board.test_netlist import FILES

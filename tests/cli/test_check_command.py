@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from fingertip.cad.verification import check
-from tests.conftest import design_file, run_fingertip, run_python
+from tests.conftest import design_file, run_fingertip
 
 FSR400, FSR402 = design_file("fsr400"), design_file("fsr402")
 COARSE = ("--tolerance-mm", "0.05")
@@ -129,22 +129,6 @@ def test_issues_of_all_files_are_listed_and_nothing_is_written(tmp_path: Path) -
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--tolerance-mm", "nan"], "out of bounds"),
-        (["--set", "skin.width_mm"], "is not of the form"),
-    ],
-)
-def test_invalid_option_exits_2_with_a_single_message(tmp_path: Path, arguments: list[str], message: str) -> None:
-    done = run_fingertip("check", FSR400, FSR402, *arguments, "--quiet", PWD=str(tmp_path))
-    assert done.returncode == 2
-    assert done.stderr.count(message) == 1
-    assert "Traceback" not in done.stderr
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.full
 def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) -> None:
     for name in ("a.toml", "b.toml"):
         (tmp_path / name).write_text("")
@@ -156,15 +140,3 @@ def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) ->
 def test_changes_apply_to_every_design() -> None:
     done = run_fingertip("check", FSR400, FSR402, *COARSE, "--set", "name=both", "--json", "-q")
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == [FSR400.as_posix(), FSR402.as_posix()]
-
-
-@pytest.mark.full
-def test_check_imports_no_brep_kernel_and_no_plots() -> None:
-    script = (
-        "import sys\nfrom fingertip.cli import app\n"
-        "app(sys.argv[1:], standalone_mode=False)\n"
-        "heavy = ('cadquery', 'OCP', 'trimesh', 'matplotlib', 'scipy', 'rich')\n"
-        "print([name for name in heavy if name in sys.modules], file=sys.stderr)\n"
-    )
-    done = run_python("-c", script, "check", str(FSR400), *COARSE, "--quiet")
-    assert done.stderr.strip() == "[]"

@@ -79,18 +79,6 @@ def test_coupon_as_step(folder: Path) -> None:
     assert "16 of 16 checks passed" in done.stdout
 
 
-@pytest.mark.full
-def test_readings_written_into_the_template_are_not_overwritten(folder: Path) -> None:
-    assert run_fingertip("coupon", "fsr400", "--formats", "stl").returncode == 0
-    template = folder / "out/fsr400/coupon/coupon_readings.toml"
-    template.write_text(template.read_text().replace("slot_mm = []", "slot_mm = [10.01]"))
-    done = run_fingertip("coupon", "fsr400", "--formats", "stl", "--set", "mold.wall_mm=5")
-    assert done.returncode == 2
-    assert "coupon_readings.toml: was not written by fingertip, or was changed since" in done.stderr
-    assert "slot_mm = [10.01]" in template.read_text()
-    assert run_fingertip("coupon", "fsr400", "--formats", "stl", "--force").returncode == 0
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -171,15 +159,6 @@ def test_all_faults_are_reported_at_once(folder: Path) -> None:
     assert [line.split(": ")[1] for line in done.stderr.splitlines()] == ["--out", "--keep", "slott_mm"]
     assert "did you mean sensor.clearance_mm?" in done.stderr
     assert "did you mean slot_mm?" in done.stderr
-
-
-@pytest.mark.full
-def test_an_outlier_is_named(folder: Path) -> None:
-    tables = simulate(Design(), 0)
-    tables["outer_x_mm"][1] += 0.31
-    Path("r.toml").write_text(to_toml(tables))
-    done = run_fingertip("calibrate", "printer", "fsr400", "r.toml")
-    assert re.search(r"outlier: reading 2 of outer_x_mm, [\d.]+ mm, is 0\.\d\d mm more than the fit", done.stdout)
 
 
 def test_inputs_are_not_overwritten_and_missing_files_are_named(folder: Path) -> None:

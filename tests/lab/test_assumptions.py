@@ -32,7 +32,6 @@ from fingertip.slip.detectors.analog_and_digital import noise_level
 from tests.designs import ARTICLE
 
 SLIDE = next(article_trials())[0]
-BY_LABEL = {variation.label: variation for variation in VARIATIONS}
 
 
 @pytest.mark.parametrize("variation", VARIATIONS, ids=lambda variation: variation.label)
@@ -82,21 +81,6 @@ def test_vibration_is_the_fast_part_of_the_force_in_slip() -> None:
     assert math.isnan(median_of_known([math.nan]))
 
 
-@pytest.mark.full
-def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
-    harder = Variation("harder start", {"scene.slide.acceleration_m_s2": 10.0})
-    noisier = Variation("noisier", {"detector.noise_v": Factor(8.0)})
-    weaker = Variation("weaker", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)})
-    base, fast, noisy, weak = study_assumptions(Design(), "fast", 8, variations=[harder, noisier, weaker])
-    assert base.change_s == base.onset_change_s == 0.0
-    # The slip begins sooner after the motion; from gross slip on, fast waits until it is no contact.
-    assert fast.change_s < 0.002
-    assert fast.onset_change_s < -0.003
-    assert noisy.change_s > 0.002
-    assert noisy.onset_change_s == 0.0
-    assert weak.median_s != base.median_s
-
-
 def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     """With a constant threshold, twice the noise would keep digital ON all the time."""
     noisier = Variation("twice the noise", {"detector.noise_v": Factor(2.0)})
@@ -104,20 +88,6 @@ def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     assert base.found_share == 1.0
     assert twice.found_share > 0.5
     assert twice.alarms_per_minute < 10
-
-
-@pytest.mark.full
-def test_realistic_effects_make_detection_harder() -> None:
-    labels = (PATCH_AVERAGE, ELASTO_PLASTIC, "vibration of the hand, 0.5 mV", "converter of 10 bits, 0 to 5 V")
-    base, patch, bristles, hand, coarse = study_assumptions(
-        ARTICLE, "fast", 8, variations=[BY_LABEL[label] for label in labels]
-    )
-    assert 10 < base.vibration_n / patch.vibration_n < 40
-    assert patch.median_s > base.median_s
-    assert patch.onset_change_s == 0.0
-    assert 0.003 < bristles.onset_change_s < 0.006
-    assert hand.alarms_per_minute > base.alarms_per_minute + 2
-    assert coarse.median_s > base.median_s + 0.01
 
 
 def make_result(label: str, found: float = 1.0, median_s: float = 0.015, is_realistic: bool = True) -> VariationResult:

@@ -25,7 +25,7 @@ from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cas
 from fingertip.lab.report import trial_plots
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.sim import Observation
-from fingertip.sim.signal.converter import EnvelopeStream, compute_bridge_v, simulate_envelope_v
+from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()
@@ -95,24 +95,6 @@ def test_increases_keep_the_refractory_time_and_the_force_limit():
     # each increase adds at most the closing from this force to the limit
     pad = grip._pad
     assert commands[-1][0] <= len(grips) * (pad.depth_m(2.0) - pad.depth_m(0.95))
-
-
-def test_board_in_chunks_equals_board_at_once():
-    rows = np.array(
-        [
-            make_voltage(0.6, burst=(0.2, 0.4)) + 0.1 * (np.arange(1200) > 700),
-            make_voltage(0.6, 3.0),
-            make_voltage(0.6, 0.1),
-        ]
-    )
-    for variant in ("article", "precision"):
-        design = Design(board={"variant": variant})
-        stream = EnvelopeStream(design)
-        parts = [stream.process(rows[:, i : i + PERIOD]) for i in range(0, rows.shape[1], PERIOD)]
-        for row, found in zip(rows, np.concatenate(parts, axis=1), strict=True):
-            whole = simulate_envelope_v(design, row)
-            assert np.max(np.abs(found - whole)) <= 1e-3  # a few steps of the ADC
-        assert np.max(parts[25][0]) > 0.01
 
 
 def test_seeds_are_held_out():

@@ -179,18 +179,6 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
 
 
 @pytest.mark.full
-def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
-    entered = []
-    monkeypatch.setattr(
-        "fingertip.sim.runs.scene.jit.compiled", lambda progress: entered.append(1) or compiled(progress)
-    )
-    run_scene(Design(), Trial().scene, 0)
-    assert not entered
-    run_scene(Design(), SceneFile(hold={"min_s": 400.0}, outputs=["force_n"]), 0)
-    assert entered
-
-
-@pytest.mark.full
 def test_hand_has_drift_cable_jitter_and_interference_too():
     quick = {"outputs": ["voltage_v"], "grasp": {"kind": "pinch", "after_s": 0.0}, "knock": {"speed_m_s": 0.0}}
     usual = run_manipulation(Design(), ManipulationFile(**quick), None, 1).output("voltage_v")

@@ -70,13 +70,6 @@ def test_loop_compiles_from_its_break_even_on():
     assert whole._compiled is not None
 
 
-def test_an_imported_numba_changes_nothing():
-    pytest.importorskip("numba")
-    loop = make_loop()
-    loop(np.ones(loop.break_even - 1), np.zeros(loop.break_even - 1))
-    assert loop._compiled is None
-
-
 def test_short_calls_run_plain_even_in_the_block():
     loop = make_loop(plain_us=1e6 * CALL_S / 10)
     with compiled():
@@ -96,16 +89,6 @@ def test_state_in_lists_carries_over_from_plain_to_compiled():
     make_loop(_accumulate, outputs=2)(values, [0.0], whole)
     assert np.concatenate((first, second)).tobytes() == whole.tobytes()
     assert total == [whole[-1]]
-
-
-def test_views_and_single_precision_compile_no_second_form():
-    pytest.importorskip("numba")
-    loop, out = make_loop(), np.zeros(3)
-    with compiled():
-        for values in (np.ones(3), np.ones(6)[::2], np.ones(3, dtype=np.float32), [1, 1, 1]):
-            loop(values, out)
-            assert out.tolist() == [2.0, 2.0, 2.0]
-    assert len(loop._compiled.signatures) == 1
 
 
 def test_loop_without_a_cache_folder_is_compiled_for_this_process():

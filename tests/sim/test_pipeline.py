@@ -7,7 +7,6 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
-from tests.conftest import run_python
 
 DESIGN = Design()
 SLIDE = {"slide": {"distance_m": 0.01}, "hold": {"wait_s": 0.1, "release": False}}
@@ -69,23 +68,3 @@ def test_outputs_do_not_depend_on_the_other_outputs(tables):
     for name in every:
         alone, _ = run(tables, [name])
         assert np.array_equal(alone.columns[name], full.columns[name]), name
-
-
-def test_omitted_stage_costs_nothing():
-    """Without a stage, the others do what they do in a full run, and nothing else is done."""
-    _, full = run(SLIDE, ["voltage_v", "envelope_v"])
-    _, less = run(SLIDE, ["voltage_v"])
-    assert full.keys() - less.keys() == {"board noise", "filter board"}
-    for name, stage in less.items():
-        assert (stage.states, stage.evaluations) == (full[name].states, full[name].evaluations), name
-
-
-@pytest.mark.full
-def test_scene_with_true_slip_only_imports_no_heavy_package(tmp_path):
-    code = (
-        "import sys; from fingertip.design import Design; from fingertip.sim import *\n"
-        "run_scene(Design(), SceneFile(outputs=['slip'], hold={'wait_s': 0.1}))\n"
-        "heavy = {'scipy', 'numba', 'cadquery', 'matplotlib', 'trimesh'}\n"
-        "print(sorted({name.split('.')[0] for name in sys.modules} & heavy))"
-    )
-    assert run_python("-c", code).stdout.strip() == "[]"

@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
-from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene, simulate
+from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene
 from fingertip.sim import report as summary
 from fingertip.sim.runs.scene import SceneRecord
 from fingertip.slip.traces.truth import SlipCollector, intervals
@@ -19,15 +19,6 @@ from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE
 
 SCENES = ROOT / "params" / "scenes"
-
-
-@pytest.mark.full
-def test_design_alone_gives_a_trial_of_the_article():
-    simulation = load_simulation(design_file("fsr402"), surface="smooth", speed_m_s=0.08, force_n=1.5, seed=3)
-    assert simulation.scene == Trial("smooth", 0.08, 1.5, 3).scene
-    assert simulation.design == Design.load(design_file("fsr402"))
-    trace = simulate(simulation.design, Trial("smooth", 0.08, 1.5, 3))
-    assert np.array_equal(simulation.run().columns["voltage_v"], trace.voltage_v)
 
 
 def test_nothing_given_means_default_design_and_trial():
@@ -70,18 +61,6 @@ def test_all_issues_are_reported_at_once():
     with pytest.raises(FingertipError) as caught:
         load_simulation(design_file("fsr400"), design_file("fsr402"), changes=["tap.force_n=1"])
     assert [issue.field for issue in caught.value.issues] == ["--design", "--set tap.force_n=1"]
-
-
-def test_speed_of_a_scene_without_slide_is_refused():
-    with pytest.raises(FingertipError, match=r"--speed-m-s: 0\.05 m/s has no effect, because nothing slides here"):
-        load_simulation(SCENES / "contact.toml", speed_m_s=0.05)
-
-
-@pytest.mark.full
-def test_warnings_concern_the_recorded_voltage_only():
-    changes = ["detector.adc_range_v=1.0"]
-    assert list(load_simulation(SCENES / "contact.toml", changes=changes).find_warnings())
-    assert not list(load_simulation(SCENES / "contact.toml", changes=[*changes, 'outputs=["slip"]']).find_warnings())
 
 
 def test_summary_describes_the_surface_and_the_peak_speed_that_is_reached():

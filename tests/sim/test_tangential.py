@@ -36,17 +36,6 @@ def pull(
     return drag(friction, mount, h, speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N))
 
 
-def test_spring_balances_friction_at_rest():
-    h = 1e-4
-    stage = np.minimum(np.arange(20000) * h * 1e-3, 5e-5)  # stops well before breakaway
-    still = np.where(stage < 5e-5, 1e-3, 0.0)
-    motion = drag(FRICTION, MOUNT, h, stage, still, np.full_like(stage, FORCE_N))
-    spring = STIFFNESS * (stage[-1] - motion.position_m[-1])
-    assert spring == pytest.approx(FORCE_N * FRICTION.sigma0 * motion.bristle_m[-1], rel=1e-6)
-    assert 0.0 < spring < FRICTION.mu_s * FORCE_N
-    assert abs(motion.velocity_m_s[-1]) < 1e-9
-
-
 def test_breakaway_force_is_mu_s_times_load():
     # The pull is so slow that inertia and viscosity are negligible.
     motion = pull(2e-4, 4.0)
@@ -84,15 +73,12 @@ def test_bristles_relax_and_friction_vanishes_without_contact():
     assert motion.position_m[-1] == pytest.approx(1e-4, rel=1e-4)
 
 
-def test_friction_that_could_deliver_energy_is_refused():
-    with pytest.raises(TraceError, match=r"sigma1: 300 s/m lets bristles deliver energy; below 2\.4"):
-        Friction(0.6, 0.48, sigma1=300.0)
-
-
 @pytest.mark.parametrize("bad", [{"sigma0": -1.0}, {"sigma0": math.nan}, {"mu_c": 0.7}, {"stribeck_m_s": 0.0}])
 def test_invalid_friction_parameters_are_refused(bad):
     with pytest.raises(TraceError):
         Friction(**({"mu_s": 0.6, "mu_c": 0.48} | bad))
+    with pytest.raises(TraceError, match=r"sigma1: 300 s/m lets bristles deliver energy; below 2\.4"):
+        Friction(0.6, 0.48, sigma1=300.0)
 
 
 def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
@@ -143,13 +129,6 @@ def test_motion_agrees_with_scipy_radau():
     )
     assert np.abs(ours.velocity_m_s[::100] - theirs.y[1]).max() < 1e-6
     assert np.abs(ours.position_m[::100] - theirs.y[0]).max() < 1e-9
-
-
-def test_hundredfold_bristle_stiffness_stays_stable():
-    friction = Friction(0.6, 0.48, sigma0=2.5e6)
-    motion = pull(0.04, 0.5, friction=friction, step_s=3e-5)
-    assert motion.velocity_m_s[-1] == pytest.approx(0.04, rel=1e-5)
-    assert np.abs(motion.velocity_m_s).max() < 0.2
 
 
 @pytest.mark.parametrize("sigma0", [1e6, 1e7, 1e8, 1e9])
@@ -204,31 +183,3 @@ def test_chunks_give_the_bits_of_the_whole():
     parts = [pad.process(*(column[a:b] for column in columns)) for a, b in pairwise(cuts)]
     for name in ("position_m", "velocity_m_s", "bristle_m"):
         assert np.array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name)), name
-
-
-@pytest.mark.parametrize("swing", [0.0, 0.5, 0.9])
-@pytest.mark.parametrize("ratio", [1, 2, 3])
-def test_friction_is_passive_while_load_and_velocity_both_move(swing, ratio):
-    """The contact never gives more work than its bristles have stored, at any load that moves with the motion.
-
-    With the mean deflection as state, as usual, up to 3.5e-6 J per cycle came out of nowhere.
-    """
-    h, f = 2e-6, FRICTION
-    rng = random.Random(ratio)
-    for _ in range(4):
-        amplitude, phase, frequency = rng.uniform(1e-6, 3e-5), rng.uniform(0, 2 * math.pi), rng.uniform(20, 200)
-        w = 2 * math.pi * frequency
-        s = work = least = 0.0
-        for i in range(round(3 / frequency / h)):
-            t = (i + 0.5) * h
-            v = amplitude * w * math.sin(w * t)
-            load = FORCE_N * (1 + swing * math.sin(ratio * w * t + phase))
-            c = 1 / math.sqrt(load + LOAD_SCALE_N)
-            # One step of the midpoint rule, which conserves quadratic energies.
-            rate = load * c * c * f.sigma0 * abs(v) / stribeck_coefficient(f, v)
-            middle = (s + 0.5 * h * load * c * v) / (1 + 0.5 * h * rate)
-            ds = load * c * v - rate * middle
-            work += h * v * load * (f.sigma0 * c * middle + f.sigma1 * c * ds + f.sigma2 * v)
-            s += h * ds
-            least = min(least, work - f.sigma0 * s * s / 2)
-        assert least > -1e-15

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import re
 import shlex
 import struct
@@ -98,26 +97,6 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
     if "--calibrate" in options:
         options[-1] = "0:0.4"
     assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.006)
-
-
-@pytest.mark.full
-def test_numpy_files_are_read(tmp_path):
-    v = np.round(V, 6)
-    np.savez(tmp_path / "a.npz", time_s=T, voltage_v=v, slip=(T >= 0.5) & (T < 0.7))
-    np.savez(tmp_path / "b.npz", voltage_v=v, sample_rate_hz=2000)
-    np.save(tmp_path / "c.npy", v)
-    np.save(tmp_path / "d.npy", np.column_stack((T, v)))
-    np.savez(tmp_path / "e.npz", t=T, AI0=v)
-    done = run("detect", tmp_path / "a.npz", "--json")
-    assert single_onset(done) == ONSET
-    assert json.loads(done.stdout)["delays_s"] == [pytest.approx(ONSET - 0.5)]
-    for words in (
-        ("b.npz",),
-        ("c.npy", "--rate-hz", 2000),
-        ("d.npy",),
-        ("e.npz", "--column", "time_s=t", "--column", "voltage_v=AI0"),
-    ):
-        assert single_onset(run("detect", tmp_path / words[0], *words[1:], "--json")) == ONSET, words
 
 
 @pytest.mark.full
@@ -360,21 +339,6 @@ def test_a_file_of_comments_is_bounded(tmp_path, monkeypatch):
     monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "100")
     (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v\n" + b"#\n" * 20_000)
     assert "has more than 10200 lines" in run("detect", tmp_path / "t.csv").stderr
-
-
-def test_faults_of_many_lines_are_counted(tmp_path):
-    rows = ["0.0,4", "0.0005,x", "0.001", "0.0015,y", "0.002,4,5", "0.0025,"]
-    (tmp_path / "t.csv").write_text("\n".join(["time_s,voltage_v", *rows]) + "\n")
-    done = run("detect", tmp_path / "t.csv")
-    assert "line 4: has 1 cells, but the header has 2 (and 1 more such lines)" in done.stderr
-    assert "voltage_v: 'x' in line 3 is not a number (and 2 more)" in done.stderr
-
-
-def test_a_pipe_is_refused_with_the_way_to_read_a_stream(tmp_path):
-    os.mkfifo(tmp_path / "t.csv")
-    assert (
-        "is a pipe, not a regular file; give the path of a trace, or - for" in run("detect", tmp_path / "t.csv").stderr
-    )
 
 
 @pytest.mark.parametrize("rate", ["1e308", "1e-308", "-1e308", "nan", "inf", "0"])

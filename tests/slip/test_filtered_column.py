@@ -67,26 +67,6 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
     assert first.time_s == pytest.approx(expected[0].onset_s)
 
 
-def test_the_column_is_used_by_fast_alone_and_by_its_board_alone(tmp_path: Path, recording):
-    time_s, samples, _ = recording
-    paths = []
-    noise = np.random.default_rng(1).normal(1.47, 0.3, len(samples))
-    for name, filtered in (("noise", noise), ("own", recording[2])):
-        path = tmp_path / f"{name}.csv"
-        lines = as_lines((time_s, samples, filtered), "time_s,voltage_v,filtered_v")
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        paths.append(path)
-
-    def detect(design: Design, detector: str) -> list:
-        return [detect_file(path, design, detector).detection.intervals for path in paths]
-
-    for design, detector in ((ARTICLE, "fast"), (CONTROLLER, "digital"), (CONTROLLER, "fft")):
-        one, other = detect(design, detector)
-        assert one == other
-    one, other = detect(CONTROLLER, "fast")
-    assert one != other
-
-
 def test_the_first_line_says_which_signals_were_used(tmp_path: Path, recording):
     path, bare = tmp_path / "both.csv", tmp_path / "bare.csv"
     path.write_text("\n".join(as_lines(recording, "time_s,voltage_v,sampled_filtered_v")) + "\n", encoding="utf-8")
@@ -105,17 +85,6 @@ def test_the_first_line_says_which_signals_were_used(tmp_path: Path, recording):
         if detector != "analog":
             stream = detect_stream(iter(given.read_text(encoding="utf-8").splitlines()), design, detector)
             assert list(stream.signals.columns) == columns
-
-
-def test_a_wrong_value_in_the_column_is_named(tmp_path: Path, recording):
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    lines[20] = lines[20].rsplit(",", 1)[0] + ",abc"
-    with pytest.raises(TraceError, match="line 21"):
-        list(detect_stream(lines, CONTROLLER, "fast").transitions)
-    path = tmp_path / "trace.csv"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    with pytest.raises(TraceError, match="line 21"):
-        detect_file(path, CONTROLLER, "fast")
 
 
 def test_only_signals_that_a_detector_reads_are_simulated():

@@ -27,7 +27,6 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.detection.warnings import find_step_v, step_warnings
-from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import restore_even_times
@@ -176,11 +175,6 @@ def test_only_the_last_line_is_passed_over(tmp_path: Path) -> None:
     assert "'NA' in line 2002 is not a number" in run("detect", tmp_path / "t.csv").stderr
 
 
-def test_a_last_line_without_a_line_break_is_kept(tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text(PLAIN.rstrip("\n"))
-    assert len(read_raw_trace(tmp_path / "t.csv", ColumnMap()).trace.time_s) == len(T)
-
-
 def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     done = run("detect", "-", "--json", lines="".join([*LINES[:701], LINES[0], *LINES[701:]]))
     assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
@@ -208,16 +202,6 @@ def test_a_stream_in_other_units_and_by_number() -> None:
     words = ("--time-scale", "us", *BY_NUMBER, "--json")
     done = run("detect", "-", *words, lines=rows(f"{1e6 * t:.0f}" for t in T))
     assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
-
-
-@pytest.mark.full
-def test_a_file_without_a_header_is_answered_with_the_options_that_read_it(tmp_path: Path) -> None:
-    for text in (rows(T), rows(T, " "), rows(iso("{0}"))):
-        (tmp_path / "t.csv").write_text(text)
-        done = run("detect", tmp_path / "t.csv")
-        assert done.exit_code == 2
-        options = shlex.split(re.search(r"by number, such as (.*)\.$", done.stderr, re.MULTILINE)[1])
-        assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == ONSET
 
 
 @pytest.mark.parametrize(
@@ -330,18 +314,6 @@ def test_files_of_arrays_are_read(tmp_path: Path, name: str) -> None:
     trace = read_raw_trace(tmp_path / name, ColumnMap(columns, scale=10 if "wav" in name else 1)).trace
     assert np.abs(trace.voltage_v - V).max() <= tolerance
     assert ("dates are read as seconds since" in done.stderr) == ("dates" in name)
-
-
-@pytest.mark.parametrize("module", ["scipy", "pyarrow", "nptdms"])
-def test_a_missing_package_is_named_with_its_extra(
-    tmp_path: Path, module: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, module, None)
-    files = {"scipy": ("t.mat", "sweep"), "pyarrow": ("t.parquet", "parquet"), "nptdms": ("t.tdms", "tdms")}
-    name, extra = files[module]
-    (tmp_path / name).write_bytes(b"x")
-    with pytest.raises(MissingLibraryError, match=rf'pip install "fingertip\[{extra}\]", or save the recording as CSV'):
-        read_raw_trace(tmp_path / name, ColumnMap())
 
 
 def zip_of(*names: str) -> bytes:

@@ -88,14 +88,6 @@ def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
     assert found.warnings == ()
 
 
-def test_detect_file_in_python_returns_warnings(tmp_path):
-    (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 2.3)))
-    design = Design(detector={"threshold_v": 0.001})
-    constant, threshold = fingertip.detect_file(tmp_path / "t.csv", design).warnings
-    assert constant == "the voltage is constant at 2.3 V; is a sensor connected?"
-    assert "is below the mean noise level" in threshold
-
-
 def test_detect_file_in_python_adapts_a_design_that_states_no_rate(tmp_path):
     t, v = burst(5000)
     (tmp_path / "t.csv").write_text(csv(t, v))

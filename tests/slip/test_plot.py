@@ -71,12 +71,6 @@ def test_the_threshold_drawn_is_the_one_that_was_used(detector: str, trace: Trac
     assert (" to " in line.get_label()) == (np.ptp(used) > 1e-9)
 
 
-def test_the_legend_covers_no_data(trace: Trace, drawn: list[Any]) -> None:
-    plot.draw(trace, detect(trace, Design()), "title")
-    axes = drawn[0].axes[1]
-    assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1
-
-
 def test_without_truth_the_first_detection_is_enlarged(trace: Trace, drawn: list[Any]) -> None:
     blind = Trace(trace.time_s, trace.voltage_v)
     plot.draw(blind, detect(blind, Design()), "title")

@@ -60,11 +60,6 @@ def test_chunks_give_the_intervals_of_the_whole(sizes):
         assert collector.close() == intervals(TIME, flags), "nothing is added twice"
 
 
-def test_intervals_with_small_gaps_are_merged():
-    parts = [Interval(0.0, 0.1), Interval(0.12, 0.2), Interval(0.3, 0.4)]
-    assert merge(parts, 0.03) == (Interval(0.0, 0.2), Interval(0.3, 0.4))
-
-
 def test_a_gap_of_exactly_the_limit_is_merged_in_every_group():
     # Powers of two, so that the gaps have no rounding errors.
     parts = [Interval(1.0, 2.0), Interval(2.25, 3.0), Interval(8.0, 9.0), Interval(9.25, 10.0), Interval(20.0, 21.0)]
@@ -135,22 +130,6 @@ def make_burst(length: int = 4000, start: int = 2000, stop: int = 3000) -> Trace
     slip = (np.arange(length) >= start) & (np.arange(length) < stop)
     voltage = 2.3 + np.where(slip, 0.01 * np.sin(2 * np.pi * 90 * time), 0.0)
     return Trace(time, voltage, None, slip)
-
-
-def test_a_burst_is_detected_within_the_window():
-    found = detect(make_burst(), Design())
-    assert len(found.intervals) == 1
-    (delay,) = found.score.delays_s
-    assert 0.0 < delay < 0.030
-    assert found.intervals[0].onset_s == pytest.approx(1.0 + delay)
-    assert 1.5 < found.intervals[0].end_s < 1.55
-    assert not found.score.missed
-    assert not found.score.false_intervals
-
-
-def test_a_trace_without_true_slip_has_no_score():
-    trace = make_burst()
-    assert detect(Trace(trace.time_s, trace.voltage_v), Design()).score is None
 
 
 def test_a_trace_in_memory_is_validated():

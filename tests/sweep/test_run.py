@@ -85,32 +85,6 @@ def test_resume_of_a_finished_sweep_computes_nothing(finished: Path, inline: Non
 
 
 @pytest.mark.full
-def test_resume_of_a_different_sweep_is_refused_with_the_lines_that_differ(finished: Path, tmp_path: Path) -> None:
-    (tmp_path / "other.toml").write_text(FILE.replace("0.0001, 1.0", "0.0001, 1.5"))
-    result = run_sweep_command(tmp_path / "other.toml", "--out", finished / "out", "--resume")
-    assert result.exit_code == 2
-    assert "  - board.capacitor_uf = [0.0001, 1.0]\n  + board.capacitor_uf = [0.0001, 1.5]" in result.stderr
-    assert result.stderr.count("\n") == 3
-    assert len(read_rows(finished / "out")) == 24
-
-
-@pytest.mark.full
-def test_finished_sweep_is_reported_on_and_exported(finished: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "copy"
-    folder.mkdir()
-    (folder / "sweep.sqlite").write_bytes((finished / "out" / "sweep.sqlite").read_bytes())
-    result = run_sweep_command("--show", "--out", folder, "--csv", tmp_path / "rows.csv", "--json", "--quiet")
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["points"] == 24
-    assert result.stderr == ""
-    lines = (tmp_path / "rows.csv").read_text().splitlines()
-    assert len(lines) == 25
-    assert lines[0].startswith("point,board.cutoff_hz,board.capacitor_uf,board.series,q,")
-    assert {path.name for path in folder.iterdir()} >= {"sweep.sqlite", "summary.json"}
-    assert (folder / "sweep.sqlite").read_bytes() == (finished / "out" / "sweep.sqlite").read_bytes()
-
-
-@pytest.mark.full
 def test_same_sweep_gives_the_same_rows(finished: Path, tmp_path: Path, inline: None) -> None:
     result = run_sweep_command(
         finished / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "rows.csv"

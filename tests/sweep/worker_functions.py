@@ -96,8 +96,3 @@ def sleep(chunk: Chunk) -> ChunkResult:
 def loop_in_c(chunk: Chunk) -> ChunkResult:
     """Loop for ever in C at each failing point, with Python's lock held and signals ignored, as a kernel might."""
     return _evaluate(chunk, lambda: collections.deque(itertools.repeat(0), maxlen=0))
-
-
-def exit_at_start(chunk: Chunk) -> ChunkResult:
-    """End the worker before it computes a point."""
-    os._exit(1)

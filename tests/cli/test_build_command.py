@@ -76,7 +76,6 @@ def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def without_cadquery(tmp_path: Path) -> str:
-    """Create a PYTHONPATH on which importing cadquery fails as on a Debian system without libGL."""
     fake = tmp_path / "fake"
     fake.mkdir()
     (fake / "cadquery.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')\n")

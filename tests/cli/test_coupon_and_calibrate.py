@@ -22,13 +22,11 @@ FILES = {
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty working folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 def readings(name: str = "fsr400", offset_mm: float = 0.1) -> Path:
-    """A file of readings of the coupon of a design."""
     path = Path("my_readings.toml")
     path.write_text(to_toml(simulate(Design.load(name), 0, offset_mm=offset_mm)))
     return path

@@ -18,14 +18,11 @@ from tests.conftest import ROOT, run_fingertip, run_python
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Folder for temporary files."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     return tmp_path
 
 
 def fail_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let `fingertip params` meet an exception."""
-
     def fail() -> None:
         raise error
 

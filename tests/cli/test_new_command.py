@@ -22,13 +22,11 @@ SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty working folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 def base(sensor: str) -> Design:
-    """The bundled design of a sensor, with that sensor and the name "mine"."""
     changes = [f"sensor.model={sensor}", "name=mine"]
     if sensor == "fsr402":
         changes.append("bone.base_length_mm=37")

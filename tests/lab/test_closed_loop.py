@@ -33,7 +33,6 @@ PERIOD = 20  # samples per control period
 
 
 def run_controller(controller: GripController, volts: np.ndarray, closing_m=None, envelope_v=None) -> list[np.ndarray]:
-    """Commands of the controller for the same voltage on every finger, period by period, and a measured closing."""
     out, fingers = [], len(controller._detectors)
     for i, start in enumerate(range(0, len(volts), PERIOD)):
         at = 0.0 if closing_m is None else float(closing_m[start])
@@ -46,7 +45,6 @@ def run_controller(controller: GripController, volts: np.ndarray, closing_m=None
 
 
 def make_voltage(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
-    """Tactile voltage of a holding force, with slip of 90 Hz in an interval [s]."""
     t = np.arange(round(2000 * seconds)) / 2000
     force = np.full(len(t), force_n) if np.ndim(force_n) == 0 else force_n
     volts = compute_bridge_v(DESIGN, force) + np.random.default_rng(2).normal(0, input_noise_v(DESIGN), len(t))

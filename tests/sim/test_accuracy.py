@@ -27,7 +27,6 @@ FLOOR = {
 
 
 def fit_order(errors: list[float]) -> float:
-    """Order of convergence from the errors at steps that halve."""
     return -float(np.polyfit(np.arange(len(errors)), np.log2(errors), 1)[0])
 
 

@@ -57,7 +57,6 @@ def first_stage_gain(board: AnalogBoard, frequency: float) -> complex:
 
 
 def burst(seconds: float = 0.5) -> np.ndarray:
-    """Tactile voltage with a burst of 90 Hz on a constant [V]."""
     time = np.arange(round(seconds / STEP_S) + 1) * STEP_S
     return 4.0 + np.where((time > 0.1) & (time < 0.35), 0.02 * np.sin(2 * math.pi * 90 * time), 0.0)
 

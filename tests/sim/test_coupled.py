@@ -31,7 +31,6 @@ LIGHT_KG = 1e-5
 
 
 def grid(seconds: float, rate_hz: float = RATE_HZ) -> np.ndarray:
-    """Times of the samples [s]."""
     return np.arange(round(seconds * rate_hz) + 1) / rate_hz
 
 
@@ -209,7 +208,6 @@ def test_creep_below_breakaway_comes_from_the_model(rate):
 
 
 def loop_parameters(f: Friction) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return the curve and the coefficients of the bristles as the loop takes them."""
     curve = f.mu_c, f.mu_s, 1 / f.stribeck_m_s, f.elastic
     return curve, (f.sigma0, f.sigma1, f.sigma2, RELAX_PER_S, LOAD_SCALE_N)
 

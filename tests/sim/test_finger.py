@@ -48,7 +48,6 @@ SCENE_OUTPUTS = SceneFile.known_outputs()
 
 
 def record_all(path: Path, **changes) -> SceneFile:
-    """A bundled scene that records every output."""
     return SceneFile.load(path).model_copy(update={"outputs": [*SCENE_OUTPUTS], **changes})
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.sim import FixedGrip, ManipulationFile, article_manipulations, compiled, run_manipulation
+from fingertip.sim import ManipulationFile, article_manipulations, compiled, run_manipulation
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.runs.motion import plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
@@ -41,7 +41,6 @@ def make_scene(**tables) -> ManipulationFile:
 
 
 def test_chunk_sizes_change_no_bit():
-    """The commands change all the time."""
     scene = make_scene(
         grasp={"kind": "pinch"}, object={"mass_kg": 0.06}, outputs=["voltage_v", "force_n", "envelope_v"]
     )
@@ -178,17 +177,6 @@ def test_nothing_slips_without_a_knock():
     assert not result.output("slip").any()
     assert not result.signals.pin_n.any()
     assert result.lost_s is None
-
-
-@pytest.mark.parametrize("rate", [1000.0, 3000.0, 20_000.0])
-@pytest.mark.full
-def test_motion_does_not_depend_on_the_sampling_rate(rate):
-    scene = make_scene(grasp={"max_margin": 1.15, "min_margin": 1.15}, outputs=["voltage_v", "slip", "object_m"])
-    usual = run_manipulation(DESIGN, scene, FixedGrip(), 1)
-    other = run_manipulation(Design(detector={"sample_rate_hz": rate}), scene, FixedGrip(), 1)
-    assert other.lost_s == pytest.approx(usual.lost_s, abs=0.003)
-    onsets = [run.time_s[run.output("slip").any(axis=0)][0] for run in (usual, other)]
-    assert onsets[1] == pytest.approx(onsets[0], abs=0.002)
 
 
 def test_manipulations_of_the_article():

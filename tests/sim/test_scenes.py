@@ -24,12 +24,10 @@ NOT_SLIP = {"contact", "release", "load_change", "hard_tap", "motor_vibration", 
 
 
 def load_scene(name: str, **changes) -> SceneFile:
-    """A bundled scene with changes."""
     return SceneFile.load(ROOT / "params" / "scenes" / f"{name}.toml", changes=[f"{k}={v}" for k, v in changes.items()])
 
 
 def held_s(scene: SceneFile, seed: int = 0) -> float:
-    """Moment at which the holding force is reached [s]."""
     return SceneRun(DESIGN, scene, seed).timeline.held_s
 
 

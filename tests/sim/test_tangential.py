@@ -30,7 +30,6 @@ MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * 
 def pull(
     speed_m_s: float, seconds: float, mount: Mount = MOUNT, friction: Friction = FRICTION, step_s: float = 1e-4
 ) -> PadMotion:
-    """Pull the pad at constant speed with a constant load."""
     h = step_s
     time = np.arange(round(seconds / h)) * h
     return drag(friction, mount, h, speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N))
@@ -82,7 +81,6 @@ def test_invalid_friction_parameters_are_refused(bad):
 
 
 def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
-    """Motion of the pad in a trial at the samples, with so many steps per sample."""
     timeline = build_timeline(Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)
     time = np.arange(round(seconds * 2000) * substeps + 1) * h
@@ -145,7 +143,6 @@ def test_step_too_long_for_the_bristles_is_refused_with_a_step_that_passes(sigma
 
 
 def random_contact(rng: random.Random) -> tuple[Friction, Mount, float, float]:
-    """Any bristles, pad, load [N] and speed [m/s]."""
     k, mass_kg = 10 ** rng.uniform(2.5, 4), 10 ** rng.uniform(-4, -2)
     friction = Friction(0.6, 0.48, 10 ** rng.uniform(-3, -1.3), 10 ** rng.uniform(4, 8))
     mount = Mount(mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * mass_kg))

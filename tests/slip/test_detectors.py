@@ -110,7 +110,6 @@ def test_false_alarms_in_noise_match_the_predicted_rate(name):
 
 
 def predict_alarms_per_hour(detector: FftDetector) -> float:
-    """Predict the alarms per hour from noise alone."""
     weights = detector.noise_weights() * detector.settings.noise_v**2
     return 3600 / EXCURSION_S * tail_probability(weights, detector.threshold_v**2)
 

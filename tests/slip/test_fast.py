@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.slip.detectors import fast_loop
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast import FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import (
     DEPTH,
     FEATURES,
@@ -53,7 +53,6 @@ def smoothstep(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 20000.0])
 def test_filters_are_butterworth_filters(rate):
-    """Impulse responses, and the loop's output, agree with scipy's filters."""
     from scipy import signal as scipy_signal
 
     filters = design_filters(rate)
@@ -96,7 +95,6 @@ def test_the_board_filter_and_its_restoration_are_one_high_pass(rate, cutoff_hz)
 
 
 def test_features_are_what_their_names_say():
-    """Compare each feature of one tick with its definition, from the signal and scipy's filters."""
     from scipy import signal as scipy_signal
 
     volts = 4.0 + noise(1.2)
@@ -137,7 +135,6 @@ def test_features_are_what_their_names_say():
 
 
 def test_the_unit_of_the_input_does_not_matter():
-    """A signal and its noise times a power of two give the same flags, bit by bit."""
     volts = 4.0 + noise(2.0)
     volts += 0.01 * np.sin(2 * math.pi * 90 * times(volts)) * (times(volts) > 1.0)
     one = FastDetector(SETTINGS).process(volts)
@@ -284,24 +281,6 @@ def test_outputs_for_a_controller():
     assert detector.noise_v == pytest.approx(NOISE_V, rel=0.3)
 
 
-@pytest.mark.full
-def test_features_hardly_depend_on_the_sampling_rate():
-    """A burst well above the noise has the same features at every rate, on average over the noise, but for filters."""
-    found = []
-    for rate in (2000.0, 4000.0, 20000.0):
-        t = np.arange(round(1.5 * rate)) / rate
-        burst = 4.0 + 0.02 * np.sin(2 * math.pi * 70 * t) * (t > 1.0) - 0.1 * smoothstep((t - 1.2) / 0.2)
-        noise_v, logs = NOISE_V * math.sqrt(rate / 2000), []
-        for seed in range(1, 5):
-            detector = FastDetector(FastSettings(rate, noise_v), NO_TREES)
-            _, rows = detector.compute_features(burst + noise(1.5, noise_v, seed, rate))
-            logs.append(np.log(np.abs(rows[550:700])).mean(axis=0))
-        found.append(np.mean(logs, axis=0))
-    assert len(found[0]) == len(FEATURES)
-    for other in found[1:]:
-        assert np.abs(other - found[0]).max() < 0.1
-
-
 def test_trees_are_evaluated_as_they_are_stored():
     """Walk the trees of the table with another implementation."""
     model = load_model()
@@ -329,3 +308,71 @@ def test_model_and_state_fit_a_microcontroller():
     in_single = model.thresholds.astype(np.float32)
     assert np.isfinite(in_single).all()
     assert in_single.astype(float) == pytest.approx(model.thresholds, rel=1e-6)
+
+
+RATE_HZ = 2000.0
+LOUD = 10.0
+"""Ratio of the wide energy of 20 ms to its floor above which the tree finds slip."""
+
+
+def ask_one_question() -> FastModel:
+    """Model of one tree: a score of 10 where the wide energy of 20 ms is large, else -10."""
+    wide, leaves = FEATURES.index("wide energy, 20 ms"), [-10.0] * ((NODES + 1) // 2) + [10.0] * ((NODES + 1) // 2)
+    return FastModel(np.full(NODES, float(wide)), np.full(NODES, LOUD), np.array(leaves), 0.0, 0.0, 0.0, -1.0)
+
+
+def white_noise(samples: int, seed: int = 2) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0, NOISE_V, samples)
+
+
+def make_one_question() -> FastDetector:
+    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), ask_one_question())
+    detector.process(4.0 + white_noise(4000))
+    return detector
+
+
+def grasp(rise_s: float) -> np.ndarray:
+    x = np.clip((np.arange(1000) / RATE_HZ - 0.5 + rise_s) / rise_s, 0.0, 1.0)
+    volts: np.ndarray = 4.0 - 0.4 * x**3 * (10 - 15 * x + 6 * x * x) + white_noise(1000, 1)
+    return volts
+
+
+@pytest.mark.parametrize("steps", [[1, 2, 3, 4], [-1, -2, -3, -4], [0, -3, -5, -9], [2, 2, 1, 4]])
+def test_the_smallest_step_is_found_whichever_way_the_voltage_goes(steps: list[int]) -> None:
+    volts = 0.5 + 2.0**-10 * np.array([0, *steps])
+    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0)))
+    detector.process(volts, volts)
+    least = min(abs(b - a) for a, b in zip([0, *steps], steps, strict=False) if a != b)
+    assert detector.state[fast_loop.STEP] == least * 2.0**-10
+    assert detector.state[fast_loop.FILTERED_STEP] == pytest.approx(least * 2.0**-10 / 64.0)
+
+
+@pytest.mark.parametrize(("rise_s", "is_doubted"), [(0.2, True), (0.0, False)])
+def test_vibration_that_begins_with_the_grasp_holds_the_floor_for_a_third_of_a_second(
+    rise_s: float, is_doubted: bool
+) -> None:
+    """The floor rises in the first tick after 0.3 s, and without a change of force before it stands still."""
+    detector = make_one_question()
+    force = grasp(rise_s) if rise_s else 3.6 + white_noise(1000, 1)
+    detector.process(force)
+    assert (detector.state[fast_loop.MOVED] >= 50) == is_doubted
+    tone = 3.6 + white_noise(1200, 4) + 0.0015 * np.sin(math.tau * 130 * np.arange(1200) / RATE_HZ)
+    ticks = []
+    for tick in np.split(tone, 300):
+        detector.process(tick)
+        ticks.append([detector.state[i] for i in (fast_loop.ON_TICKS, fast_loop.FLOOR, fast_loop.IS_DOUBTED)])
+    held = {floor for count, floor, _ in ticks if 0 < count <= 150}
+    later = [floor for count, floor, _ in ticks if 150 < count <= 170]
+    assert len(held) == 1
+    assert {doubted for count, _, doubted in ticks if count} == {float(is_doubted)}
+    assert len(later) == 20
+    assert len(set(later) - held) == (20 if is_doubted else 0)
+
+
+def test_slip_stays_on_while_the_trees_say_so_though_its_vibration_has_ended() -> None:
+    """The energy of 20 ms falls by e in 20 ms: from 10^5 times the question's ratio within 0.23 s."""
+    detector = make_one_question()
+    burst = 4.0 + white_noise(600) + 0.5 * np.sin(math.tau * 130 * np.arange(600) / RATE_HZ)
+    assert detector.process(burst).on[-1]
+    lasts_s = np.count_nonzero(detector.process(4.0 + white_noise(2000, 3)).on) / RATE_HZ
+    assert 0.15 < lasts_s < 0.35

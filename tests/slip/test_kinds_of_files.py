@@ -40,7 +40,6 @@ VOLTS = np.round(V, 6)
 
 
 def rows(times, delimiter=",", volts=V) -> str:
-    """Lines of samples without a header."""
     return "".join(f"{a}{delimiter}{b:.6f}\n" for a, b in zip(times, volts, strict=True))
 
 
@@ -389,7 +388,6 @@ def npz(**arrays: object) -> bytes:
 
 
 def flip(content: bytes, place: int, count: int = 40) -> bytes:
-    """Invert bytes in the middle of a file."""
     return content[:place] + bytes(255 - b for b in content[place : place + count]) + content[place + count :]
 
 

@@ -46,14 +46,11 @@ LONG_SWEEP = {"axes": {"board.cutoff_hz": {"low": 20.0, "high": 2000.0, "steps":
 
 @dataclass
 class DaskCluster:
-    """Dask scheduler (process 0) and its workers, each in a process group of its own."""
-
     folder: Path
     address: str = ""
     processes: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
     def start(self, *arguments: str, path: Path = ROOT) -> subprocess.Popen[bytes]:
-        """Start `dask ARGUMENTS` in a process group of its own."""
         log = (self.folder / f"{len(self.processes)}.log").open("wb")
         paths = os.pathsep.join(filter(None, [str(path), os.environ.get("PYTHONPATH")]))
         self.processes.append(
@@ -110,7 +107,6 @@ def dask(tmp_path: Path) -> Iterator[DaskCluster]:
 
 @pytest.fixture(scope="module")
 def running_cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCluster]:
-    """A scheduler with two workers."""
     cluster = DaskCluster(tmp_path_factory.mktemp("dask"))
     try:
         cluster.start_all(2)
@@ -138,7 +134,6 @@ def test_rows_equal_those_of_an_engine_without_processes(
 
 
 def assert_rows_complete(folder: Path, size: int) -> None:
-    """Assert that every row is there once, with the outputs of `worker_functions.succeed`."""
     rows = read_rows(folder)
     assert [row.point for row in rows] == list(range(size))
     for row in rows:

@@ -36,7 +36,6 @@ board.series = ["E12", "E24"]
 
 
 def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
-    """Run a sweep of 72 points on two processes, and give the rows by point."""
     plan = make_plan(time_limit_s=worker_functions.LIMIT_S)
     assert plan.size == BOARD_POINTS
     with SweepDatabase.create(folder, plan) as database:
@@ -97,7 +96,6 @@ def test_crash_or_hang_of_a_worker_fails_only_its_point(
 
 
 def find_processes(group: int) -> list[int]:
-    """Find the living processes of a process group."""
     processes = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -148,7 +146,6 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 
 def resume(file: Path, out: Path) -> int:
-    """Resume a sweep in this process, and count the points that are computed."""
     plan = SweepPlan.load(file)
     with SweepDatabase.resume(out, plan) as database:
         return run_sweep(plan, database, InlineEngine()).written

@@ -37,7 +37,6 @@ def run_checks(design: Design, evaluator: MeshEvaluator) -> tuple[Check, ...]:
 
 
 def find_imported_packages(outputs: str, axes: str) -> set[str]:
-    """Find the packages that a fresh process has imported after it computed one point."""
     program = f"""
 import sys
 from fingertip.sweep.plan import SweepPlan
@@ -79,7 +78,6 @@ print(len(os.listdir("/proc/self/task")), os.sched_getaffinity(0) == before)
 
 
 def count_group_calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
-    """Count from now on how often each output group is computed."""
     calls = dict.fromkeys(compute.GROUP_FUNCTIONS, 0)
 
     def wrap(name: str, function: Any) -> Any:
@@ -172,8 +170,6 @@ def test_cache_evicts_the_least_recently_used_entries() -> None:
 
 
 class ForbiddenTable:
-    """Table that must not be read."""
-
     def __getattr__(self, name: str) -> Any:
         raise AssertionError(f"reads {name}")
 

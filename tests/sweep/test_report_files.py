@@ -67,7 +67,6 @@ def generate_rows(plan: SweepPlan, checks_failed: float = 0.0) -> Iterator[Sweep
 def make_database(
     folder: Path, checks_failed: float = 0.0, row_count: int | None = None, **changes: Any
 ) -> SweepDatabase:
-    """Make a database with such rows, or with the first of them."""
     plan = SweepPlan.from_tables({**SWEEP, **changes})
     database = SweepDatabase.create(folder, plan)
     rows = [
@@ -218,7 +217,6 @@ def test_unwritable_folder_is_reported(report: Report, tmp_path: Path) -> None:
 
 
 def count_pixels(png: bytes, *colours: int) -> list[int]:
-    """Count the pixels of each colour, 0xRRGGBB."""
     image = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64) @ (1 << 16, 1 << 8, 1)
     return [int(np.sum(image == colour)) for colour in colours]
 

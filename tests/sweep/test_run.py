@@ -38,7 +38,6 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def inline(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Makes the command compute in this process."""
     monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
 
 

@@ -75,14 +75,6 @@ def test_a_bone_that_breaks_at_the_shock_warns_in_every_report_and_exits_0(tmp_p
 
 
 @pytest.mark.full
-def test_checks_equal_those_of_build(tmp_path: Path) -> None:
-    checked = run_fingertip("check", FSR400, *COARSE, "--json")
-    run_fingertip("build", FSR400, *COARSE, "--formats", "stl", "--out", tmp_path)
-    built = json.loads((tmp_path / "report.json").read_text())
-    assert json.loads(checked.stdout)["designs"][0]["checks"] == built["checks"]
-
-
-@pytest.mark.full
 def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # With a negative limit every check of a zero volume fails, but no check of topology.
     monkeypatch.setattr(check, "VOLUME_TOLERANCE_MM3", -1.0)
@@ -122,12 +114,6 @@ def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) ->
         (tmp_path / name).write_text("")
     done = run_fingertip("check", "a.toml", "b.toml", "a.toml", *COARSE, "--json", "-q", PWD=str(tmp_path))
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == ["a.toml", "b.toml"]
-
-
-@pytest.mark.full
-def test_changes_apply_to_every_design() -> None:
-    done = run_fingertip("check", FSR400, FSR402, *COARSE, "--set", "name=both", "--json", "-q")
-    assert [design["design"] for design in json.loads(done.stdout)["designs"]] == [FSR400.as_posix(), FSR402.as_posix()]
 
 
 def test_params_lists_units_and_bounds() -> None:

@@ -170,7 +170,7 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)
 
 
-def test_the_choice_of_presets_is_that_of_the_help() -> None:
+def test_the_choices_of_presets_and_hands_are_those_of_the_help() -> None:
     (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "preset")  # type: ignore[attr-defined]
     assert f"{', '.join(PRESETS[:-1])} or {PRESETS[-1]}" in option.help
     (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "hand")  # type: ignore[attr-defined]

@@ -32,7 +32,6 @@ from fingertip.lab.studies.steps import (
     _find_shift_s,
     _pool_shifts,
     compare_grids,
-    study_steps,
 )
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.simulation import article_trials
@@ -184,13 +183,3 @@ def test_table_and_remarks_name_a_missed_goal() -> None:
     assert "missed by digital" in remarks[0]
     assert remarks[1] == "Found with one step only: digital 1."
     assert robustness.steps_as_data(steps)["delay_shifts"][1]["worst_s"] is None
-
-
-@pytest.mark.full
-def test_delays_of_the_articles_trials_do_not_depend_on_the_step() -> None:
-    steps = study_steps(ARTICLE, 16)
-    assert steps.trials == 16
-    assert all(row.meets_goal for row in steps.shifts)
-    worst = {row.signal: row.worst for row in steps.errors}
-    assert worst["force_n"] < 1e-4
-    assert worst["envelope_v"] < 3e-3

@@ -163,16 +163,6 @@ def test_instants_on_points_have_no_fraction():
     assert between.fraction.tolist() == [0.0, 0.5, 0.0, 0.5, 0.0]
 
 
-def test_chunk_without_a_sample_gives_none():
-    clock, sampler = SampleClock(Grid(), 1000.0), Sampler()
-    assert len(sampler.process(np.zeros(1), clock.advance(1))) == 1
-    at = clock.advance(3)
-    assert len(at.index) == len(at.time_s) == len(sampler.process(np.arange(3.0), at)) == 0
-    at = clock.advance(7)
-    assert at.time_s.tolist() == [0.001]
-    assert sampler.process(np.arange(10.0, 17.0), at).tolist() == [16.0]
-
-
 CONSTANT_FORCE = {"hold": {"mode": "grasp", "min_force_n": 1.0, "max_force_n": 1.0, "min_s": 20.0, "release": False}}
 SETTLED = 4000
 """Number of samples after which the grasp is closed and the filter settled."""
@@ -210,22 +200,6 @@ def test_adc_adds_its_noise_behind_the_gain():
     assert np.std(sampled) == pytest.approx(expected, rel=0.02)
     assert np.array_equal(
         sample_v(ARTICLE, np.array([0.1]), None), AdcRange(16, -10.0, 10.0).quantise_v(np.array([0.1]))
-    )
-
-
-def test_signals_are_constant_without_noise():
-    quiet = simulate_hold(
-        article_design(board={"variant": "precision"}), "tactile_v", "filtered_v", "envelope_v", noise=False
-    )
-    for name, column in quiet.items():
-        assert np.ptp(column) < 1e-6, name
-
-
-def test_adc_does_not_affect_the_board():
-    better = article_design(detector={"noise_v": 0.0})
-    assert np.array_equal(
-        simulate_hold(ARTICLE, "envelope_v")["envelope_v"],
-        simulate_hold(better, "envelope_v")["envelope_v"],
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.foundation.jit import compile_for_process, compiled
+from fingertip.foundation.jit import compiled
 from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction
@@ -287,53 +287,6 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
     assert np.array_equal(contact.process(*second).position_m, expected)
     with pytest.raises(TraceError, match=r"max_pressing_n: -1 N .* at least 0"):
         CoupledContact(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, -1.0)
-
-
-def find_least_energy_j(rates, curve, sigma, load_n, ratio, phase, amplitude_m, frequency_hz, cycles, steps):
-    """Return the least energy that was taken up and not stored [J].
-
-    The motion is ``amplitude cos(omega t)`` and the load ``load (1 + 0.8 sin(ratio omega t + phase))``. Steps are those
-    of the classical Runge-Kutta method.
-    """
-    omega = 2 * math.pi * frequency_hz
-    h = 1 / (frequency_hz * steps)
-    s, work, least = 0.0, 0.0, 0.0
-    for n in range(cycles * steps):
-        s_sum = w_sum = ds = power = load = 0.0
-        for stage in range(4):
-            reach = 0.0 if stage == 0 else 1.0 if stage == 3 else 0.5
-            weight = 1 / 6 if stage in (0, 3) else 1 / 3
-            t = (n + reach) * h
-            load = load_n * (1 + 0.8 * math.sin(ratio * omega * t + phase))
-            v = -amplitude_m * omega * math.sin(omega * t)
-            force, ds, _ = rates(
-                curve, sigma, (0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0), 0.0, 0.0, 0.0, v, s + reach * h * ds,
-                load, 0.0,
-            )  # fmt: skip
-            power = -force * v
-            s_sum += weight * ds
-            w_sum += weight * power
-        s += h * s_sum
-        work += h * w_sum
-        least = min(least, work - sigma[0] * s * s / 2)
-    return least
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
-def test_friction_is_passive_under_a_varying_load(elastic):
-    """Friction never delivers more than it stored, close to the bound of its bristle damping."""
-    pytest.importorskip("numba")
-    balance, rates = compile_for_process(find_least_energy_j), compile_for_process(coupled_rates.rates)
-    rng = np.random.default_rng(11)
-    for case in range(300):
-        f = draw_friction(rng, elastic)
-        load_n, frequency = 10 ** rng.uniform(-1, 1), 10 ** rng.uniform(0, 2)
-        amplitude = 10 ** rng.uniform(-1.5, 1.0) * f.mu_c / f.sigma0
-        ratio = float(rng.choice([2.0, 2.0, 1.0, 0.5, 3.0]))
-        phase = rng.uniform(0, 6.3)
-        least = balance(rates, *loop_parameters(f), load_n, ratio, phase, amplitude, frequency, 3, 4000)
-        assert least > -1e-7 * load_n * f.mu_c * amplitude, case
 
 
 @pytest.mark.parametrize("place", [0, 1, 2])

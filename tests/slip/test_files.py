@@ -136,22 +136,17 @@ def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 
-SHORT = slice(0, 10)
 OUTSIDE_GAP = (np.arange(2000) < 300) | (np.arange(2000) >= 400)
 
 # Name -> text of the file, part of the message, exit code.
 UNUSUAL = {
     "constant": (csv(T, np.full(2000, 2.3)), "the voltage is constant at 2.3 V; is a sensor connected?", 0),
     "saturated": (csv(T, np.minimum(V + 1.0, 3.3)), "samples are at the limits of the ADC range", 0),
-    "all nan": (csv(T, np.full(2000, np.nan)), "nan in line 2 is not a finite number (and 1999 more)", 2),
-    "ten samples": (csv(T[SHORT], V[SHORT]), "has 10 samples; at least one window of 60 is required", 2),
     "wrong delimiter": (csv(T, V, "|"), "does not separate its names by comma, semicolon or tab", 2),
     "decimal commas between commas": (csv(T, V, comma=True), "has 4 cells, but the header has 2 (and 1999 more", 2),
     "negative time": (csv(T - 0.3, V), "", 0),  # times relative to a trigger are valid
     "time that runs backwards": (csv(-T, V), "does not increase in most of its steps", 2),
     "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "0 s in line 3 repeats the time before it, as do 999", 2),
-    "one duplicate": (csv(np.sort(np.append(T[1:], T[7])), V), "0.0035 s in line 9 repeats the time before it", 2),
-    "rate changing midway": (csv(np.where(T < 0.5, T, 0.5 + 3 * (T - 0.5)), V), "comes after a gap", 2),
     "counts": (csv(T, np.round(V / 20 * 65536)), "the values are whole numbers, as ADC counts are", 2),
     "millivolts": (csv(T, 1000 * V), "exceeds the ADC range of 0 to 3.3 V; use --scale", 2),
     "milliseconds": (csv(1000 * T, V), "if they are in milliseconds, add --time-scale ms.", 2),
@@ -186,8 +181,6 @@ INVALID_ARRAYS = {
     ),
     "no time": ({"voltage_v": V}, "Or give --rate-hz, or sample_rate_hz in the file."),
     "other length": ({"time_s": T, "voltage_v": V[:-1]}, "has shape (1999,), but time_s has shape (2000,)"),
-    "two columns": ({"time_s": T, "voltage_v": np.column_stack((V, V))}, "has shape (2000, 2)"),
-    "infinite": ({"time_s": T, "voltage_v": np.where(T == 0.1, np.inf, V)}, "inf at sample 200 is not a finite"),
 }
 
 
@@ -204,9 +197,7 @@ INVALID_RATES = {
     "words": (np.array("2 kHz"), "contains '2 kHz'"),
     "nothing": (np.zeros(0), "contains no value"),
     "zero": (0, "contains 0"),
-    "nan": (np.nan, "contains nan"),
     "infinite": (np.inf, "contains inf"),
-    "negative": (-2000.0, "contains -2000.0"),
     "two": (np.array([2000.0, 5000.0]), "contains 2 values"),
     "complex": (2000 + 1j, "contains (2000+1j)"),
 }

@@ -157,31 +157,6 @@ def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: P
     assert_rows_complete(tmp_path / "out", plan.size)
 
 
-@pytest.mark.full
-def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
-    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    dask.start_all(1)
-    monkeypatch.setattr("fingertip.sweep.engines._RECONNECT_TIMEOUT_S", 1.0)
-    engine = DaskEngine(dask.address)
-    plan = make_plan(**LONG_SWEEP)
-
-    def kill_scheduler(state: RunState) -> None:
-        if state.written:
-            dask.kill(0)
-
-    is_lost = pytest.raises(SweepError, match=r"--cluster: is lost.*--resume")
-    with SweepDatabase.create(tmp_path / "out", plan) as database, is_lost:
-        run_sweep(plan, database, engine, kill_scheduler, worker_functions.succeed)
-    assert capfd.readouterr() == ("", "")
-    before = read_rows(tmp_path / "out")
-    assert 0 < len(before) < plan.size
-    with SweepDatabase.resume(tmp_path / "out", plan) as database:
-        state = run_sweep(plan, database, InlineEngine(), evaluate=worker_functions.succeed)
-    assert state.written == plan.size - len(before)
-    assert_rows_complete(tmp_path / "out", plan.size)
-
-
 def find_free_port() -> int:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))

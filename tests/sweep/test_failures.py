@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -181,22 +180,3 @@ def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     assert_processes_end(process.pid)
     assert [path.name for path in out.iterdir()] == [FILE]
     assert len(read_rows(out)) > 0
-
-
-@pytest.mark.full
-def test_file_size_limit_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
-    file, out = tmp_path / "sweep.toml", tmp_path / "out"
-    file.write_text(LARGE_SWEEP)
-
-    def limit_file_size() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
-
-    command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out)]
-    full = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit_file_size, timeout=120, check=False)
-    assert full.returncode == 2
-    assert "--resume" in full.stderr
-    assert "Traceback" not in full.stderr
-    before = read_rows(out)
-    assert 0 < len(before) < LARGE_POINTS
-    assert resume(file, out) == LARGE_POINTS - len(before)
-    assert read_rows(out) == uninterrupted

@@ -57,26 +57,6 @@ def test_board_outputs_import_no_kernel_no_scipy_and_no_matplotlib() -> None:
     assert not loaded & {"manifold3d", "cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
-@pytest.mark.full
-def test_mesh_kernel_of_a_worker_uses_one_thread() -> None:
-    program = """
-import os
-from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import PointEvaluator
-axes = {"skin.width_mm": [17.0, 17.5]}
-plan = SweepPlan.from_tables({"outputs": ["checks_failed"], "tolerance_mm": 0.02, "axes": axes})
-before = os.sched_getaffinity(0)
-PointEvaluator(plan).evaluate(0, plan.point(0))
-PointEvaluator(plan).evaluate(1, plan.point(1))
-print(len(os.listdir("/proc/self/task")), os.sched_getaffinity(0) == before)
-"""
-    result = run_python("-c", program, OPENBLAS_NUM_THREADS="1")
-    assert result.returncode == 0, result.stderr
-    threads, restored = result.stdout.split()
-    assert threads == "1"
-    assert restored == "True"
-
-
 def count_group_calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     calls = dict.fromkeys(compute.GROUP_FUNCTIONS, 0)
 
@@ -103,24 +83,6 @@ def test_axes_of_the_board_cause_no_new_meshes(monkeypatch: pytest.MonkeyPatch) 
     rows = [evaluator.evaluate(int(p), plan.point(int(p))) for p in plan.computing_order(0, plan.size)]
     assert {row[1] for row in rows} == {"ok"}
     assert calls == dict.fromkeys(GROUPS, 0) | {"board": 3, "skin": 2}
-
-
-def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
-    import fingertip.cad.kernel.mesh as kernel
-
-    meshed: list[int] = []
-    original = kernel.to_manifold
-    monkeypatch.setattr(kernel, "to_manifold", lambda v, t: meshed.append(len(v)) or original(v, t))
-    evaluator = CachedEvaluator(COARSE_MM)
-    walls = [Design.load(changes=[f"mold.wall_mm={wall}"]) for wall in (4.0, 5.0, 5.5)]
-    run_checks(walls[0], evaluator)
-    first = len(meshed)
-    run_checks(walls[1], evaluator)
-    run_checks(walls[1], evaluator)
-    assert len(meshed) < 2 * first  # the block and its engraving differ, the finger does not
-    before = len(meshed)
-    run_checks(walls[0], evaluator)
-    assert len(meshed) == before
 
 
 SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)

@@ -77,13 +77,6 @@ def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> No
 
 
 @pytest.mark.full
-def test_resume_of_a_finished_sweep_computes_nothing(finished: Path, inline: None) -> None:
-    result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out", "--resume", "--json")
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["computed_now"] == 0
-
-
-@pytest.mark.full
 def test_same_sweep_gives_the_same_rows(finished: Path, tmp_path: Path, inline: None) -> None:
     result = run_sweep_command(
         finished / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "rows.csv"

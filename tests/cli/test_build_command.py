@@ -60,12 +60,6 @@ def test_invalid_input_exits_2_with_a_message_and_changes_nothing(
     assert snapshot(out) == {"bone.stl": b"precious"}
 
 
-def test_issues_are_printed_as_json(tmp_path: Path) -> None:
-    done = run_fingertip("build", tmp_path / "none.toml", "--json")
-    assert done.returncode == 2
-    assert json.loads(done.stdout)["issues"][0]["message"].startswith("cannot be read")
-
-
 @pytest.mark.full
 def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))

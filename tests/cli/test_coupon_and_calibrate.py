@@ -58,18 +58,6 @@ def test_coupon_is_the_same_byte_for_byte(folder: Path) -> None:
 
 
 @pytest.mark.full
-def test_coupon_as_json_with_changes(folder: Path) -> None:
-    words = ("coupon", "fsr400", "--set", "mold.filling=gravity", "--formats", "stl", "--out", "c", "--json", "-q")
-    done = run_fingertip(*words)
-    data = json.loads(done.stdout)
-    assert done.stderr == ""
-    assert data["passed"]
-    assert data["folder"] == "c"
-    assert set(data["files"]) == {name for name in FILES if not name.endswith((".3mf", ".json"))}
-    assert "tower_mm" not in data["lengths_mm"], "no Luer cone without a syringe"
-
-
-@pytest.mark.full
 def test_coupon_as_step(folder: Path) -> None:
     done = run_fingertip("coupon", "fsr400", "--formats", "stl,step", "--out", "c")
     assert done.returncode == 0, done.stderr

@@ -13,7 +13,6 @@ from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign.plan import (
     HELD_OUT_FROM,
-    NEGATIVE_SCENES,
     REPORTED_SEPARATELY,
     TUNING_SEEDS,
     CampaignPlan,
@@ -46,16 +45,6 @@ def test_seeds_are_held_out_and_unique():
     seeds = [case.seed for case in generate_cases(CampaignPlan())]
     assert len(set(seeds)) == len(seeds)
     assert min(seeds) == HELD_OUT_FROM > max(TUNING_SEEDS)
-
-
-@pytest.mark.full
-def test_default_plan_is_the_articles_trials_and_all_negative_scenes():
-    planned = list(generate_cases(CampaignPlan()))
-    slides = [case.scene for case in planned if case.cause == "slip"]
-    assert [scene.scene for scene in slides].count("sliding_finger") == 90
-    assert [scene.scene for scene in slides].count("sliding_surface") == 30
-    assert {case.cause for case in planned} == {"slip", *NEGATIVE_SCENES}
-    assert sum(fraction for _, fraction in NEGATIVE_SCENES.values()) == pytest.approx(1.0)
 
 
 def test_few_trials_are_spread_over_the_surfaces():

@@ -60,19 +60,6 @@ def test_an_error_near_the_references_difference_is_omitted():
     assert "ZeroDivisionError" in texts
 
 
-def test_jobs_are_measured_in_rounds_and_slow_ones_once():
-    calls, times = [], {"a": iter([3e-3, 1e-3, 2e-3, 5e-3, 4e-3]), "slow": iter([1.5])}
-
-    def run(name: str) -> Outcome:
-        calls.append(name)
-        return Outcome(ZERO + 1e-4, next(times[name]))
-
-    diagram = WorkPrecision("p", "V", (1e-3,))
-    diagram.measure([Job(name, "s", lambda n=name: run(n)) for name in ("a", "slow")], ZERO)  # type: ignore[misc]
-    assert calls == ["a", "slow", "a", "a", "a", "a"]
-    assert [point.cpu_s for point in diagram.points] == [3e-3, 1.5]  # the median
-
-
 def test_time_at_an_error_is_interpolated_between_the_best_points():
     diagram = diagram_of(("ours", 1.0, 1e-2), ("ours", 4.0, 1e-4), ("ours", 3.0, 2e-2), ("ours", 8.0, 1e-5))
     assert [p.cpu_s for p in diagram.best_points("ours")] == [1.0, 4.0, 8.0]

@@ -161,13 +161,6 @@ def test_resting_carriage_leaves_the_pad_exactly_at_rest():
     assert not nothing.force_n.any()
 
 
-def test_unloaded_pad_follows_its_spring():
-    time = grid(0.5)
-    found = integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, 0.01 * time, np.full_like(time, 0.01), np.zeros_like(time))
-    assert found.velocity_m_s[-1] == pytest.approx(0.01, rel=1e-3)
-    assert STIFFNESS * (0.005 - found.position_m[-1]) == pytest.approx(0.0, abs=1e-4)
-
-
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
 def test_impulse_response_matches_the_linear_resonance(tolerance):
     """The linear contact responds to 100 N for 1 ms like to an impulse."""

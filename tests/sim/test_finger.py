@@ -228,17 +228,6 @@ def test_amplifier_drifts_by_its_rate():
     assert np.ptp(np.diff(volts)) < 1e-15
 
 
-def test_noise_is_the_same_on_a_finer_grid():
-    for make in (
-        lambda grid: PinkNoise(grid, 1e-3, open_stream(1, "x")),
-        lambda g: HandVibration(g, 1e-3, open_stream(1, "x")),
-    ):
-        base, fine = make(Grid()).process(500), make(Grid(4))
-        found = np.concatenate([fine.process(n) for n in (1, 3, 700, 1293)])
-        assert np.array_equal(found[::4][:499], base[:499])
-        assert found[2] == pytest.approx((base[0] + base[1]) / 2)
-
-
 def test_hand_vibration_needs_contact():
     scene = SceneFile(
         hold={"wait_s": 0.2}, noise={"hand_v": 5e-3}, sensing={"noise": False}, outputs=["tactile_v", "force_n"]

@@ -161,17 +161,6 @@ def test_only_needed_stages_run(outputs, stages):
         assert np.array_equal(result.columns[name], full.columns[name])
 
 
-@pytest.mark.full
-def test_lost_object_exerts_no_force():
-    result = run_manipulation(DESIGN, make_scene(grasp={"min_margin": 0.8, "max_margin": 0.8}), None, 1)
-    assert result.lost_s < result.plan.released_s + 0.5
-    after = result.time_s > result.lost_s + 0.001
-    assert not result.output("force_n")[:, after].any()
-    assert not result.output("slip")[:, after].any()
-    assert result.signals.object_m[-1] == result.scene.object.length_m
-    assert np.isfinite(result.output("voltage_v")).all()
-
-
 def test_nothing_slips_without_a_knock():
     result = run_manipulation(DESIGN, make_scene(knock={"speed_m_s": 0.0}, outputs=["slip", "pin_n"]), None, 1)
     assert not result.output("slip").any()

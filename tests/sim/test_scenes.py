@@ -225,28 +225,3 @@ def test_amplifier_models_differ():
     assert np.abs(outs["rails"]).max() == 3.5 < np.abs(outs["ideal"]).max()
     difference = np.abs(outs["gain_bandwidth"] - outs["ideal"]).max() / np.abs(outs["ideal"]).max()
     assert 1e-5 < difference < 0.05
-
-
-@pytest.mark.full
-def test_command_runs_a_scene_and_writes_the_same_bytes_again(tmp_path):
-    arguments = ["simulate", ROOT / "params/scenes/hard_tap.toml", "--design", ROOT / "params/fsr400.toml", "--json"]
-    more = ["--set", "tap.count=1", "--set", "detector.noise_v=0.0", "--seed", "3", "-q", "--force-n", "1.5"]
-    done = run_fingertip(*arguments, *more, "--out", tmp_path / "a.csv")
-    assert done.returncode == 0, done.stderr
-    data = json.loads(done.stdout)
-    assert data["scene"] == "hard_tap"
-    assert data["force_n"] == 1.5
-    assert [stage["name"] for stage in data["stages"]][:2] == ["load", "disturbances"]
-    again = run_fingertip(*arguments, *more, "--out", tmp_path / "b.csv")
-    assert again.returncode == 0
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-    outputs = ["--set", 'outputs=["voltage_v","envelope_v","slip"]']
-    for name in ("a.npz", "b.npz", "c.csv"):
-        assert run_fingertip(*arguments, *more, *outputs, "--out", tmp_path / name).returncode == 0
-    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
-    archive = np.load(tmp_path / "a.npz")
-    table = np.loadtxt(tmp_path / "c.csv", delimiter=",", skiprows=1)
-    assert (tmp_path / "c.csv").read_text().splitlines()[0] == "time_s,voltage_v,envelope_v,slip"
-    for i, name in enumerate(("time_s", "voltage_v", "envelope_v", "slip")):
-        assert np.array_equal(archive[name].astype(float), table[:, i]), name
-    assert archive["envelope_v"].max() > 0.1

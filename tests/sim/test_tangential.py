@@ -54,24 +54,6 @@ def test_steady_sliding_matches_closed_form(speed):
     assert steady_coefficient(FRICTION, -speed) == -steady_coefficient(FRICTION, speed)
 
 
-def test_soft_spring_and_slow_carriage_give_stick_slip():
-    motion = pull(1e-3, 4.0, Mount(0.2, 300.0, 0.05), Friction(0.9, 0.4, sigma1=0.2, sigma2=0.3))
-    moving = motion.velocity_m_s > 5e-4
-    starts = np.count_nonzero(np.diff(moving.astype(int)) == 1)
-    assert starts >= 3
-
-
-def test_bristles_relax_and_friction_vanishes_without_contact():
-    h = 1e-4
-    time = np.arange(6000) * h
-    load = np.where(time < 0.3, FORCE_N, 0.0)
-    stage = np.minimum(1e-3 * time, 1e-4)
-    motion = drag(FRICTION, MOUNT, h, stage, np.where(time < 0.1, 1e-3, 0.0), load)
-    assert motion.bristle_m[2990] > 1e-6
-    assert abs(motion.bristle_m[-1]) < 1e-9
-    assert motion.position_m[-1] == pytest.approx(1e-4, rel=1e-4)
-
-
 @pytest.mark.parametrize("bad", [{"sigma0": -1.0}, {"sigma0": math.nan}, {"mu_c": 0.7}, {"stribeck_m_s": 0.0}])
 def test_invalid_friction_parameters_are_refused(bad):
     with pytest.raises(TraceError):

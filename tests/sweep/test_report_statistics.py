@@ -90,16 +90,6 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
     assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
 
 
-def test_rank_correlation_equals_spearmans_of_scipy() -> None:
-    from scipy import stats
-
-    rng = np.random.default_rng(5)
-    x, y = rng.integers(0, 9, 200).astype(float), rng.normal(size=200)
-    sensitivity = compute_sensitivity("y", y + 0.3 * x, {"x": x})
-    assert sensitivity is not None
-    assert sensitivity.axes[0].rank_correlation == pytest.approx(stats.spearmanr(x, y + 0.3 * x).statistic, abs=1e-12)
-
-
 def test_categorical_axis_has_an_index_but_no_rank_correlation() -> None:
     words = np.array(["E12", "E24", "E96"] * 40)
     y = np.where(words == "E24", 1.0, 0.0)
@@ -348,14 +338,6 @@ def test_preferred_values_on_a_logarithmic_scale() -> None:
     edges = histogram_edges(values, scale, 24)
     density = np.histogram(values, edges)[0] / np.diff(np.log(edges))
     assert density.max() / density.min() == pytest.approx(1.0)
-
-
-def test_continuous_values_have_bins_of_equal_width() -> None:
-    values = np.random.default_rng(0).uniform(0, 1, 5000)
-    edges = histogram_edges(values, make_scale("x", values, 24), 24)
-    assert len(edges) == 25
-    assert np.diff(edges) == pytest.approx(np.diff(edges)[0])
-    assert np.histogram(values, edges)[0].sum() == len(values)
 
 
 @pytest.mark.parametrize("width_in", [3.4, 5.8, 8.2, 15.0])

@@ -120,23 +120,6 @@ def test_peers_agree_with_fingertip_on_the_contact():
     assert np.abs(ours[: len(problem.time_s)]).max() > 0.2
 
 
-def test_peers_agree_with_fingertip_on_the_board():
-    problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
-    system = board._scipy_equations(problem.board)
-    with compiled(), cvode_or_skip() as cvode:
-        ours = problem.run_fingertip(1e-9).result
-        ways = ("no longer than a sample", "stops at samples")
-        runs = [problem.run_cvode(cvode, way, None, 1e-9) for way in ways]
-        runs += [problem.run_scipy(system, "odeint", stops, 1e-9) for stops in (False, True)]
-        for run in runs:
-            assert np.abs(run.result - ours).max() < 1e-6
-        sine = problem.run_exact_sine(system, "LSODA", 1e-11, problem.time_s)
-        native = problem.run_cvode(cvode, "sine", sine, 1e-9)
-        assert np.abs(native.result - sine).max() < 1e-6
-        assert native.reference is sine
-        assert 1e-3 < np.abs(sine - ours).max() < 1e-2  # straight lines are not the sine
-
-
 def test_ngspice_agrees_on_both_sources():
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
     problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
@@ -193,12 +176,9 @@ def test_command_writes_diagrams_and_times(tmp_path):
         assert len(ours) >= 3
         # The references differ by the machine's rounding, and an error counts from a hundred times that.
         assert ours[-1] < max(0.05 * ours[0], 1000 * diagram["reference_difference"])
-        assert ours[-1] >= 100 * diagram["reference_difference"]
-        assert "scipy" in diagram["solvers"]["scipy odeint"]
         for name in ("scipy LSODA", "scipy odeint"):
             assert None not in diagram["comparisons"][name]["ratios"]
             assert diagram["comparisons"][name]["mean"] > 0
-        assert isinstance(diagram["omissions"], list)
     assert "bench: contact: 0 % done" in done.stderr
     text = (tmp_path / "work_precision.txt").read_text()
     assert text.startswith("a target is MISSED\n" if missed else "all targets are met\n")

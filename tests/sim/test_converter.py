@@ -23,7 +23,7 @@ from fingertip.sim.signal.converter import (
     simulate_quiescent_level,
     simulate_replay_level,
 )
-from fingertip.sim.signal.grid import BASE_HZ, Grid, SampleClock, Sampler, count_samples, open_stream
+from fingertip.sim.signal.grid import Grid, SampleClock, Sampler, count_samples, open_stream
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
 
@@ -107,14 +107,6 @@ def test_filtered_signal_of_another_supply_is_refused():
     scene = SceneFile(outputs=["sampled_filtered_v"])
     with pytest.raises(TraceError, match=r"board\.supply is split; use --set board\.supply=single_3v3"):
         run_scene(ARTICLE, scene, 0)
-
-
-def test_points_are_equidistant_from_time_0():
-    grid = Grid(4)
-    assert grid.rate_hz == 4 * BASE_HZ
-    assert grid.step_s == 1 / (4 * BASE_HZ)
-    assert grid.time_s(0, 3).tolist() == [0.0, 1 / grid.rate_hz, 2 / grid.rate_hz]
-    assert np.array_equal(grid.time_s(7, 5), grid.time_s(0, 12)[7:])
 
 
 @pytest.mark.parametrize(("longest", "refinement"), [(1.0, 1), (1.01e-4, 1), (9.9e-5, 2), (4.9e-5, 3), (1e-6, 100)])

@@ -161,13 +161,6 @@ def test_only_needed_stages_run(outputs, stages):
         assert np.array_equal(result.columns[name], full.columns[name])
 
 
-def test_nothing_slips_without_a_knock():
-    result = run_manipulation(DESIGN, make_scene(knock={"speed_m_s": 0.0}, outputs=["slip", "pin_n"]), None, 1)
-    assert not result.output("slip").any()
-    assert not result.signals.pin_n.any()
-    assert result.lost_s is None
-
-
 def test_manipulations_of_the_article():
     found = list(article_manipulations())
     assert [(s.object.mass_kg, s.grasp.kind) for s, _ in found[::3]] == [

@@ -13,12 +13,12 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
+from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s, drag
 from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
 from fingertip.sim.simulation import Trial
-from tests.oracles.steady_friction import steady_coefficient, stribeck_coefficient
+from tests.oracles.steady_friction import steady_coefficient
 
 FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
@@ -80,35 +80,6 @@ def test_halving_the_step_quarters_the_error():
     assert errors[1] < 5e-6  # step of a trial
     for coarse, fine in pairwise(errors):
         assert 3.3 < coarse / fine < 5.0
-
-
-@pytest.mark.full
-def test_motion_agrees_with_scipy_radau():
-    from scipy.integrate import solve_ivp
-
-    timeline = build_timeline(Trial().scene, PAD, FORCE_N)
-    start, end = timeline.slide.start_s, timeline.slide.start_s + 0.12
-
-    def rates(t, y):
-        x, v, z = y
-        dz = FORCE_N / (FORCE_N + LOAD_SCALE_N) * (v - FRICTION.sigma0 * abs(v) * z / stribeck_coefficient(FRICTION, v))
-        mu = FRICTION.sigma0 * z + FRICTION.sigma1 * dz + FRICTION.sigma2 * v
-        at = np.array([t])
-        force = MOUNT.stiffness_n_per_m * (timeline.slide.position_m(at)[0] - x)
-        force += MOUNT.damping_n_s_per_m * (timeline.slide.velocity_m_s(at)[0] - v)
-        return [v, (force - FORCE_N * mu) / MOUNT.mass_kg, dz]
-
-    h = 1e-5
-    time = start + np.arange(round((end - start) / h) + 1) * h
-    ours = drag(
-        FRICTION, MOUNT, h, timeline.slide.position_m(time), timeline.slide.velocity_m_s(time),
-        np.full_like(time, FORCE_N),
-    )  # fmt: skip
-    theirs = solve_ivp(
-        rates, (start, time[-1]), [0.0, 0.0, 0.0], "Radau", time[::100], rtol=1e-8, atol=1e-12, max_step=1e-3
-    )
-    assert np.abs(ours.velocity_m_s[::100] - theirs.y[1]).max() < 1e-6
-    assert np.abs(ours.position_m[::100] - theirs.y[0]).max() < 1e-9
 
 
 @pytest.mark.parametrize("sigma0", [1e6, 1e7, 1e8, 1e9])

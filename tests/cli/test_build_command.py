@@ -90,17 +90,6 @@ def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Pa
 
 
 @pytest.mark.full
-def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
-    fake, out = tmp_path / "fake", tmp_path / "out"
-    fake.mkdir()
-    (fake / "cadquery.py").write_text("import os\nos.kill(os.getpid(), 9)\n")
-    done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=str(fake))
-    assert done.returncode == 2
-    assert "the B-rep kernel crashed" in done.stderr
-    assert not out.exists()
-
-
-@pytest.mark.full
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.cad.files.step_process import StepProcess
     from fingertip.foundation.errors import GeometryError
@@ -144,24 +133,6 @@ def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     assert {name: left[name] for name in mine} == mine
     (message,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
     assert {word.strip(",") for word in message.split()} >= set(before) - set(left)
-
-
-@pytest.mark.full
-def test_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
-    """The refusal comes before the parts are made and names the file; --force overwrites it."""
-    bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
-    assert run_fingertip("build", FSR400, *bone).returncode == 0
-    (tmp_path / "bone.stl").write_bytes(b"repaired by hand")
-    refused = run_fingertip("build", FSR400, *bone)
-    assert refused.returncode == 2
-    assert refused.stderr == (
-        f"error: {tmp_path / 'bone.stl'}: was not written by fingertip, or was changed since; move it away, choose "
-        "another place with --out, or add --force to overwrite it.\n"
-    )
-    assert (tmp_path / "bone.stl").read_bytes() == b"repaired by hand"
-    assert run_fingertip("check", tmp_path).returncode == 1
-    assert run_fingertip("build", FSR400, *bone, "--force").returncode == 0
-    assert run_fingertip("check", tmp_path).returncode == 0
 
 
 @pytest.mark.full

@@ -9,6 +9,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.sim import ManipulationFile, run_manipulation
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.runs import grasp_loop
@@ -165,3 +166,24 @@ def test_compiled_loops_give_the_same_bits():
         for before, after in zip(followed, vars(make_motors().follow(command)).values(), strict=True):
             assert np.array_equal(before, after)
     assert all(np.isfinite(row).all() for row in followed)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"object": {"mass_kg": 0.005}, "grasp": {"force_n": 15.0}},
+        {"object": {"mass_kg": 5.0}, "grasp": {"force_n": 0.01}},
+        {"knock": {"stiffness_n_per_m": 1e5, "speed_m_s": 0.2, "stroke_m": 0.1, "damping_s_per_m": 20.0}},
+        {"hand": {"lag_s": 0.001, "rate_m_s": 1.0, "delay_s": 0.0, "period_s": 0.0005}},
+        {"object": {"mass_kg": 0.005}, "knock": {"stiffness_n_per_m": 1e5, "damping_s_per_m": 0.0}},
+    ],
+    ids=str,
+)
+def test_extreme_parameters_give_bounded_motion(tables):
+    """Nothing moves faster than the pin or a free fall over the length of the object."""
+    quick = {"close_s": 0.05, "settle_s": 0.0, "let_go_s": 0.05, "after_s": 0.2}
+    tables = tables | {"grasp": quick | tables.get("grasp", {}), "knock": {"at_s": 0.1} | tables.get("knock", {})}
+    scene = ManipulationFile(**tables, outputs=["force_n", "velocity_m_s", "object_m", "pin_n"])
+    result = run_manipulation(Design(), scene, None, 1)
+    assert all(np.isfinite(signal).all() for signal in result.columns.values())
+    assert np.abs(result.output("velocity_m_s")).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)

@@ -7,7 +7,6 @@ import pytest
 
 from fingertip.foundation import jit
 from fingertip.foundation.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
-from tests.conftest import run_python
 
 
 def _double(values, out):
@@ -110,12 +109,3 @@ def test_without_numba_every_loop_runs_plain(monkeypatch):
     assert out[0] == 2.0
     assert loop._compiled is None
     assert compile_for_process(_double) is _double
-
-
-@pytest.mark.full
-def test_a_short_detection_does_not_import_numba():
-    code = (
-        "import sys; from fingertip.design import Design; from fingertip.slip import make_detector; "
-        "make_detector('fast', Design()).process([4.0] * 12_000); print('numba' in sys.modules)"
-    )
-    assert run_python("-c", code).stdout.strip() == "False"

@@ -50,19 +50,6 @@ def test_changes_go_to_the_file_that_has_the_parameter():
     assert np.array_equal(result.columns["force_n"], expected.columns["force_n"])
 
 
-@pytest.mark.full
-def test_manipulation_file_gives_a_manipulation():
-    simulation = load_simulation(
-        SCENES / "real_manipulation.toml", changes=["grasp.kind=pinch", 'outputs=["object_m"]'], surface="plastic",
-        speed_m_s=0.05, force_n=2.0, seed=1,
-    )  # fmt: skip
-    scene = simulation.scene
-    assert isinstance(scene, ManipulationFile)
-    assert (scene.object.surface, scene.knock.speed_m_s, scene.grasp.force_n) == ("plastic", 0.05, 2.0)
-    expected = run_manipulation(simulation.design, scene, None, 1)
-    assert np.array_equal(simulation.run().columns["object_m"], expected.columns["object_m"])
-
-
 def test_all_issues_are_reported_at_once():
     with pytest.raises(FingertipError) as caught:
         load_simulation(SCENES / "contact.toml", changes=["tap.rise_s=9", "skin.width_mm=1"], speed_m_s=0.05, seed=-1)
@@ -301,3 +288,15 @@ def test_outputs_do_not_depend_on_the_other_outputs(tables):
     for name in every:
         alone, _ = run(tables, [name])
         assert np.array_equal(alone.columns[name], full.columns[name]), name
+
+
+def test_states_and_evaluations_count_needed_stages_only():
+    _, slip_only = run(SLIDE, ["slip"])
+    _, everything = run(SLIDE, ["voltage_v", "force_n", "slip", "envelope_v"])
+    steps = everything["friction"].evaluations // 2
+    assert sum(stage.states for stage in slip_only.values()) == 3
+    assert sum(stage.evaluations for stage in slip_only.values()) == 2 * steps
+    assert sum(stage.states for stage in everything.values()) == 3 + 1 + 2 + 1 + 4
+    assert everything["contact"].evaluations == steps
+    _, still = run(STILL, ["voltage_v", "force_n", "slip"])
+    assert sum(stage.states for stage in still.values()) == 2 + 1

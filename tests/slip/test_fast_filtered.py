@@ -297,3 +297,14 @@ def test_a_stream_may_begin_before_its_header(recording):
     assert first == next(iter(detect_stream(lines, CONTROLLER, "fast").transitions))
     with pytest.raises(TraceError, match="is not the header of a trace"):
         detect_stream([lines[1]] * 6000, CONTROLLER, "fast")
+
+
+def test_a_wrong_value_in_the_column_is_named(tmp_path: Path, recording):
+    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
+    lines[20] = lines[20].rsplit(",", 1)[0] + ",abc"
+    with pytest.raises(TraceError, match="line 21"):
+        list(detect_stream(lines, CONTROLLER, "fast").transitions)
+    path = tmp_path / "trace.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(TraceError, match="line 21"):
+        detect_file(path, CONTROLLER, "fast")

@@ -99,15 +99,6 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
     assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.006)
 
 
-@pytest.mark.full
-def test_output_of_simulate_is_read_from_every_format(tmp_path):
-    onsets = []
-    for end in ("csv", "npz"):
-        assert run("simulate", "--out", tmp_path / f"t.{end}", "--seed", 4).exit_code == 0
-        onsets.append(single_onset(run("detect", tmp_path / f"t.{end}", "--detector", "fast", "--json")))
-    assert onsets[0] == onsets[1]
-
-
 def test_tdms_file_written_by_nptdms_is_read(tmp_path):
     nptdms = pytest.importorskip("nptdms", reason="the extra tdms is not installed; a fake library is tested below")
     channel = nptdms.ChannelObject("group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000})

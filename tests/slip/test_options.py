@@ -13,7 +13,6 @@ import fingertip
 from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import FingertipError
-from fingertip.slip import make_detector
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
 from tests.conftest import design_file
@@ -210,32 +209,6 @@ def test_a_stated_threshold_does_not_change_with_the_rate(tmp_path):
         assert message in done.stderr, words
     fast = run("detect", tmp_path / "t.csv", "--detector", "fast")
     assert "filters, window and threshold adapted to 5000 Hz; the window is 150 samples, 30 ms\n" in fast.stderr
-
-
-@pytest.mark.full
-def test_a_window_given_by_set_does_not_change_with_the_rate(tmp_path):
-    t, v = burst(10_000)
-    (tmp_path / "t.csv").write_text(csv(t, v))
-    (tmp_path / "d.toml").write_text("[detector]\nwindow_samples = 90\n")
-    rate, mine = ("--rate-hz", 10_000), ("--set", "detector.window_samples=400")
-    both = (*mine, "--set", "detector.threshold_v=0.0123")
-    for words, message in (
-        ((), "filters, window and threshold adapted to 10000 Hz; the window is 300 samples, 30 ms; the threshold is"),
-        ((*rate, *mine), "filters and threshold adapted to 10000 Hz; the window remains 400 samples, 40 ms, as set"),
-        ((*rate, *both), "filters adapted to 10000 Hz; the window remains 400 samples, 40 ms, as set; the threshold"),
-        ((*rate, "--design", tmp_path / "d.toml"), "the window is 450 samples, 45 ms"),
-    ):
-        assert message in run("detect", tmp_path / "t.csv", *words).stderr, words
-    # A window of the default duration has the default threshold.
-    same_duration = adapt_rate(Design(detector={"window_samples": 300}), 10_000.0, keep_window=True).detector
-    assert same_duration == adapt_rate(Design(), 10_000.0).detector
-    # The detector uses this window; not only the message states it.
-    output = run("detect", tmp_path / "t.csv", *rate, *mine, "--json").stdout
-    detector = make_detector(
-        "digital", adapt_rate(Design(detector={"window_samples": 400}), 10_000.0, keep_window=True)
-    )
-    expected = t[np.flatnonzero(detector.process(np.round(v, 6)).on)[0]]
-    assert json.loads(output)["intervals"][0]["onset_s"] == pytest.approx(expected)
 
 
 @pytest.mark.full

@@ -221,19 +221,3 @@ def test_worker_with_another_python_or_numpy_is_refused(
 ) -> None:
     with pytest.raises(SweepError, match=f"worker tcp://w:1 {message}.*install the same version everywhere"):
         engines._compare_versions("tcp://w:1", {"host": host, "packages": packages})
-
-
-@pytest.mark.full
-def test_worker_that_hangs_is_refused_before_anything_is_written(
-    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    dask.start_all(1)
-    DaskEngine(dask.address).close()  # the worker is ready
-    group = dask.processes[1].pid
-    os.killpg(group, signal.SIGSTOP)
-    try:
-        monkeypatch.setattr(engines, "_ANSWER_TIMEOUT_S", 1.0)
-        message = run_refused(tmp_path, dask.address)
-        assert "a worker has not answered for 1 s; end the workers that hang, or start them again" in message
-    finally:
-        os.killpg(group, signal.SIGCONT)

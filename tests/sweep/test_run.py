@@ -76,15 +76,6 @@ def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> No
     assert [path.name for path in (finished / "out").iterdir()] == ["sweep.sqlite"]
 
 
-@pytest.mark.full
-def test_same_sweep_gives_the_same_rows(finished: Path, tmp_path: Path, inline: None) -> None:
-    result = run_sweep_command(
-        finished / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "rows.csv"
-    )
-    assert result.exit_code == 0, result.stderr
-    assert repr(read_rows(tmp_path / "again")) == repr(read_rows(finished / "out"))
-
-
 def test_outputs_are_listed_with_group_and_description() -> None:
     listed = json.loads(run_sweep_command("--outputs", "--json").stdout)["outputs"]
     assert {"name", "group", "description"} == set(listed[0])

@@ -10,7 +10,7 @@ import pytest
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from tests.sweep.examples import InlineEngine, read_rows, run_sweep_command
+from tests.sweep.examples import read_rows, run_sweep_command
 
 FILE = """
 name = "boards"
@@ -34,11 +34,6 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert (data["points"], data["rows"], data["ok"] + data["refused"]) == (24, 24, 24)
     assert data["refused"] > 0
     return folder
-
-
-@pytest.fixture
-def inline(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
 
 
 @pytest.mark.full

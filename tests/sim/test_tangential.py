@@ -82,6 +82,17 @@ def test_halving_the_step_quarters_the_error():
         assert 3.3 < coarse / fine < 5.0
 
 
+def test_bristles_relax_and_friction_vanishes_without_contact():
+    h = 1e-4
+    time = np.arange(6000) * h
+    load = np.where(time < 0.3, FORCE_N, 0.0)
+    stage = np.minimum(1e-3 * time, 1e-4)
+    motion = drag(FRICTION, MOUNT, h, stage, np.where(time < 0.1, 1e-3, 0.0), load)
+    assert motion.bristle_m[2990] > 1e-6
+    assert abs(motion.bristle_m[-1]) < 1e-9
+    assert motion.position_m[-1] == pytest.approx(1e-4, rel=1e-4)
+
+
 @pytest.mark.parametrize("sigma0", [1e6, 1e7, 1e8, 1e9])
 @pytest.mark.parametrize("mass_kg", [1e-2, 1e-4, 1e-5])
 def test_step_too_long_for_the_bristles_is_refused_with_a_step_that_passes(sigma0, mass_kg):

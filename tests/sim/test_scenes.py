@@ -144,6 +144,15 @@ def test_parameters_are_listed_with_unit_and_bounds():
     assert all(row["unit"] for row in rows if row["name"].endswith(("_s", "_n", "_hz", "_m", "_v")))
 
 
+def test_creep_lowers_the_voltage_under_load():
+    steady = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0, "drift.volt_per_s": 0.0}
+    creeping = run_scene(DESIGN, load_scene("drift", **steady)).columns["voltage_v"]
+    still = run_scene(DESIGN, load_scene("drift", **steady | {"drift.share_per_decade": 0.0})).columns["voltage_v"]
+    moment = 15 * 2000
+    assert still[moment : moment + 400].mean() > creeping[moment : moment + 400].mean() + 1e-3
+    assert np.abs(still[:400] - creeping[:400]).max() < 1e-9
+
+
 def test_feedback_and_elasto_plastic_bristles_change_slip_little():
     base = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0, "slide.speed_m_s": 0.08}
     runs = {}

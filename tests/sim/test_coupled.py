@@ -296,3 +296,13 @@ def test_invalid_contacts_are_refused():
         Friction(0.6, 0.48, elastic=1.0)
     with pytest.raises(TraceError, match="use coupled"):
         drag(Friction(0.6, 0.48, elastic=0.7), MOUNT, 1e-4, *(np.zeros(3) for _ in range(3)))
+
+
+def test_few_steps_are_rejected():
+    """A wrong coefficient or solution shows first as repeatedly rejected steps."""
+    found = slide()
+    assert found.steps < 2 * 2800
+    assert found.rejected < 0.2 * found.steps
+    assert found.evaluations == 6 * (found.steps + found.rejected)
+    tight = slide(tolerance=1e-8)
+    assert tight.steps < 4 * found.steps  # order 3 of the estimate: 100^(1/4) = 3.2

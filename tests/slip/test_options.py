@@ -257,3 +257,11 @@ def test_bounds_of_the_sampling_rate_are_those_of_a_design():
         with pytest.raises(FingertipError):
             Design(detector={"sample_rate_hz": rate})
         assert rate_bounds_message(rate)
+
+
+def test_detect_file_in_python_returns_warnings(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 2.3)))
+    design = Design(detector={"threshold_v": 0.001})
+    constant, threshold = fingertip.detect_file(tmp_path / "t.csv", design).warnings
+    assert constant == "the voltage is constant at 2.3 V; is a sensor connected?"
+    assert "is below the mean noise level" in threshold

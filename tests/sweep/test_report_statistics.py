@@ -358,3 +358,11 @@ def test_a_small_matrix_is_drawn() -> None:
     rows = np.arange(40.0)
     data = draw_scatter_matrix({"x": rows, "y": np.sqrt(rows)}, rows > 7, ["left"])
     assert data.startswith(b"\x89PNG")
+
+
+def test_continuous_values_have_bins_of_equal_width() -> None:
+    values = np.random.default_rng(0).uniform(0, 1, 5000)
+    edges = histogram_edges(values, make_scale("x", values, 24), 24)
+    assert len(edges) == 25
+    assert np.diff(edges) == pytest.approx(np.diff(edges)[0])
+    assert np.histogram(values, edges)[0].sum() == len(values)

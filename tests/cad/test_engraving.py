@@ -58,18 +58,9 @@ def test_outlines_cover_the_same_area_as_the_strokes() -> None:
     assert wrong == []
 
 
-def test_number_of_counters() -> None:
-    assert {letter: [len(rings) for rings in letter_outlines(letter, STROKE_WIDTH)] for letter in "COB8"} == {
-        "C": [1], "O": [2], "B": [3], "8": [3],
-    }  # fmt: skip
-
-
-def test_all_letters_differ() -> None:
+def test_all_letters_differ_and_follow_each_other_at_a_constant_distance() -> None:
     shapes = {letter: tuple(letter_outlines(letter, STROKE_WIDTH)) for letter in LETTERS}
     assert len(set(shapes.values())) == len(shapes)
-
-
-def test_letters_follow_each_other_at_a_constant_distance() -> None:
     first, second = letter_outlines("I", STROKE_WIDTH), letter_outlines("II", STROKE_WIDTH)
     moved = [tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
     assert second == (*first, *moved)

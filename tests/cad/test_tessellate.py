@@ -129,12 +129,9 @@ def test_vertices_are_placed_by_correctly_rounded_arithmetic_only() -> None:
 # In this design, found by a sweep, a boolean leaves an edge of 5e-6 mm that manifold3d does not collapse. Both its ends
 # round to the same grid point.
 SHORT_EDGE = [
-    "skin.width_mm=15",
-    "skin.semi_axis_palmar_mm=6.5",
-    "skin.thickness_side_mm=1.2",
-    "skin.min_thickness_mm=0.4",
+    "skin.width_mm=15", "skin.semi_axis_palmar_mm=6.5", "skin.thickness_side_mm=1.2", "skin.min_thickness_mm=0.4",
     "printer.surface_error_mm=0",
-]
+]  # fmt: skip
 
 
 def test_vertices_on_the_same_grid_point_are_merged() -> None:

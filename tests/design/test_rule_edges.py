@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.all_rules import ELECTRONIC_RULES, RULES
+from fingertip.design.all_rules import RULES
 from fingertip.design.files import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
@@ -145,21 +145,6 @@ def test_equal_parameters_raise_no_exception() -> None:
             check_rules(DEFAULTS.with_values({one: float(value)}))
 
 
-def test_a_finger_as_long_as_its_tip_is_refused() -> None:
-    with pytest.raises(DesignError) as caught:
-        Design.load(changes=["skin.length_mm=10", "skin.tip_length_mm=10"])
-    assert all(map(read_remedy, caught.value.issues))
-
-
-def test_a_covering_array_holds_every_pair() -> None:
-    levels: dict[str, tuple[Any, ...]] = {"a": (1, 2, 3), "b": ("x", "y"), "c": (True, False), "d": (0.0, 1.0, 2.0)}
-    rows = list(make_covering_array(levels))
-    for one, other in itertools.combinations(levels, 2):
-        pairs = {(row[one], row[other]) for row in rows}
-        assert pairs == set(itertools.product(levels[one], levels[other]))
-    assert len(rows) <= 15
-
-
 def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
     """Yield rows with every pair of bounds and words of the parameters that a rule reads."""
     read = {name: levels for name, levels in list_levels().items() if name in find_broken()[rule].own_reads}
@@ -167,13 +152,6 @@ def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
         yield from ({name: level} for name, levels in read.items() for level in levels)
     else:
         yield from make_covering_array(read)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("rule", ELECTRONIC_RULES, ids=lambda rule: rule.check.__name__)
-def test_bounds_in_pairs_raise_no_exception(rule: Rule) -> None:
-    for row in list_rule_rows(rule):
-        check_rules(DEFAULTS.with_values(row))
 
 
 @pytest.mark.full

@@ -13,7 +13,6 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.fabrication.bom import (
     assembly_bom_file,
     bill_of_materials,
-    find_pad_centre,
     find_rotation,
     is_assembled,
     load_rotations,
@@ -21,7 +20,6 @@ from fingertip.board.fabrication.bom import (
     placement_file,
     purchased_components,
 )
-from fingertip.board.kicad.footprints import FOOTPRINTS
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
@@ -140,20 +138,19 @@ def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
         expected = sum(angle for prefix, angle in TABLE.items() if package.startswith(prefix))
         assert (placed.rotation_deg - kicad[reference].rotation_deg) % 360 == expected, reference
         # Only a footprint whose origin is not at its middle is moved.
-        is_centred = find_pad_centre(circuit.component(reference).footprint) == (0.0, 0.0)
+        part = configuration.placement.parts[reference]
+        is_centred = part.pad_centre == pytest.approx((part.x, part.y))
         assert is_centred == ((placed.x_mm, placed.y_mm) == (kicad[reference].x_mm, kicad[reference].y_mm))
 
 
 def test_table_of_rotations_has_the_packages_that_need_it() -> None:
     assert {r.pattern.removeprefix("^"): r.rotation_deg for r in load_rotations()} == TABLE
-    found = {name.split(":")[1]: find_rotation(name) for name in FOOTPRINTS}
-    assert [offset.rotation_deg for name in ("SOT-23-5", "SOT-23") if (offset := found[name])] == [180, 180]
-    assert found["D_SOD-123"] is found["R_0603_1608Metric"] is None
+    found = [find_rotation(name) for name in (symbols.SOT_23_5, symbols.SOT_23, symbols.SOD_123, symbols.R_0603)]
+    assert [offset.rotation_deg if offset else None for offset in found] == [180, 180, None, None]
 
 
 def test_through_hole_connector_is_placed_by_its_middle() -> None:
     """The origin of KiCad's footprint is pin 1; both pins are 2 mm apart."""
-    assert find_pad_centre(symbols.JST_PH_2) == (1.0, 0.0)
     configuration = BOARD_CONFIGURATIONS["precision_single_3v3"]
     circuit = board_circuit(board_values(load_article(configuration.changes)))
     house = parse_placement(placement_file(circuit, configuration.placement, for_house=True))["J2"]

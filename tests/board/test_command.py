@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-
 from fingertip.board.kicad.models import MODEL_FOLDER
+
 from fingertip.foundation.output_set import MANIFEST
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python

@@ -8,18 +8,20 @@ import re
 import subprocess
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
 
-from fingertip.board.kicad.project import BoardConfiguration
-from fingertip.board.kicad.sexpr import Node, Word, read_expression, replace_words
+from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
+from fingertip.board.kicad.project import StoredProject
+from fingertip.board.kicad.sexpr import Node, find_word, read_expression, replace_words
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import read_manifest
 from fingertip.tasks.board import write_board, write_fabrication
-from fingertip.tasks.edited_board import CircuitRecord, Part, describe_structure_changes, enter_texts
+from fingertip.tasks.edited_board import enter_texts
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
 from tests.conftest import run_fingertip
@@ -348,15 +350,13 @@ def test_printed_values_follow_and_other_texts_stay() -> None:
 @pytest.mark.full
 def test_values_printed_on_the_board_follow_in_an_edited_layout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a board that prints the value of R1."""
-    from fingertip.tasks import board as output
+    enter = StoredProject.enter
 
-    make_layout = output._make_layout
+    def print_value(project: StoredProject, circuit: Circuit) -> dict[str, bytes]:
+        files, text = enter(project, circuit), f'  (gr_text "R1 {circuit.component("R1").value}" (uuid "printed"))\n)\n'
+        return files | {LAYOUT: files[LAYOUT].removesuffix(b")\n") + text.encode()}
 
-    def print_value(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
-        text = f'  (gr_text "R1 {circuit.component("R1").value}" (uuid "printed"))\n)\n'
-        return make_layout(circuit, configuration).removesuffix(b")\n") + text.encode()
-
-    monkeypatch.setattr(output, "_make_layout", print_value)
+    monkeypatch.setattr(StoredProject, "enter", print_value)
     write_board(ARTICLE, folder)
     move_r1(folder)
     write_board(load_article(OTHER_VALUES), folder)
@@ -372,21 +372,24 @@ TEXTS = (
 )
 
 
-def words_of(node: Node) -> list[Word]:
-    return [word for item in node.items for word in ([item] if isinstance(item, Word) else words_of(item))]
+def leading_words(node: Node) -> list[tuple[Node, int, str]]:
+    """Words of a list and of those within it that stand before any list, each with its list and index."""
+    words = [(node, i, word) for i, word in enumerate(takewhile(lambda item: isinstance(item, str), node.items))]
+    return words + [word for item in node.items if isinstance(item, Node) for word in leading_words(item)]
 
 
 @pytest.mark.parametrize("text", TEXTS)
-def test_words_know_their_place(text: str) -> None:
-    words = words_of(read_expression(text))
+def test_words_are_found_in_their_place(text: str) -> None:
     assert replace_words(text, {}) == text
-    for word in words:
-        assert text[word.start : word.end].strip('"').replace("\\n", "\n").replace('\\"', '"').replace(
-            "\\\\", "\\"
-        ) == (word.text)
-        changed = replace_words(text, {word: 'new "word"'})
-        assert changed == text[: word.start] + '"new \\"word\\""' + text[word.end :]
-        assert 'new "word"' in [w.text for w in words_of(read_expression(changed))]
+    for node, index, word in leading_words(read_expression(text)):
+        start, end = find_word(text, node, index)
+        found = text[start:end].strip('"').replace("\\n", "\n").replace('\\"', '"').replace("\\\\", "\\")
+        assert found == word
+        assert text[node.start] == "("
+        assert text[node.end - 1] == ")"
+        changed = replace_words(text, {(start, end): 'new "word"'})
+        assert changed == text[:start] + '"new \\"word\\""' + text[end:]
+        assert 'new "word"' in [w for *_, w in leading_words(read_expression(changed))]
 
 
 @pytest.mark.parametrize("text", ["", "(a", "a b", "(a))(", '(a "b)', ")"])

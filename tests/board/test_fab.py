@@ -19,7 +19,7 @@ from fingertip.board.fabrication.fabrication_files import (
     kicad_session,
     provenance_record,
 )
-from fingertip.board.kicad.placement import load_placement
+from fingertip.board.kicad.project import load_project
 from fingertip.catalogues.output_files import LAYOUT, PROVENANCE, README
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import MANIFEST
@@ -30,7 +30,7 @@ from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(ARTICLE))
-ARTICLE_PLACEMENT = load_placement("article_split")
+ARTICLE_PLACEMENT = load_project("article_split").placement
 
 
 @pytest.mark.full

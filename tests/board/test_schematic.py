@@ -8,18 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, BoardConfiguration
-from fingertip.board.kicad.schematic import pin_position
-from fingertip.board.kicad.schematic_sheet import SYMBOL_GRAPHICS
-from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.output_files import BOM, NETLIST, SCHEMATIC
 from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
-from tests.board.test_kicad_libraries import COMPONENTS, load_symbols
+from tests.board.test_kicad_libraries import load_symbols
 from tests.designs import ARTICLE, load_article
-from tests.oracles.sexpressions import children, descendants, parse
+from tests.oracles.sexpressions import Expression, children, descendants, parse
 from tests.tools import require_tool
 
 
@@ -81,41 +77,29 @@ def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: st
     assert export_netlist(tmp_path / "pcb") != read_netlist(tmp_path / "pcb" / NETLIST)
 
 
-@pytest.mark.parametrize("variant", BOARD_CONFIGURATIONS.values(), ids=BOARD_CONFIGURATIONS)
-def test_every_unit_is_placed_once_and_on_the_grid(variant: BoardConfiguration) -> None:
-    circuit = board_circuit(board_values(load_article(variant.changes)))
-    placed = [(p.reference, p.unit) for p in variant.sheet.symbols]
-    expected = {
-        (component.reference, unit)
-        for component in circuit.components
-        for unit in range(1, len(SYMBOL_GRAPHICS[component.symbol.name]) + 1)
-    }
-    assert len(placed) == len(set(placed))
-    assert set(placed) == expected
-    for p in variant.sheet.symbols:
-        for pin in SYMBOL_GRAPHICS[circuit.component(p.reference).symbol.name][p.unit - 1].pins.values():
-            x, y = pin_position(p, pin)
-            assert (x, y) == (int(x), int(y))
-
-
-def test_pin_positions_equal_those_of_kicads_library() -> None:
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
     folder = require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD)
-    libraries = {component.symbol.name: component.symbol.library for component in COMPONENTS}
-    libraries |= {symbol.name: symbol.library for symbol in DUAL_AMPLIFIERS.values()}
+    (drawn,) = children(parse(BOARD_CONFIGURATIONS[name].project.schematic), "lib_symbols")
     wrong = []
-    for name, units in SYMBOL_GRAPHICS.items():
-        symbols = load_symbols(folder / f"{libraries.get(name, 'power')}.kicad_sym")
+    for own in children(drawn, "symbol"):
+        library, _, name = own[1].partition(":")
+        symbols = load_symbols(folder / f"{library}.kicad_sym")
         symbol = symbols[name]
         while extended := next(children(symbol, "extends"), None):
             symbol = symbols[extended[1]]
-        kicad_pins = {
-            next(children(pin, "number"))[1]: tuple(float(word) for word in next(children(pin, "at"))[1:])
-            for pin in descendants(symbol, "pin")
-        }
-        if kicad_pins != {key: (p.x, p.y, float(p.angle)) for unit in units for key, p in unit.pins.items()}:
-            wrong.append((name, kicad_pins))
+        if pin_places(own) != pin_places(symbol):
+            wrong.append(own[1])
     assert wrong == []
+
+
+def pin_places(symbol: Expression) -> dict[str, tuple[float, ...]]:
+    """Position and angle of each pin of a library symbol."""
+    return {
+        next(children(pin, "number"))[1]: tuple(float(word) for word in next(children(pin, "at"))[1:])
+        for pin in descendants(symbol, "pin")
+    }
 
 
 @pytest.mark.full

@@ -13,11 +13,10 @@ from dataclasses import dataclass, replace
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.kicad.footprints import FIDUCIAL
-from fingertip.board.kicad.layout import PAGE_OFFSET_MM
+from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values, print_values
+from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.placement import Placement
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, REVISION
-from fingertip.board.kicad.silkscreen import back_print, list_values
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import BoardError
@@ -245,45 +244,52 @@ def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
     texts = [text.text for text in read_board(name).texts if text.side == "B"]
     assert texts[0] == f"fingertip {name.replace('_', ' ')}"
     assert texts[1] == f"rev {REVISION}"
-    listed = dict(text.split(" ") for text in texts[len(configuration.heading) :])
-    expected = {c.reference: c.value for c in circuit.components if c.reference[0] == "R" or c.reference[0] == "C"}
-    assert listed == expected
+    warning = [f"{configuration.supply.nominal_v:g} V only"] if configuration.supply.is_for_controller else []
+    listed = [f"{c.reference} {c.value}" for c in circuit.components if c.reference[0] in "RC"]
+    assert sorted(texts[2:]) == sorted([*warning, *listed])
 
 
-def long_values(name: str) -> tuple[Circuit, Placement, tuple[str, ...]]:
+def long_values(name: str) -> tuple[Circuit, Placement]:
     """A board whose values are as long as the list prints them."""
     configuration = BOARD_CONFIGURATIONS[name]
     circuit = board_circuit(board_values(load_article(configuration.changes)))
     for component in circuit.components:
         if component.reference[0] in "RC" and component.reference != "RV1":
             circuit = circuit.replace(component.reference, "14.321987k")
-    return circuit, configuration.placement, configuration.heading
+    return circuit, configuration.placement
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_back_has_room_for_values_of_any_length(name: str) -> None:
-    circuit, placement, heading = long_values(name)
-    texts = back_print(circuit, placement, heading)
-    values = [text.text for text in texts[len(heading) :]]
+    circuit, placement = long_values(name)
+    texts = list_back_texts(circuit, placement)
+    values = [text.text for text in texts]
     assert values == list_values(circuit)
     assert all(value.endswith(" 14.3k") for value in values if value[:2] != "RV")
-    left, top, right, bottom = zip(*(text.box for text in texts), strict=True)
+    left, top, right, bottom = zip(*map(find_text_box, texts), strict=True)
     assert min(*left, *top) > 0.3
     assert max(right) < placement.width - 0.3
     assert max(bottom) < placement.height - 0.3
 
 
 def test_list_that_does_not_fit_is_refused() -> None:
-    circuit, placement, heading = long_values("comparator_single_3v3")
+    circuit, placement = long_values("comparator_single_3v3")
     with pytest.raises(BoardError, match="no room for the list of values"):
-        back_print(circuit, replace(placement, width=24.0), heading)
+        list_back_texts(circuit, replace(placement, width=24.0))
+
+
+def test_layout_that_prints_no_value_of_a_part_is_refused() -> None:
+    circuit, placement = long_values("article_split")
+    layout = BOARD_CONFIGURATIONS["article_split"].project.layout.replace('(gr_text "R4 ', '(gr_text "R44 ')
+    with pytest.raises(BoardError, match=r"prints no value of R4 on its back; add a text there in KiCad"):
+        print_values(layout, circuit, placement)
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_three_fiducial_marks_span_the_board(name: str) -> None:
     """1 mm of copper in an opening of 2 mm, clear of all other copper, and not on one line."""
     board, placement = read_board(name), BOARD_CONFIGURATIONS[name].placement
-    marks = [item for item in children(board.tree, "footprint") if item[1] == FIDUCIAL]
+    marks = [item for item in children(board.tree, "footprint") if item[1] == "Fiducial:Fiducial_1mm_Mask2mm"]
     points = [tuple(numbers(item, "at")[:2]) for item in marks]
     (ax, ay), (bx, by), (cx, cy) = points
     assert abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2 > 0.25 * placement.width * placement.height
@@ -293,4 +299,4 @@ def test_three_fiducial_marks_span_the_board(name: str) -> None:
         assert numbers(pad, "solder_mask_margin") == [0.5]  # type: ignore[arg-type]
         mark = (x - 1.0, y - 1.0, x + 1.0, y + 1.0)
         assert all(distance(mark, box) > 0 for ref, side, _, box in board.pads if side == "F" and ref[:3] != "FID")
-        assert PAGE_OFFSET_MM[0] + 1.0 < x < PAGE_OFFSET_MM[0] + placement.width - 1.0
+        assert placement.corner[0] + 1.0 < x < placement.corner[0] + placement.width - 1.0

@@ -13,7 +13,6 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.board.kicad.placement import load_placement, place_pads
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
 from fingertip.catalogues.output_files import BRING_UP, WIRING
@@ -82,8 +81,11 @@ def test_every_pin_of_the_netlist_has_its_wire(name: str) -> None:
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_marks_are_those_that_the_board_prints_beside_the_pins(name: str) -> None:
     _, root, _ = draw(name)
-    printed = [text for text in load_placement(name).texts if len(text[0]) == 1 or text[0] == "SLIP"]
-    middle = 20.0
+    layout = parse(BOARD_CONFIGURATIONS[name].project.layout)
+    front = [item for item in children(layout, "gr_text") if next(children(item, "layer"))[1] == "F.SilkS"]
+    places = [(item[1], *map(float, next(children(item, "at"))[1:3])) for item in front]
+    printed = [place for place in places if len(place[0]) == 1 or place[0] == "SLIP"]
+    middle = 120.0
     supply = [text for text, x, _ in sorted(printed, key=itemgetter(2)) if x < middle]
     assert [texts[2] for _, texts in sorted(rows(root, 0.0, 500.0).items())][2:] == supply
     marks = [texts[0] for _, texts in sorted(rows(root, 500.0, 900.0).items()) if len(texts) > 2]
@@ -119,10 +121,8 @@ def test_notes_fit_the_board(name: str) -> None:
     assert ("Take +3.3 V and the ground of J2 from the controller's own 3.3 V pin" in text) == ("3v3" in name)
     assert ("sketches of fingertip firmware read T at A0 and S at A1" in text) == ("3v3" in name)
     if "3v3" in name:
-        pads = {
-            p.pad.number: p for p in place_pads(circuit, BOARD_CONFIGURATIONS[name].placement) if p.reference == "J3"
-        }
-        assert pads["1"].y > pads["10"].y, "pin 1 is the lower end"
+        pads = {pad.name: pad for pad in BOARD_CONFIGURATIONS[name].placement.parts["J3"].pads}
+        assert pads["1"].centre[1] > pads["10"].centre[1], "pin 1 is the lower end"
     assert f"The outputs lie between 0 and {supply_v:g} V" in text
 
 

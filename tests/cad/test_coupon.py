@@ -10,12 +10,12 @@ import pytest
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.slicer import parse_gcode
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.coupon import COUPON_PARTS, RING_MM, frame_with_fits, loose_slice
 from fingertip.cad.shapes.coupon_layout import WALLS_MM, has_key, lay_out
 from fingertip.cad.verification.printing import check_mesh_file
 from fingertip.calibration.readings import list_lengths
-from fingertip.casting.slicer import parse_gcode
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN as DESIGN_KIND
 from fingertip.design import Design

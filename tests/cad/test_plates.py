@@ -22,7 +22,8 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.print_files import FDM, PLATE_KINDS, SLA, PrintFiles, arrange, make_print_files
+from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files
+from fingertip.cad.printing.settings import FDM, PLATE_KINDS, SLA
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.catalogues.output_files import PRINT_FOLDER

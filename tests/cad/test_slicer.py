@@ -15,11 +15,11 @@ from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
-from fingertip.cad.printing.print_files import LAYER_MM as SETTINGS_LAYER_MM
-from fingertip.cad.printing.print_files import slicer_settings
+from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
+from fingertip.cad.printing.settings import slicer_settings
+from fingertip.cad.printing.slicer import parse_gcode, slice_to_gcode
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
-from fingertip.casting.slicer import parse_gcode, slice_to_gcode
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.tasks.build import build

@@ -16,7 +16,14 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
-from fingertip.cad.printing.print_files import FDM
+from fingertip.cad.printing.settings import FDM
+from fingertip.cad.printing.slicer import (
+    HOW_TO_INSTALL,
+    PrintEstimate,
+    parse_duration_min,
+    parse_gcode,
+    slice_plate,
+)
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
@@ -25,7 +32,6 @@ from fingertip.cad.verification.mold import check_filling
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.casting.consumables import flat_width_mm, uses_adhesive
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg, volumes_data
-from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, parse_duration_min, parse_gcode, slice_plate
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty
 from fingertip.design import Design

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.casting import slicer
-from fingertip.casting.slicer import PrintEstimate, find_slicer, parse_gcode, slice_plate, slice_to_gcode
+from fingertip.cad.printing import slicer
+from fingertip.cad.printing.slicer import PrintEstimate, find_slicer, parse_gcode, slice_plate, slice_to_gcode
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError
 

@@ -16,9 +16,9 @@ from typing import Any
 
 import pytest
 
+from fingertip.cad.printing.slicer import PrintEstimate
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.casting.quantities import SiliconeVolumes
-from fingertip.casting.slicer import PrintEstimate
 from fingertip.catalogues.output_files import COUPON_READINGS
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
 from fingertip.design import Design

@@ -25,13 +25,14 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from fingertip.board.kicad.netlist import CircuitRecord, read_netlist
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.slip import read_trace
 from fingertip.sweep.database import SweepDatabase
 from fingertip.tasks.board import plan_board
-from fingertip.tasks.edited_board import CircuitRecord, enter_texts, enter_values, read_netlist
+from fingertip.tasks.edited_board import enter_texts, enter_values
 from fingertip.tasks.verification import verify_sets
 from tools.fuzz import originals
 from tools.fuzz.damage import damaged

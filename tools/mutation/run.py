@@ -31,7 +31,7 @@ RESULTS = ROOT / "out" / "mutation"
 MIN_KILLED, MIN_KILLED_GROUP, MIN_KILLED_FIRST, GROUP = 0.85, 0.75, 0.8, 40
 """Shares that the tests must notice, and the number of mutants that a group of packages has at least."""
 NOT, FIRST, REST = "not noticed", "first set", "whole suite"
-"""Who noticed a mutant."""
+"""Judgements of a mutant."""
 
 
 def main() -> None:

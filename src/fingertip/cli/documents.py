@@ -89,12 +89,12 @@ def sheet(
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.cad.printing.orientations import print_orientations
-    from fingertip.cad.printing.print_files import FDM
+    from fingertip.cad.printing.settings import FDM
+    from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
-    from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.catalogues.output_files import SHEET, STEPS_FOLDER
     from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
     from fingertip.tasks.build import steps_writer

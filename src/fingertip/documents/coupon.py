@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fingertip.cad.printing.orientations import print_orientations
-from fingertip.cad.printing.print_files import LAYER_MM, RESIN_LAYER_MM
+from fingertip.cad.printing.settings import LAYER_MM, RESIN_LAYER_MM
 from fingertip.cad.shapes.coupon import list_heights
 from fingertip.cad.shapes.coupon_layout import LETTERS, WALLS_MM, has_key, lay_out, text_unit_mm
 from fingertip.cad.shapes.engraving import STROKE_WIDTH

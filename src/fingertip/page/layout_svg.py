@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
-from fingertip.board.kicad.sexpr import Node
+from fingertip.board.kicad.placement import find_reference, list_pads, name_part
+from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, points, turn
 from fingertip.page.html import Markup, element
-from fingertip.page.schematic_svg import Point, draw_frame, find_place, first, is_hidden, numbers, points, turn
+from fingertip.page.schematic_svg import draw_frame, is_hidden
 from fingertip.page.svg import number, path
 
 _MARGIN_MM = 1.0
@@ -132,43 +132,6 @@ def _bend(start: Point, mid: Point, end: Point) -> list[Point]:
     return [(ux + radius * math.cos(a), uy + radius * math.sin(a)) for a in steps]
 
 
-@dataclass(frozen=True)
-class Pad:
-    """Pad of a component in its place on the board [mm]."""
-
-    name: str
-    kind: str
-    shape: str
-    centre: Point
-    width: float
-    height: float
-    """Width and height before it is turned."""
-    turned_deg: float
-    rounding: float
-    """Radius of its corners over the shorter side."""
-    drill: float
-    """Diameter of its hole; 0 without one."""
-
-    @property
-    def box(self) -> tuple[float, float, float, float]:
-        """Left, top, right and bottom as it is turned."""
-        (x, y), width, height = self.centre, self.width, self.height
-        if self.turned_deg % 180.0 == 90.0:
-            width, height = height, width
-        return x - width / 2, y - height / 2, x + width / 2, y + height / 2
-
-
-def list_pads(footprint: Node) -> Iterator[Pad]:
-    x, y, angle = find_place(footprint)
-    for pad in footprint.children("pad"):
-        px, py, own = find_place(pad)
-        dx, dy = turn(px, py, angle)
-        name, kind, shape = pad.words[1:4]
-        width, height = numbers(first(pad, "size"))
-        rounding, drill = float(pad.word("roundrect_rratio") or 0), float(pad.word("drill") or 0)
-        yield Pad(name, kind, shape, (x + dx, y + dy), width, height, own, rounding, drill)
-
-
 def _draw_pads(footprint: Node) -> list[Markup]:
     parts: list[Markup] = []
     for pad in list_pads(footprint):
@@ -210,18 +173,9 @@ def _draw_graphics(footprint: Node, layer: str) -> list[Markup]:
     return parts
 
 
-def name_part(footprint: Node) -> str:
-    text = _find_reference(footprint)
-    return text.words[2] if text else ""
-
-
-def _find_reference(footprint: Node) -> Node | None:
-    return next((text for text in footprint.children("property") if text.words[1] == "Reference"), None)
-
-
 def _draw_name(footprint: Node) -> list[Markup]:
     """Draw the reference where it is printed, or small on the component itself if there was no room to print it."""
-    text = _find_reference(footprint)
+    text = find_reference(footprint)
     if text is None:
         return []
     x, y, angle = find_place(footprint)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from fingertip.board.kicad.sexpr import Node
+from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, points, turn
 from fingertip.page.html import Markup, element, join
 from fingertip.page.svg import number, path
 
@@ -15,38 +15,11 @@ _CHARACTER = 0.62
 """Mean width of a character over the size of its font."""
 _JUNCTION_MM = 0.45
 
-Point = tuple[float, float]
 Place = Callable[[float, float], Point]
-
-
-def first(node: Node, head: str) -> Node:
-    """Return the first list of this name; an empty one if there is none."""
-    return next(node.children(head), Node())
-
-
-def numbers(node: Node) -> list[float]:
-    """Return the words of a list after its name, as numbers."""
-    return [float(word) for word in node.words[1:]]
-
-
-def points(node: Node) -> list[Point]:
-    return [(x, y) for x, y in (numbers(item)[:2] for item in first(node, "pts").children("xy"))]
-
-
-def find_place(node: Node) -> tuple[float, float, float]:
-    """Return the place of an item [mm], and the angle by which it is turned [degrees]."""
-    x, y, angle = (*numbers(first(node, "at")), 0.0)[:3]
-    return x, y, angle
 
 
 def is_hidden(node: Node) -> bool:
     return any(place.word("hide") == "yes" for place in (node, first(node, "effects")))
-
-
-def turn(x: float, y: float, angle_deg: float) -> Point:
-    """Turn a point counter-clockwise as seen, with y pointing down."""
-    cos, sin = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    return x * cos + y * sin, y * cos - x * sin
 
 
 class _Ink:

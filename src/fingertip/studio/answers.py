@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.print_files import FDM, SLA, PlateKind, make_print_files
+from fingertip.cad.printing.print_files import make_print_files
+from fingertip.cad.printing.settings import FDM, SLA, PlateKind
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import check_assembly

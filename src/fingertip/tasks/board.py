@@ -18,13 +18,8 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
-from fingertip.board.kicad.layout import kicad_pcb_file
-from fingertip.board.kicad.models import MODEL_FOLDER, model_files
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.board.kicad.placement import load_template
-from fingertip.board.kicad.project import BoardConfiguration, find_configuration, kicad_project_file
-from fingertip.board.kicad.schematic import kicad_schematic_file
-from fingertip.board.parts.circuit import Circuit
+from fingertip.board.kicad.project import MODEL_FOLDER, find_configuration, model_files
 from fingertip.catalogues.output_files import (
     BOARD,
     BOM,
@@ -65,23 +60,14 @@ def board_files(design: Design) -> dict[str, bytes]:
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, configuration = board_circuit(values), find_configuration(values)
-    # A longer title would run out of the title block.
-    title = f"Slip filter: {values.variant}, {configuration.supply.description.partition(' with ')[0]}"
     return {
         NETLIST: kicad_netlist_file(circuit),
-        SCHEMATIC: kicad_schematic_file(circuit, configuration.sheet, title),
-        LAYOUT: _make_layout(circuit, configuration),
-        PROJECT: kicad_project_file(circuit),
+        **configuration.project.enter(circuit),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
         README: folder_readme(circuit, configuration, values, design),
     }
-
-
-def _make_layout(circuit: Circuit, configuration: BoardConfiguration) -> bytes:
-    template = load_template(configuration.name, circuit, configuration.placement)
-    return kicad_pcb_file(circuit, configuration.placement, template, configuration.heading)
 
 
 def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
@@ -131,7 +117,7 @@ def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: b
         circuit = board_circuit(values)
         for reference, value in component_values.items():
             circuit = circuit.replace(reference, value)
-        return _make_layout(circuit, find_configuration(values))
+        return find_configuration(values).project.enter(circuit)[LAYOUT]
 
     finish_interrupted(folder)
     edited = EditedFiles({}, ()) if force else revise_edited(folder, files, make_layout)

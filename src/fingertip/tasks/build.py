@@ -15,7 +15,7 @@ from typing import Any
 
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.print_files import PLATE_KINDS
+from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.report import DESIGN_HEADING, FORMATS, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly

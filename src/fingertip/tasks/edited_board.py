@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.kicad.sexpr import Node, Word, read_expression, replace_words
+from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
+from fingertip.board.kicad.sexpr import Node, Span, find_word, read_expression, replace_words
 from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
@@ -19,26 +20,6 @@ from fingertip.foundation.output_set import Revision, read_manifest
 from fingertip.foundation.output_set.writer import has_hash
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
-_MAX_NAMES = 6
-"""Largest number of names in a sentence."""
-Fields = Mapping[str, str]
-
-
-@dataclass(frozen=True)
-class Part:
-    identifier: str
-    """UUID by which KiCad's files refer to it; it stays when a user renumbers the parts."""
-    kind: tuple[str, str]
-    """Footprint and symbol."""
-    fields: Fields
-
-
-@dataclass(frozen=True)
-class CircuitRecord:
-    """Parts by reference and nets by name, as a netlist states them."""
-
-    parts: Mapping[str, Part]
-    nets: Mapping[str, frozenset[tuple[str, str]]]
 
 
 @dataclass(frozen=True)
@@ -115,7 +96,7 @@ def revise_edited(
                 continue
             issues += [Issue(str(folder / name), problem) for problem in problems]
             revisions[name] = Revision(data, after)
-            what = f"the values of {_join(changed)} are updated" if changed else "it has the values of this design"
+            what = f"the values of {join_names(changed)} are updated" if changed else "it has the values of this design"
             notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
             if is_layout and changed and not is_complete:
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
@@ -131,36 +112,6 @@ def _read_circuit(path: Path) -> CircuitRecord:
         raise OutputError(Issue(str(path), f"states no circuit; {_REMEDY}")) from None
 
 
-def read_netlist(data: bytes) -> CircuitRecord:
-    """Read parts and nets of a netlist that this program wrote."""
-    root = read_expression(data.decode())
-    parts, nets = {}, {}
-    for component in next(root.children("components")).children("comp"):
-        fields = {"Value": component.word("value")}
-        for entry in next(component.children("fields")).children("field"):
-            # A field without text is a name alone.
-            fields[entry.word("name")] = entry.words[1] if len(entry.words) > 1 else ""
-        symbol = next(component.children("libsource"))
-        kind = component.word("footprint"), f"{symbol.word('lib')}:{symbol.word('part')}"
-        parts[component.word("ref")] = Part(component.word("tstamps"), kind, fields)
-    for net in next(root.children("nets")).children("net"):
-        nets[net.word("name")] = frozenset((node.word("ref"), node.word("pin")) for node in net.children("node"))
-    return CircuitRecord(parts, nets)
-
-
-def describe_structure_changes(old: CircuitRecord, new: CircuitRecord) -> Iterator[str]:
-    """Describe the differences of two circuits in parts, footprints and nets."""
-    if added := sorted(new.parts.keys() - old.parts.keys()):
-        yield f"it adds {_join(added)}"
-    if removed := sorted(old.parts.keys() - new.parts.keys()):
-        yield f"it removes {_join(removed)}"
-    both = old.parts.keys() & new.parts.keys()
-    if others := sorted(name for name in both if old.parts[name].kind != new.parts[name].kind):
-        yield f"it changes the symbol or the footprint of {_join(others)}"
-    if nets := sorted(n for n in old.nets.keys() | new.nets.keys() if old.nets.get(n) != new.nets.get(n)):
-        yield f"it changes the nets {_join(nets)}"
-
-
 def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord) -> tuple[bytes, list[str], list[str]]:
     """Enter the fields that differ between two circuits of the same structure into a layout or a schematic."""
     text = data.decode()
@@ -170,7 +121,7 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
     items = list(root.children(kind))
     known = [item for item in items if _identifier(item) in by_identifier]
     references = {by_identifier[_identifier(item)]: _reference(item) for item in known}
-    changes: dict[Word, str] = {}
+    changes: dict[Span, str] = {}
     changed, problems = [], []
     for name, part in new.parts.items():
         before = old.parts[name].fields
@@ -178,24 +129,20 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
         if not wanted:
             continue
         if name not in references:
-            problems.append(f"lacks {name}, whose {_join(sorted(wanted))} this design changes; {_REMEDY}")
+            problems.append(f"lacks {name}, whose {join_names(sorted(wanted))} this design changes; {_REMEDY}")
             continue
         changed.append(references[name])
-        words = [
-            (field, words[2])
-            for item in items
-            if _reference(item) == references[name]
-            for field, words in _properties(item)
-            if field in wanted
-        ]
-        for field, word in words:
-            if word.text not in (before.get(field, ""), wanted[field]):
+        entries = [entry for item in items if _reference(item) == references[name] for entry in _properties(item)]
+        for field, found, entry in entries:
+            if field not in wanted or found == wanted[field]:
+                continue
+            if found != before.get(field, ""):
                 problems.append(
-                    f"{references[name]} has {field} {word.text!r} by hand, and this design changes it from "
+                    f"{references[name]} has {field} {found!r} by hand, and this design changes it from "
                     f"{before.get(field, '')!r} to {wanted[field]!r}; enter either in KiCad, or {_REMEDY}"
                 )
-            elif word.text != wanted[field]:
-                changes[word] = wanted[field]
+            else:
+                changes[find_word(text, entry, 2)] = wanted[field]
     return replace_words(text, changes).encode(), changed, problems
 
 
@@ -204,21 +151,18 @@ def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[byte
     text = data.decode()
     old, new = (_printed_texts(read_expression(layout.decode())) for layout in (old_layout, new_layout))
     changes = {
-        word: new[identifier].text
-        for identifier, word in _printed_texts(read_expression(text)).items()
-        if identifier in old and identifier in new and word.text == old[identifier].text != new[identifier].text
+        find_word(text, item, 1): new[identifier].words[1]
+        for identifier, item in _printed_texts(read_expression(text)).items()
+        if identifier in old
+        and identifier in new
+        and item.words[1] == old[identifier].words[1] != new[identifier].words[1]
     }
     return replace_words(text, changes).encode(), old.keys() == new.keys()
 
 
-def _printed_texts(root: Node) -> dict[str, Word]:
+def _printed_texts(root: Node) -> dict[str, Node]:
     """Texts of a layout apart from those of its footprints, by UUID."""
-    found = {}
-    for item in root.children("gr_text"):
-        words = [word for word in item.items if isinstance(word, Word)]
-        if len(words) > 1:
-            found[item.word("uuid")] = words[1]
-    return found
+    return {item.word("uuid"): item for item in root.children("gr_text") if len(item.words) > 1}
 
 
 def _identifier(item: Node) -> str:
@@ -226,18 +170,11 @@ def _identifier(item: Node) -> str:
 
 
 def _reference(item: Node) -> str:
-    return next((words[2].text for field, words in _properties(item) if field == "Reference"), "")
+    return next((text for field, text, _ in _properties(item) if field == "Reference"), "")
 
 
-def _properties(item: Node) -> Iterator[tuple[str, list[Word]]]:
+def _properties(item: Node) -> Iterator[tuple[str, str, Node]]:
+    """Yield the fields of a part: name, text, and the list that holds them."""
     for entry in item.children("property"):
-        words = [word for word in entry.items if isinstance(word, Word)]
-        if len(words) > 2:
-            yield words[1].text, words
-
-
-def _join(names: list[str]) -> str:
-    """Join names for a sentence; of many, the first."""
-    if len(names) > _MAX_NAMES:
-        return f"{', '.join(names[:_MAX_NAMES])} and {len(names) - _MAX_NAMES} more"
-    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+        if len(entry.words) > 2:
+            yield entry.words[1], entry.words[2], entry

@@ -9,8 +9,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fingertip.board.kicad.footprints import FOOTPRINTS, Point
-from fingertip.board.kicad.placement import Placement, rotate_offset
+from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
 from fingertip.board.parts.table import load_sources, load_table
@@ -148,14 +147,13 @@ def placement_file(circuit: Circuit, placement: Placement, *, for_house: bool) -
     """
     rows = []
     for component in filter(is_assembled, purchased_components(circuit)):
-        position = placement.positions[component.reference]
-        x, y, rotation = 0.0, 0.0, position.angle
+        part = placement.parts[component.reference]
+        (x, y), rotation = (part.x, part.y), part.angle
         if for_house:
-            x, y = rotate_offset(position.angle, *find_pad_centre(component.footprint))
+            x, y = part.pad_centre
             offset = find_rotation(component.footprint)
             rotation = (rotation + (offset.rotation_deg if offset else 0)) % 360
-        mid_x, mid_y = position.x + x, placement.height - position.y - y
-        rows.append((component.reference, f"{mid_x:.4f}mm", f"{mid_y:.4f}mm", "Top", str(rotation)))
+        rows.append((component.reference, f"{x:.4f}mm", f"{placement.height - y:.4f}mm", "Top", str(rotation)))
     return format_csv(PLACEMENT_COLUMNS, rows)
 
 
@@ -169,11 +167,3 @@ def find_rotation(footprint: str) -> RotationOffset | None:
     """Find the rotation offset of a footprint, "library:name"; None if the table has none."""
     name = footprint.split(":")[1]
     return next((offset for offset in load_rotations() if re.match(offset.pattern, name)), None)
-
-
-def find_pad_centre(footprint: str) -> Point:
-    """Find the centre of the box around a footprint's pads [mm], relative to its origin."""
-    pads = FOOTPRINTS[footprint].pads
-    xs = [pad.x + sign * pad.width / 2 for pad in pads for sign in (-1, 1)]
-    ys = [pad.y + sign * pad.height / 2 for pad in pads for sign in (-1, 1)]
-    return round((min(xs) + max(xs)) / 2, 6), round((min(ys) + max(ys)) / 2, 6)

@@ -1,1 +1,1 @@
-"""KiCad files: netlist, schematic, layout with its placement and tracks, and 3D models."""
+"""KiCad files: the routed project of each board, what a design enters into it, and the netlist."""

@@ -1,4 +1,4 @@
-"""KiCad netlist (s-expressions, version E) of a circuit: the file that the PCB editor imports.
+"""KiCad netlist (s-expressions, version E) of a circuit: the file that the PCB editor imports, and what it states.
 
 The same circuit gives the same bytes everywhere: there is no date and no path, and UUIDs follow from the references.
 
@@ -17,11 +17,15 @@ Other readers require a `comment` in the title block.
 from __future__ import annotations
 
 import uuid
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
-from fingertip.board.kicad.project import REVISION
-from fingertip.board.kicad.sexpr import Expression, format_expression, quote
+from fingertip.board.kicad.sexpr import Expression, format_expression, quote, read_expression
 from fingertip.board.parts.circuit import Circuit, Component, Symbol, kicad_net_name, reference_sort_key
 from fingertip.board.parts.select_part import symbol_fields
+
+REVISION = "2"
+"""Revision of the boards: higher where parts, nets or copper have changed."""
 
 # UUIDs derived from names instead of random ones, so that the same design gives the same bytes.
 
@@ -32,12 +36,7 @@ _NAMESPACE = uuid.uuid5(uuid.NAMESPACE_OID, "fingertip.board")
 
 def component_uuid(circuit: Circuit, reference: str) -> str:
     """UUID by which KiCad identifies a component. It depends on circuit and reference only, not on the value."""
-    return named_uuid(circuit, reference)
-
-
-def named_uuid(circuit: Circuit, name: str) -> str:
-    """UUID of any other item in the circuit's files, from a name that is unique in the circuit."""
-    return str(uuid.uuid5(_NAMESPACE, f"{circuit.name}/{name}"))
+    return str(uuid.uuid5(_NAMESPACE, f"{circuit.name}/{reference}"))
 
 
 def kicad_netlist_file(circuit: Circuit) -> bytes:
@@ -127,3 +126,67 @@ def _nets(circuit: Circuit) -> list[Expression]:
 def _pin_sort_key(number: str) -> tuple[bool, int]:
     """Sorting key of a pin: numbers first, then the mounting pin."""
     return (False, int(number)) if number.isdigit() else (True, 0)
+
+
+# Circuits as netlists and layouts state them, and their differences.
+
+_MAX_NAMES = 6
+"""Largest number of names in a sentence."""
+Fields = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Part:
+    """Part of a circuit as its netlist states it."""
+
+    identifier: str
+    """UUID by which KiCad's files refer to it; it stays when a user renumbers the parts."""
+    kind: tuple[str, str]
+    """Footprint and symbol."""
+    fields: Fields
+    """Value, and the fields with the numbers of the part to buy."""
+
+
+@dataclass(frozen=True)
+class CircuitRecord:
+    """Parts by reference and nets by name, as a netlist states them."""
+
+    parts: Mapping[str, Part]
+    nets: Mapping[str, frozenset[tuple[str, str]]]
+
+
+def read_netlist(data: bytes) -> CircuitRecord:
+    """Read parts and nets of a netlist that this program wrote."""
+    root = read_expression(data.decode())
+    parts, nets = {}, {}
+    for component in next(root.children("components")).children("comp"):
+        fields = {"Value": component.word("value")}
+        for entry in next(component.children("fields")).children("field"):
+            # A field without text is a name alone.
+            fields[entry.word("name")] = entry.words[1] if len(entry.words) > 1 else ""
+        symbol = next(component.children("libsource"))
+        kind = component.word("footprint"), f"{symbol.word('lib')}:{symbol.word('part')}"
+        parts[component.word("ref")] = Part(component.word("tstamps"), kind, fields)
+    for net in next(root.children("nets")).children("net"):
+        nets[net.word("name")] = frozenset((node.word("ref"), node.word("pin")) for node in net.children("node"))
+    return CircuitRecord(parts, nets)
+
+
+def describe_structure_changes(old: CircuitRecord, new: CircuitRecord) -> Iterator[str]:
+    """Describe the differences of two circuits in parts, footprints and nets."""
+    if added := sorted(new.parts.keys() - old.parts.keys()):
+        yield f"it adds {join_names(added)}"
+    if removed := sorted(old.parts.keys() - new.parts.keys()):
+        yield f"it removes {join_names(removed)}"
+    both = old.parts.keys() & new.parts.keys()
+    if others := sorted(name for name in both if old.parts[name].kind != new.parts[name].kind):
+        yield f"it changes the symbol or the footprint of {join_names(others)}"
+    if nets := sorted(n for n in old.nets.keys() | new.nets.keys() if old.nets.get(n) != new.nets.get(n)):
+        yield f"it changes the nets {join_names(nets)}"
+
+
+def join_names(names: list[str]) -> str:
+    """Join names for a sentence; of many, the first."""
+    if len(names) > _MAX_NAMES:
+        return f"{', '.join(names[:_MAX_NAMES])} and {len(names) - _MAX_NAMES} more"
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]

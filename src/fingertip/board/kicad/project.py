@@ -1,71 +1,234 @@
-"""Boards that can be generated, by variant and supply, and KiCad's project file: design rules, checks, 3D models."""
+"""KiCad projects of the boards, one for each variant and supply, routed and stored as KiCad opens them.
+
+The archives in `projects` hold the values of the default design. What a design changes is entered: values, fields of
+the parts, symbols of another amplifier, and the values printed on the back. `python -m tools.boards` in the repository
+unpacks a project for KiCad, and stores it again. The project beside the layout holds design rules and severities of
+KiCad's checks, and names the folder of the 3D models.
+"""
 
 from __future__ import annotations
 
+import functools
 import json
+import re
+import zipfile
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from fingertip.board.components.values import SUPPLIES, ComponentValues, Supply
-from fingertip.board.kicad.footprints import SILK_CLEARANCE_MM, SILK_LINE_MM, TEXT_HEIGHT_MM
-from fingertip.board.kicad.models import MODEL_FOLDER_OF_PROJECT, MODEL_VARIABLE
-from fingertip.board.kicad.placement import Placement, load_placement
-from fingertip.board.kicad.schematic_sheet import Sheet, make_sheet
-from fingertip.board.parts.circuit import Circuit
+from fingertip.board.kicad.back_print import print_values
+from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
+from fingertip.board.kicad.placement import Placement, read_placement
+from fingertip.board.kicad.sexpr import MAX_LINE, quote, read_expression, unquote
+from fingertip.board.parts.circuit import Circuit, Component, Symbol
+from fingertip.board.parts.select_part import symbol_fields
+from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.catalogues.output_files import LAYOUT, PROJECT, SCHEMATIC
+from fingertip.foundation.errors import BoardError
 
-REVISION = "2"
-"""Revision of the boards: higher where parts, nets or copper have changed."""
-BOARD_THICKNESS_MM = 1.6
-COPPER_OZ = 1.0
-CLEARANCE_MM = 0.15
-POUR_CLEARANCE_MM = 0.2
-"""Clearance of the ground pour from other copper."""
-TRACK_MM = 0.2
-VIA_MM = 0.6
-VIA_DRILL_MM = 0.3
+PROJECTS = Path(__file__).parent / "projects"
+"""Folder of the archives."""
+PROJECT_FILES = (LAYOUT, SCHEMATIC, PROJECT)
+"""Files in the archive of a board."""
 
 IGNORED_IN_SCHEMATIC = {
     "lib_symbol_mismatch": "symbols have the pins of KiCad's libraries, but lines of their own",
     "lib_symbol_issues": "the libraries of the symbols need not be installed: the schematic holds its symbols",
     "footprint_link_issues": "nor need those of the footprints: the layout holds its footprints",
 }
-"""Electrical rules that are switched off, by KiCad's name, with the reason."""
+"""Electrical rules that the projects switch off, by KiCad's name, with the reason."""
 IGNORED_ON_BOARD = {
     "lib_footprint_mismatch": "footprints have the pads of KiCad's libraries, but outlines and silkscreen of their own",
     "lib_footprint_issues": "the libraries of the footprints need not be installed",
 }
-"""Design rules that are switched off, by KiCad's name, with the reason."""
+"""Design rules that the projects switch off, by KiCad's name, with the reason."""
+
+MODEL_FOLDER = "3d"
+"""Folder of the 3D models, beside the board."""
+MODEL_VARIABLE = "PARTS_3D"
+"""Text variable of the project that names the folder of the models."""
+MODEL_FOLDER_OF_KICAD = "${KICAD9_3DMODEL_DIR}"
+"""Value of the variable that selects KiCad's own models."""
 
 
-def kicad_project_file(circuit: Circuit) -> bytes:
-    """Content of the project file, JSON in UTF-8."""
-    netclass = {
-        "name": "Default", "priority": 2147483647, "clearance": CLEARANCE_MM, "track_width": TRACK_MM,
-        "via_diameter": VIA_MM, "via_drill": VIA_DRILL_MM, "microvia_diameter": 0.3, "microvia_drill": 0.1,
-        "diff_pair_gap": 0.25, "diff_pair_via_gap": 0.25, "diff_pair_width": 0.2, "bus_width": 12, "line_style": 0,
-        "wire_width": 6, "pcb_color": "rgba(0, 0, 0, 0.000)", "schematic_color": "rgba(0, 0, 0, 0.000)",
+def read_archive(name: str) -> dict[str, bytes]:
+    """Read the files of an archive in `projects`, by path."""
+    with zipfile.ZipFile(PROJECTS / f"{name}.zip") as archive:
+        return {path: archive.read(path) for path in archive.namelist()}
+
+
+@functools.cache
+def model_files() -> dict[str, bytes]:
+    """3D model of every package, by its path below the folder of the models.
+
+    Each is a STEP file of boxes with the outline and the height of the package. They stand in for the models of KiCad's
+    own libraries, which take gigabytes and are often not installed. They have the folders and the names of KiCad's, so
+    that one variable of the project selects the ones or the others.
+    """
+    return read_archive("models")
+
+
+# A field of a footprint or a symbol. In a stored schematic it stands on one line, which is divided where it is long.
+_WORD = r'"(?:[^"\\]|\\.)*"'
+_PROPERTY = re.compile(rf"\(property ({_WORD}) ({_WORD})(?:( \(at [^()]*\))( \(effects .*))?")
+_FOOTPRINT = re.compile(r'(?=\(footprint ")')
+_SYMBOL = re.compile(r'(?=\(symbol\s+\(lib_id ")')
+_REFERENCE = re.compile(r'\(property "Reference" "([^"]*)"')
+_ROLE = re.compile(rf"\(descr {_WORD}\)")
+_LIBRARY_ID = re.compile(r'\(lib_id "([^"]*)"\)')
+
+
+@dataclass(frozen=True)
+class StoredProject:
+    """Routed project of a board, with the values of the default design."""
+
+    name: str
+    layout: str
+    schematic: str
+    project: bytes
+    """Content of the project file, which no design changes."""
+
+    @functools.cached_property
+    def placement(self) -> Placement:
+        """Positions of the parts on the layout."""
+        return read_placement(self.layout)
+
+    @property
+    def clearance_mm(self) -> float:
+        """Least clearance of copper, which KiCad's design rules check requires."""
+        return float(json.loads(self.project)["board"]["design_settings"]["rules"]["min_clearance"])
+
+    @functools.cached_property
+    def symbols(self) -> dict[str, str]:
+        """Symbol of each component in the schematic, as library:name."""
+        pieces = _SYMBOL.split(self.schematic)[1:]
+        symbols = {_find(_REFERENCE, piece): _find(_LIBRARY_ID, piece) for piece in pieces}
+        return {reference: symbol for reference, symbol in symbols.items() if not reference.startswith("#")}
+
+    def enter(self, circuit: Circuit) -> dict[str, bytes]:
+        """Enter a circuit into the project, and return its files by name.
+
+        Raises BoardError if the project has other parts or nets, or lacks a field.
+        """
+        if found := list(self.find_differences(circuit)):
+            raise BoardError(
+                f"the stored KiCad project {self.name} is not that of its circuit ({'; '.join(found)}). Unpack it with "
+                "python -m tools.boards in the repository, edit it in KiCad, and store it again."
+            )
+        layout = print_values(_enter_fields(self.layout, _FOOTPRINT, circuit), circuit, self.placement)
+        drawn = {component.reference: _library_id(component.symbol) for component in circuit.components}
+        schematic = _enter_fields(self.schematic, _SYMBOL, circuit)
+        if drawn != self.symbols:
+            schematic = _draw_symbols(schematic, {new: self.symbols[part] for part, new in drawn.items()})
+        return {LAYOUT: layout.encode(), SCHEMATIC: schematic.encode(), PROJECT: self.project}
+
+    def find_differences(self, circuit: Circuit) -> Iterator[str]:
+        """Describe how the circuit differs from the layout in parts, footprints and nets, or from the schematic.
+
+        A dual amplifier may be another one: their symbols have the same pins and lines.
+        """
+        wanted = {component.reference: component for component in circuit.components}
+        amplifiers = set(map(_library_id, DUAL_AMPLIFIERS.values()))
+        stored, nets = {}, dict[str, set[tuple[str, str]]]()
+        for reference, part in self.placement.parts.items():
+            symbol = self.symbols.get(reference, "")
+            if reference in wanted and {symbol, _library_id(wanted[reference].symbol)} <= amplifiers:
+                symbol = _library_id(wanted[reference].symbol)
+            stored[reference] = Part("", (part.footprint, symbol), {})
+            for pad in part.pads:
+                if pad.net:
+                    nets.setdefault(pad.net, set()).add((reference, pad.name))
+        parts = {name: Part("", (c.footprint, _library_id(c.symbol)), {}) for name, c in wanted.items()}
+        yield from describe_structure_changes(
+            CircuitRecord(stored, {net: frozenset(nodes) for net, nodes in nets.items()}),
+            CircuitRecord(parts, {net.name: frozenset(net.nodes) for net in circuit.nets}),
+        )
+        if undrawn := sorted(wanted.keys() ^ self.symbols.keys()):
+            yield f"the schematic and the circuit do not both have {', '.join(undrawn)}"
+
+
+@functools.cache
+def load_project(name: str) -> StoredProject:
+    """Load the project of this name, such as "article_split"."""
+    files = read_archive(name)
+    layout, schematic, project = (files[file] for file in PROJECT_FILES)
+    return StoredProject(name, layout.decode(), schematic.decode(), project)
+
+
+def _find(pattern: re.Pattern[str], piece: str) -> str:
+    match = pattern.search(piece)
+    return match[1] if match else ""
+
+
+def _library_id(symbol: Symbol) -> str:
+    return f"{symbol.library}:{symbol.name}"
+
+
+def _enter_fields(text: str, part: re.Pattern[str], circuit: Circuit) -> str:
+    """Enter the fields of all components into the parts of a layout or a schematic, each of which begins with `part`.
+
+    Raises BoardError if a part lacks a field.
+    """
+    components = {component.reference: component for component in circuit.components}
+    head, *pieces = part.split(text)
+    for i, piece in enumerate(pieces):
+        if component := components.get(_find(_REFERENCE, piece)):
+            pieces[i] = _enter_part(piece, component)
+    return "".join((head, *pieces))
+
+
+def _enter_part(piece: str, component: Component) -> str:
+    fields = {
+        "Value": component.value, "Description": component.symbol.description, **symbol_fields(component)
     }  # fmt: skip
-    rules = {
-        "min_clearance": CLEARANCE_MM, "min_track_width": 0.15, "min_via_diameter": 0.5, "min_via_annular_width": 0.1,
-        "min_through_hole_diameter": 0.3, "min_hole_clearance": 0.2, "min_hole_to_hole": 0.25,
-        "min_copper_edge_clearance": 0.3, "min_silk_clearance": SILK_CLEARANCE_MM,
-        "min_text_height": TEXT_HEIGHT_MM, "min_text_thickness": SILK_LINE_MM, "solder_mask_to_copper_clearance": 0.0,
-    }  # fmt: skip
-    data = {
-        "board": {
-            "design_settings": {
-                "rules": rules,
-                "rule_severities": dict.fromkeys(IGNORED_ON_BOARD, "ignore"),
-            }
-        },
-        "erc": {"meta": {"version": 0}, "rule_severities": dict.fromkeys(IGNORED_IN_SCHEMATIC, "ignore")},
-        "meta": {"filename": f"{circuit.name}.kicad_pro", "version": 3},
-        "net_settings": {"classes": [netclass], "meta": {"version": 4}},
-        "text_variables": {MODEL_VARIABLE: MODEL_FOLDER_OF_PROJECT},
-    }
-    return (json.dumps(data, indent=2) + "\n").encode()
+    missing = set(fields)
+
+    def enter(match: re.Match[str]) -> str:
+        name = unquote(match[1])
+        if name not in fields:
+            return match[0]
+        missing.discard(name)
+        words, at, effects = f"(property {match[1]} {quote(fields[name])}", match[3], match[4]
+        if not effects:
+            return words
+        indent = match.start() - piece.rfind("\n", 0, match.start()) - 1
+        if indent + len(words + at + effects) > MAX_LINE:
+            line = "\n" + " " * (indent + 1)
+            return f"{words}{line}{at}{line}{effects}"
+        return f"{words}{at}{effects}"
+
+    entered = _PROPERTY.sub(enter, piece)
+    if missing:
+        raise BoardError(f"{component.reference} has no field {', '.join(sorted(missing))} in its KiCad project.")
+    entered = _ROLE.sub(lambda match: f"(descr {quote(component.role)})", entered, count=1)
+    return _LIBRARY_ID.sub(lambda match: f"(lib_id {quote(_library_id(component.symbol))})", entered, count=1)
 
 
-# Boards that can be generated: schematic sheet and placement of each.
+def _draw_symbols(schematic: str, drawn_as: dict[str, str]) -> str:
+    """Draw the symbols that a schematic uses in its library: each as the stored one that it stands in for."""
+    start = schematic.index("(lib_symbols")
+    nodes = list(read_expression(schematic[start:]).children("symbol"))
+    texts = {node.words[1]: schematic[start + node.start : start + node.end] for node in nodes}
+    used = {new: _rename_symbol(texts[old], old, new) for new, old in drawn_as.items()}
+    used |= {name: text for name, text in texts.items() if name.startswith(_POWER)}
+    # As in the stored projects, the power symbols come last.
+    ordered = sorted(used, key=lambda name: (name.startswith(_POWER), name.split(":")))
+    gap = schematic[start + nodes[0].end : start + nodes[1].start]
+    first, last = start + nodes[0].start, start + nodes[-1].end
+    return schematic[:first] + gap.join(used[name] for name in ordered) + schematic[last:]
+
+
+_POWER = "power:"
+
+
+def _rename_symbol(text: str, old: str, new: str) -> str:
+    """Rename a symbol with its units and the value that it has in the library."""
+    old_name, new_name = old.partition(":")[2], new.partition(":")[2]
+    return text.replace(f'"{old}"', f'"{new}"').replace(f'"{old_name}', f'"{new_name}')
+
+
+# Boards that can be made.
 
 
 @dataclass(frozen=True)
@@ -77,7 +240,7 @@ class BoardConfiguration:
 
     @property
     def name(self) -> str:
-        """Name of the placement and the routing template, such as "article_split"."""
+        """Name of its project, such as "article_split"."""
         return f"{self.variant}_{self.supply.name}"
 
     @property
@@ -90,21 +253,14 @@ class BoardConfiguration:
         )
 
     @property
-    def sheet(self) -> Sheet:
-        """Schematic sheet."""
-        return make_sheet(self.variant, self.supply)
-
-    @property
-    def heading(self) -> tuple[str, ...]:
-        """Lines that name the board on its back, with the only supply voltage that it bears."""
-        name = f"fingertip {self.name.replace('_', ' ')}"
-        warning = (f"{self.supply.nominal_v:g} V only",) if self.supply.is_for_controller else ()
-        return (name, f"rev {REVISION}", *warning)
+    def project(self) -> StoredProject:
+        """Its KiCad project."""
+        return load_project(self.name)
 
     @property
     def placement(self) -> Placement:
         """Positions of the components on the board."""
-        return load_placement(self.name)
+        return self.project.placement
 
 
 BOARD_VARIANTS = ("article", "precision", "comparator")

@@ -1,11 +1,13 @@
-"""S-expressions as KiCad writes them: text from nested tuples of words."""
+"""S-expressions as KiCad writes them: text from nested tuples of words, and files read as lists."""
 
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 
 Expression = tuple["str | Expression", ...]
 
@@ -56,41 +58,40 @@ def _lines(expression: Expression, indent: str) -> tuple[str, list[str]]:
     return flat, divided
 
 
-# Editor of s-expressions: it reads a file of KiCad as lists that know their place in the text.
+# Reader and editor of s-expressions: it reads a file of KiCad as lists that know their place in the text.
 #
 # A replaced word changes its own characters, and every other character of the file stays: spaces, line ends, the order
 # of lists, and lists that this program does not know.
 
-_TOKEN = re.compile(r'\s*(?:(?P<bracket>[()])|(?P<quoted>"(?:[^"\\]|\\.)*")|(?P<word>[^\s()"]+))', re.DOTALL)
+_TOKEN = re.compile(r'[()]|"(?:[^"\\]|\\.)*"|[^\s()"]+|"', re.DOTALL)
+"""Bracket, quoted word, word, or a quote that is never closed."""
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPED = {"n": "\n", "r": "\r", "t": "\t"}
+Span = tuple[int, int]
+"""Index of a first character in a text, and of the one after the last."""
 
 
-@dataclass(frozen=True)
-class Word:
-    """Word of a list, without its quotes."""
-
-    text: str
-    start: int
-    """Index of its first character in the file, a quote included."""
-    end: int
-
-
-@dataclass(frozen=True)
+@dataclass(slots=True, eq=False)
 class Node:
     """List of words and lists."""
 
-    items: list[Word | Node] = field(default_factory=list)
+    items: list[str | Node] = field(default_factory=list)
+    """Words without their quotes, and lists."""
+    start: int = 0
+    """Index of its opening bracket in the text."""
+    end: int = 0
+    """Index after its closing bracket."""
 
     @property
     def words(self) -> list[str]:
-        """Texts of its words, from the first, which names the list."""
-        return [item.text for item in self.items if isinstance(item, Word)]
+        """Its words, from the first, which names the list."""
+        return [item for item in self.items if isinstance(item, str)]
 
     @property
     def head(self) -> str:
         """Name of the list; empty if it has none."""
-        return self.words[0] if self.items and isinstance(self.items[0], Word) else ""
+        first = self.items[0] if self.items else ""
+        return first if isinstance(first, str) else ""
 
     def children(self, *heads: str) -> Iterator[Node]:
         """Yield the lists in it that have one of these names."""
@@ -104,38 +105,74 @@ class Node:
 
 def read_expression(text: str) -> Node:
     """Read the first list of a text. Raises ValueError."""
-    root, position = Node(), 0
-    stack = [root]
-    while match := _TOKEN.match(text, position):
-        position = match.end()
-        if match["bracket"] == "(":
-            node = Node()
-            stack[-1].items.append(node)
-            stack.append(node)
-        elif match["bracket"]:
-            stack.pop()
-            if len(stack) == 1:
-                break
-            if not stack:
+    node, outer = Node(), list[Node]()
+    for match in _TOKEN.finditer(text):
+        token = match.group()
+        if token == "(":
+            outer.append(node)
+            node = Node([], match.start())
+            outer[-1].items.append(node)
+        elif token == ")":
+            if not outer:
                 raise ValueError("a closing bracket has no opening one")
-        elif match["quoted"]:
-            stack[-1].items.append(Word(_unquote(match["quoted"]), match.start("quoted"), position))
+            node.end = match.end()
+            if len(outer) == 1:
+                return node
+            node = outer.pop()
+        elif token == '"':
+            break
         else:
-            stack[-1].items.append(Word(match["word"], match.start("word"), position))
-    first = next((item for item in root.items if isinstance(item, Node)), None)
-    if len(stack) != 1 or first is None:
-        raise ValueError("it has no complete list")
-    return first
+            node.items.append(unquote(token) if token[0] == '"' else token)
+    raise ValueError("it has no complete list")
 
 
-def replace_words(text: str, changes: dict[Word, str]) -> str:
+def unquote(quoted: str) -> str:
+    """Return the word within double quotes, without its escapes."""
+    word = quoted[1:-1]
+    return _ESCAPE.sub(lambda match: _ESCAPED.get(match[1], match[1]), word) if "\\" in word else word
+
+
+def find_word(text: str, node: Node, index: int) -> Span:
+    """Find where a word of a list stands in the text, its quotes included. No list stands before it."""
+    return next(islice(_TOKEN.finditer(text, node.start + 1), index, None)).span()
+
+
+def replace_words(text: str, changes: Mapping[Span, str]) -> str:
     """Replace some words of a text, each by a quoted one."""
     pieces, position = [], 0
-    for word, new in sorted(changes.items(), key=lambda change: change[0].start):
-        pieces += [text[position : word.start], quote(new)]
-        position = word.end
+    for (start, end), new in sorted(changes.items()):
+        pieces += [text[position:start], quote(new)]
+        position = end
     return "".join([*pieces, text[position:]])
 
 
-def _unquote(quoted: str) -> str:
-    return _ESCAPE.sub(lambda match: _ESCAPED.get(match[1], match[1]), quoted[1:-1])
+# Numbers and positions in the lists of KiCad's files [mm]; the y axis points down.
+
+Point = tuple[float, float]
+
+
+def first(node: Node, head: str) -> Node:
+    """Return the first list of this name; an empty one if there is none."""
+    return next(node.children(head), Node())
+
+
+def numbers(node: Node) -> list[float]:
+    """Return the words of a list after its name, as numbers."""
+    return [float(word) for word in node.words[1:]]
+
+
+def points(node: Node) -> list[Point]:
+    """Return the points of a polygon or line."""
+    return [(x, y) for x, y in (numbers(item)[:2] for item in first(node, "pts").children("xy"))]
+
+
+def find_place(node: Node) -> tuple[float, float, float]:
+    """Return the place of an item [mm], and the angle by which it is turned [degrees]."""
+    x, y, angle = (*numbers(first(node, "at")), 0.0)[:3]
+    return x, y, angle
+
+
+def turn(x: float, y: float, angle_deg: float) -> Point:
+    """Turn a point counter-clockwise as seen, with y pointing down."""
+    cos, sin = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    return x * cos + y * sin, y * cos - x * sin

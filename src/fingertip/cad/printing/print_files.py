@@ -9,34 +9,16 @@ from itertools import product
 from fingertip.cad.files import stl
 from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
-from fingertip.cad.printing.overhang import OVERHANG_DEG, bed_pose
-from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.overhang import bed_pose
+from fingertip.cad.printing.settings import FDM, PLATE_KINDS, describe_part, slicer_settings
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 
 _ROUNDING_MM = 1e-6
 """Overlap that counts as none [mm]."""
 _SHIFT_DIGITS = 3
 """Decimals of the shift to the middle of the bed [mm]."""
-
-
-@dataclass(frozen=True)
-class PlateKind:
-    name: str
-    gap_mm: float
-    """Distance between two parts, seen from above [mm]."""
-
-    def file_names(self, count: int) -> tuple[str, ...]:
-        """Names of the files of a number of plates; a single plate has no number."""
-        numbers = [""] if count == 1 else [f"_{number}" for number in range(1, count + 1)]
-        return tuple(f"plate_{self.name}{number}.3mf" for number in numbers)
-
-
-FDM = PlateKind("fdm", 5.0)
-"""Filament: room for the nozzle, and for a brim around each part."""
-SLA = PlateKind("sla", 2.5)
-"""Resin: room for supports and their raft around each part."""
-PLATE_KINDS = (FDM, SLA)
 
 
 @dataclass(frozen=True)
@@ -107,70 +89,6 @@ def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:
     return tuple(
         Placed(part.name, part.is_turned, part.x + dx, part.y + dy, part.width, part.depth) for part in plate
     )  # fmt: skip
-
-
-NOZZLE_MM = 0.4
-"""Bore of the usual nozzle, for which walls are counted in lines [mm]."""
-LAYER_MM = 0.1
-FIRST_LAYER_MM = 0.2
-"""Least height of the first layer [mm]: thinner ones hardly stick to the bed."""
-WALLS = 4
-"""Lines beside each surface: silicone finds its way through fewer. An assumption."""
-RESIN_LAYER_MM = 0.05
-"""Usual layers of resin printers [mm]."""
-BRIM_MM = FDM.gap_mm / 2 - 0.5
-"""Width of a brim [mm]: the brims of neighbours on a plate do not meet."""
-_MOLD_INFILL_PERCENT, _SOLID_PERCENT = 40, 100
-"""Infill of the mold, an assumption, and of bone, lid and core, whose strength is that of solid prints."""
-
-
-def infill_percent(part: str) -> int:
-    return _MOLD_INFILL_PERCENT if part.startswith("mold") else _SOLID_PERCENT
-
-
-def needs_brim(orientation: Orientation) -> bool:
-    return orientation.rotate_x_deg == 0.0
-
-
-def slicer_settings(part: str, orientation: Orientation, supports: Supports) -> tuple[tuple[str, str], ...]:
-    """Set for PrusaSlicer how a part of the filament plate is printed. Other programs ignore these settings.
-
-    They are settings of the object, so that printer, filament and whatever else is chosen in the slicer stay. Automatic
-    supports stand below most bridges too (in version 2.5), in the nut traps as anywhere. Those of the usual style
-    spread to other parts and above the collar, which snug ones do not.
-    """
-    infill = infill_percent(part)
-    settings = [("layer_height", f"{LAYER_MM:g}"), ("perimeters", f"{WALLS}"), ("fill_density", f"{infill}%")]
-    if infill == _SOLID_PERCENT:
-        settings.append(("fill_pattern", "rectilinear"))  # others refuse to fill all
-    if needs_brim(orientation):
-        settings += [("brim_type", "outer_only"), ("brim_width", f"{BRIM_MM:g}")]
-    else:
-        settings.append(("brim_type", "no_brim"))
-    if not supports.places:
-        return (*settings, ("support_material", "0"))
-    return (
-        *settings,
-        ("support_material", "1"),
-        ("support_material_threshold", f"{OVERHANG_DEG:g}"),
-        ("support_material_buildplate_only", "1"),
-        ("support_material_style", "snug"),
-    )
-
-
-def describe_part(
-    kind: PlateKind, part: str, orientation: Orientation, supports: Supports, material: PrintMaterial
-) -> str:
-    """Describe in sentences how a part of a plate is printed, for programs and people that ignore the settings."""
-    if kind is FDM:
-        text = f"Layers {LAYER_MM:g} mm, {WALLS} walls of a {NOZZLE_MM:g} mm nozzle, infill {infill_percent(part)} %, "
-        text += f"brim {BRIM_MM:g} mm. " if needs_brim(orientation) else "no brim. "
-    else:
-        text = f"Layers {RESIN_LAYER_MM:g} mm, solid, not hollowed. "
-    text += f"As it lies here: on {orientation.face_on_plate}. "
-    if part == "bone":
-        text += f"The strength checks hold for {material.label}. "
-    return text + supports.note
 
 
 PRINT_FOLDER = "print"

@@ -15,7 +15,8 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, find_degenerate_trian
 from fingertip.cad.kernel.tessellate import Triangles
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, bed_pose, find_ceilings
-from fingertip.cad.printing.print_files import PLATE_KINDS, Placed, PrintFiles
+from fingertip.cad.printing.print_files import Placed, PrintFiles
+from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.shapes.parts import PARTS, Part, print_scale
 from fingertip.cad.verification.check import Check, check_zero_volume
 from fingertip.design import Design

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fingertip.catalogues.sensors import MIN_FOLD_RADIUS_MM
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.features import TailFold
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
@@ -16,8 +17,6 @@ _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
 _BEFORE_TIP = 0.1
 _DEPTH_HALVINGS = 30
-MIN_FOLD_RADIUS_MM = 2.5
-"""Least radius at which Interlink allows the film of a catalogue sensor to bend, at rest [mm]."""
 _MIN_STRAIGHT_MM = 5.0
 """Least length of tail that stays straight behind the head [mm]."""
 _MIN_IN_PASSAGE_MM = 2.0

@@ -36,7 +36,7 @@ from fingertip.board.bringup.plan import (
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
 from fingertip.board.bringup.readings import IDLE_SHARE
 from fingertip.board.bringup.wiring import list_pins
-from fingertip.board.kicad.placement import PlacedPad, Placement, place_pads
+from fingertip.board.kicad.placement import Pad, Placement
 from fingertip.board.kicad.project import find_configuration
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
@@ -121,10 +121,10 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         # Three times what the board should draw, in tens.
         limit_ma=10.0 * math.ceil(0.3 * plan.current[SUPPLY_MA].expected_v),
         coupling_capacitor=format_component_value(COUPLING_FARAD),
-        fiducials=len(placement.fiducials),
+        fiducials=placement.fiducials,
         ground_end=find_widest(circuit, placement, GND),
-        slip_end=find_end(circuit, placement, "R21", SLIP) if has_slip else "",
-        threshold_end=find_end(circuit, placement, "R20", THRESHOLD) if has_slip else "",
+        slip_end=find_end(placement, "R21", SLIP) if has_slip else "",
+        threshold_end=find_end(placement, "R20", THRESHOLD) if has_slip else "",
         dotted=_join([name for name in parts if name.startswith("U") and name not in small]),
         diodes=_join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
         small=_join(small),
@@ -145,7 +145,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
                 for ohm in bench.dummy_ohm
             ),
         ],
-        pin_1_end=find_pin_1_end(circuit, placement, HOST),
+        pin_1_end=find_pin_1_end(placement, HOST),
         output_points=", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in list_output_pins(circuit)),
         drop_v=largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()}),
         outputs=list(_list_outputs(plan)),
@@ -174,7 +174,7 @@ def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -
     where = "J2: red probe at plus, black at ground"
     # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
     if is_protected:
-        plus = find_end(plan.board.circuit, placement, "C10", VCC)
+        plus = find_end(placement, "C10", VCC)
         where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
     yield _row(plan, SUPPLY_OHM, where, "a short: do not apply power")
     if NEGATIVE_OHM in plan.before_power:
@@ -232,12 +232,12 @@ def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
     if net in _PROBES:
         return _PROBES[net]
     reference, name = _ENDS[net]
-    return f"{find_end(plan.board.circuit, placement, reference, net)}, {name}"
+    return f"{find_end(placement, reference, net)}, {name}"
 
 
-def find_end(circuit: Circuit, placement: Placement, reference: str, net: str) -> str:
+def find_end(placement: Placement, reference: str, net: str) -> str:
     """Name the end of a two-terminal part that is at a net, such as "right end of C10". Raises BoardError."""
-    pads = [pad for pad in place_pads(circuit, placement) if pad.reference == reference]
+    pads = placement.parts[reference].pads
     here = next((pad for pad in pads if pad.net == net), None)
     other = next((pad for pad in pads if pad.net != net), None)
     if here is None or other is None:
@@ -245,31 +245,30 @@ def find_end(circuit: Circuit, placement: Placement, reference: str, net: str) -
     return f"{_name_side(here, other)} end of {reference}"
 
 
-def find_pin_1_end(circuit: Circuit, placement: Placement, reference: str) -> str:
+def find_pin_1_end(placement: Placement, reference: str) -> str:
     """Name the end of a connector at which pin 1 lies, such as "lower"."""
-    pads = {pad.pad.number: pad for pad in place_pads(circuit, placement) if pad.reference == reference}
+    pads = {pad.name: pad for pad in placement.parts[reference].pads}
     last = max((name for name in pads if name.isdigit()), key=int)
     return _name_side(pads["1"], pads[last])
 
 
 def find_widest(circuit: Circuit, placement: Placement, net: str) -> str:
     """Find the two-terminal part whose pad at a net is the largest, and name that end."""
-    by_part: dict[str, list[PlacedPad]] = {}
-    for pad in place_pads(circuit, placement):
-        if pad.reference[0] in "RC" and pad.reference[1:].isdigit():
-            by_part.setdefault(pad.reference, []).append(pad)
+    references = (component.reference for component in circuit.components)
+    by_part = {name: placement.parts[name].pads for name in references if name[0] in "RC" and name[1:].isdigit()}
     at_net = {
-        reference: pads[0].half_width * pads[0].half_height
+        reference: pads[0].width * pads[0].height
         for reference, pads in by_part.items()
         if sum(pad.net == net for pad in pads) == 1
     }
     if not at_net:
         raise BoardError(f"no resistor or capacitor is at {net}; this is a fault of the program.")
-    return find_end(circuit, placement, max(at_net, key=lambda reference: at_net[reference]), net)
+    return find_end(placement, max(at_net, key=lambda reference: at_net[reference]), net)
 
 
-def _name_side(pad: PlacedPad, other: PlacedPad) -> str:
-    dx, dy = pad.x - other.x, pad.y - other.y
+def _name_side(pad: Pad, other: Pad) -> str:
+    (x, y), (other_x, other_y) = pad.centre, other.centre
+    dx, dy = x - other_x, y - other_y
     if abs(dx) > abs(dy):
         return "right" if dx > 0 else "left"
     return "lower" if dy > 0 else "upper"

@@ -24,9 +24,6 @@ from fingertip.board.fabrication.bom import (
     purchased_components,
 )
 from fingertip.board.kicad import project
-from fingertip.board.kicad.footprints import FOOTPRINTS
-from fingertip.board.kicad.models import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE
-from fingertip.board.kicad.placement import load_template
 from fingertip.board.kicad.project import BoardConfiguration
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.select_part import NO_LCSC
@@ -59,11 +56,11 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         supply_name=configuration.supply.description.replace("buffered mid-supply", "VMID (buffered mid-supply)"),
         response=values.achieved_response,
         size_mm=f"{placement.width:g} x {placement.height:g}",
-        unlabelled=[name for name in placement.positions if name[0] in "RC" and name not in placement.reference_labels],
+        unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         name=circuit.name,
-        models=MODEL_FOLDER,
-        model_variable=MODEL_VARIABLE,
-        kicad_models=MODEL_FOLDER_OF_KICAD,
+        models=project.MODEL_FOLDER,
+        model_variable=project.MODEL_VARIABLE,
+        kicad_models=project.MODEL_FOLDER_OF_KICAD,
         ignored_checks=[
             (rules, *check)
             for rules, checks in (("ERC", project.IGNORED_IN_SCHEMATIC), ("DRC", project.IGNORED_ON_BOARD))
@@ -102,7 +99,6 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         noise=values.noise,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
-        project=project,
         **_collect_order(circuit, configuration),
         bridge_shift_v=_find_bridge_shift_v(values, design.board.supply_v),
         missing_numbers=missing_numbers_note(circuit),
@@ -148,14 +144,15 @@ def _collect_order(circuit: Circuit, configuration: BoardConfiguration) -> dict[
     """Figures that board house and assembly house ask for, and the parts that need care."""
     components = purchased_components(circuit)
     assembled = [c for c in components if is_assembled(c)]
-    template = load_template(configuration.name, circuit, configuration.placement)
-    pads = {c.reference: FOOTPRINTS[c.footprint].pads for c in circuit.components}
+    placement = configuration.placement
+    pads = {reference: part.pads for reference, part in placement.parts.items()}
     through_hole = [c for c in components if any(pad.drill and pad.is_plated for pad in pads[c.reference])]
     precise = {c.reference for c in circuit.components if c.requirement and c.requirement.tolerance_percent <= 0.1}
     return {
         "components": components,
         "assembled": assembled,
-        "narrowest_mm": min(width for tracks in template.tracks.values() for *_, width in tracks.segments),
+        "layout": placement,
+        "clearance_mm": configuration.project.clearance_mm,
         "unplated_mm": sorted(
             {pad.drill for group in pads.values() for pad in group if pad.drill and not pad.is_plated}
         ),

@@ -12,7 +12,8 @@ from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
-from fingertip.cad.printing.print_files import LAYER_MM
+from fingertip.cad.printing.settings import LAYER_MM, print_settings
+from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.mold import PUSH_S
@@ -33,7 +34,6 @@ from fingertip.casting.quantities import (
     skin_pull_off_n,
     volumes_data,
 )
-from fingertip.casting.slicer import HOW_TO_INSTALL, PrintEstimate, print_settings
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS

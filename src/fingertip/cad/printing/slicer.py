@@ -1,4 +1,4 @@
-"""Settings of a slicer, and print time and filament volume of a plate as PrusaSlicer estimates them.
+"""Print time and filament volume of a plate, as PrusaSlicer estimates them.
 
 PrusaSlicer exits with code 0 for many a broken part. Only the G-code it writes, and the estimates in it, count.
 """
@@ -8,23 +8,11 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from fingertip.cad.printing.orientations import Orientation
 from fingertip.cad.printing.overhang import OVERHANG_DEG
-from fingertip.cad.printing.print_files import (
-    BRIM_MM,
-    FIRST_LAYER_MM,
-    LAYER_MM,
-    NOZZLE_MM,
-    RESIN_LAYER_MM,
-    WALLS,
-    infill_percent,
-    needs_brim,
-)
+from fingertip.cad.printing.settings import FIRST_LAYER_MM, LAYER_MM
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
@@ -101,28 +89,3 @@ def parse_gcode(name: str, gcode: str) -> PrintEstimate:
 def parse_duration_min(text: str) -> float:
     """Convert a duration such as `1d 2h 31m 30s` to minutes."""
     return sum(float(word[:-1]) * _UNITS_MIN[word[-1]] for word in text.split())
-
-
-def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
-    """Collect the slicer's settings for the parts of a design, for filament (FDM) and resin (SLA).
-
-    Parts that stand on end get a brim.
-    """
-    upright = [name for name, lies in orientations.items() if needs_brim(lies)]
-    lying = [name for name in orientations if name not in upright]
-    return {
-        "fdm": {
-            "nozzle_mm": NOZZLE_MM,
-            "layer_mm": LAYER_MM,
-            "first_layer_mm": FIRST_LAYER_MM,
-            "walls": WALLS,
-            "wall_mm": round(WALLS * NOZZLE_MM, 2),
-            "infill_percent": {name: infill_percent(name) for name in orientations},
-            "brim_mm": BRIM_MM,
-            "brim_on": upright,
-            "no_brim_on": lying,
-        },
-        "sla": {"layer_mm": RESIN_LAYER_MM},
-        "supports_on": [name for name, lies in orientations.items() if lies.needs_supports],
-        "no_supports_on": [name for name, lies in orientations.items() if not lies.needs_supports],
-    }

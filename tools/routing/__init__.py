@@ -1,1 +1,0 @@
-"""Grid router for two layers. It made the tracks of the templates."""

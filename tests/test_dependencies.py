@@ -11,7 +11,6 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from packaging.specifiers import SpecifierSet
 
 from tools.dependencies import hashes, licences, needs
 from tools.dependencies.hashes import IndexFile, choose_wheels, read_html_page, read_json_page
@@ -64,19 +63,6 @@ def test_each_level_of_the_list_has_what_it_needs() -> None:
         name: (need.level, needs.format_marker(need, TARGETS))
         for name, need in needs.list_needs(levels, TARGETS).items()
     }, "run python -m tools.dependencies.hashes"
-
-
-def test_pinned_packages_take_the_first_release_of_each_python() -> None:
-    """Debian 12 has 3.11.2."""
-    as_pinned(name for name, _, marker in PIN.findall(HASHED) if not marker)
-    wrong = [
-        (name, needed)
-        for name, _, marker in PIN.findall(HASHED)
-        if not marker and (needed := metadata.metadata(name).get("Requires-Python"))
-        for python in PYTHONS
-        if not SpecifierSet(needed).contains(f"{python[0]}.{python[1]}.0")
-    ]
-    assert wrong == []
 
 
 def test_wheels_of_supported_pythons_and_platforms_are_selected() -> None:

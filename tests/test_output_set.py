@@ -334,14 +334,6 @@ def test_manifest_of_another_program_is_not_overwritten_but_refused_before_work(
     assert json.loads((tmp_path / MANIFEST).read_text()) == {"name": "web app"}
 
 
-def test_manifest_is_the_same_for_the_same_files(tmp_path: Path) -> None:
-    first, second = tmp_path / "first", tmp_path / "second"
-    writer(first, "new").write(NEW)
-    writer(second, "new").write(dict(reversed(NEW.items())))
-    assert (first / MANIFEST).read_bytes() == (second / MANIFEST).read_bytes()
-    assert str(tmp_path) not in (first / MANIFEST).read_text()
-
-
 def test_missing_and_changed_files_are_found(tmp_path: Path) -> None:
     folder = tmp_path / "board"
     prepare(folder)

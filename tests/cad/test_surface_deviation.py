@@ -10,7 +10,6 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.shapes.insert import skin_interior
-from fingertip.cad.verification import skin as surface_deviation
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
 from fingertip.cad.verification.skin import (
     EnclosingSurface,
@@ -72,31 +71,14 @@ def test_only_facets_on_the_outer_surface_are_measured() -> None:
     assert 0.002 < max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles) <= 0.02
 
 
-def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
-    """Centres of coarse facets have the same distance from the patches beside them as from all patches."""
-    body = Design().dimensions.outer
-    vertices, triangles = tessellate(SuperconicSolid(body), 0.5)
-    centres = vertices[triangles].mean(axis=1)
-    centres = centres[centres[:, 2] > 1.5]  # the flat end is left out of the nearby distance
-    near, whole = (
-        surface_deviation._nearby_distance(surface_patches(body), centres),
-        distance_to_surface(body, centres, steps=3),
-    )
-    assert 0.1 < near.max() < 0.5
-    np.testing.assert_allclose(near, whole, rtol=0, atol=1e-12)
-
-
-def test_distance_in_a_box_is_that_to_its_nearest_face() -> None:
-    surface = EnclosingSurface(*to_arrays(MeshEvaluator(0.02).manifold(Box((0, 0, 0), (10, 20, 30)))))
-    assert surface.distance_to(np.array([[5.0, 6.0, 7.0], [5.0, 17.0, 15.0]])) == pytest.approx(3.0)
-    assert surface.distance_to(np.array([[5.0, 6.0, 7.0], [5.0, 21.0, 15.0]])) == pytest.approx(-1.0)
-
-
 @pytest.mark.parametrize("changes", [[], ["mold.method=sleeve"], ["skin.width_mm=18"]], ids=str)
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.0)])
 def test_thickness_equals_the_gap_that_the_mesh_kernel_finds(
     changes: list[str], shift: tuple[float, float, float]
 ) -> None:
+    box = EnclosingSurface(*to_arrays(MeshEvaluator(0.02).manifold(Box((0, 0, 0), (10, 20, 30)))))
+    assert box.distance_to(np.array([[5.0, 6.0, 7.0], [5.0, 17.0, 15.0]])) == pytest.approx(3.0)
+    assert box.distance_to(np.array([[5.0, 6.0, 7.0], [5.0, 21.0, 15.0]])) == pytest.approx(-1.0)
     design, evaluator = Design.load(changes=changes), MeshEvaluator(0.05)
     outer = SuperconicSolid(design.dimensions.outer)
     interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM).translate(shift)

@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fingertip.catalogues.sensors import CATALOGUE, SensorName
 from fingertip.design import Design
 from fingertip.design.files import list_parameters, to_toml
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 
@@ -110,20 +108,6 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     marked = tmp_path / "bom.toml"
     marked.write_bytes(b"\xef\xbb\xbf[skin]\r\nwidth_mm = 18\r\n")
     assert Design.load(marked).skin.width_mm == 18
-
-
-@pytest.mark.full
-@given(
-    key=st.sampled_from([p.path for p in list_parameters() if p.unit == "mm"]),
-    value=st.floats(allow_nan=True, allow_infinity=True),
-)
-def test_any_number_is_accepted_or_refused_with_a_message(key: str, value: float) -> None:
-    issues: tuple[Issue, ...] = ()
-    try:
-        Design.load(changes=[f"{key}={value!r}"])
-    except DesignError as error:
-        issues = error.issues
-    assert all(issue.field and len(issue.message) > 20 for issue in issues)
 
 
 def test_names_of_sensors_are_those_of_the_catalogue_and_each_fits_a_bundled_design() -> None:

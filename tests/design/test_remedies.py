@@ -125,7 +125,7 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         (["bone.groove_depth_mm=0.9"], "at most 0.84 mm.", 1),
         (["mold.nut_width_mm=7"], "between 5.7 and 5.99 mm.", 1),
         (["mold.nut_width_mm=1"], "and at least 5.7 mm with the other parameters as they are.", 1),
-        (["board.passband_gain=1"], "such as 67.7.", 1),
+        (["board.passband_gain=1"], "such as 67.6667.", 1),
         (["board.variant=comparator", "board.cutoff_hz=400"],
          "board.band_limit_hz: 1000 Hz cuts into the vibrations, which reach 3 cutoffs of 400 Hz; at least 1200 Hz, "
          "or board.cutoff_hz=333.", 1),

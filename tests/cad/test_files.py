@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
 import re
+import time
 import zipfile
+from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
@@ -172,6 +175,28 @@ def test_fault_of_either_process_is_reported(position: int, solid: Solid, messag
     solids[position] = solid
     with pytest.raises(GeometryError, match=message):
         make_step_files(*solids)
+
+
+def test_no_process_outlives_the_context_manager() -> None:
+    job = StepJob("test", (("a", BOX, GREY), ("b", BOX, GREY)))
+    with StepProcess(job) as process:
+        group = process._process.pid
+        time.sleep(0.5)
+    deadline = time.monotonic() + 5.0
+    while (running := list_processes(group)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert running == []
+
+
+def list_processes(group: int) -> list[str]:
+    """List the processes of a group from /proc, without zombies."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            fields = stat.read_text().rsplit(")", 1)[1].split()
+            if int(fields[2]) == group and fields[0] != "Z":
+                found.append(str(stat))
+    return found
 
 
 PASSED = Check("bone.stl.genus", 2, 2, "through holes", "exactly")

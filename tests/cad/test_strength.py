@@ -67,8 +67,7 @@ def test_round_cantilever_has_the_textbook_stress_in_every_direction():
 
 def test_stress_in_an_angle_balances_force_and_moments():
     """The stress field of each unit load has exactly its force and its moments, about the section's centroid."""
-    angle = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)
-    section = measure_section([angle])
+    section = measure_section([np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)])
     point = np.array([3.0, -2.0, 40.0])
     gradients = stress_gradients(section, point, 5.0)
     # A stress that is linear in x and y: recover its three coefficients from three corners.

@@ -10,6 +10,7 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.cad.shapes.insert import skin_interior
+from fingertip.cad.verification import skin as surface_deviation
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z, complement
 from fingertip.cad.verification.skin import (
     EnclosingSurface,
@@ -69,6 +70,17 @@ def test_only_facets_on_the_outer_surface_are_measured() -> None:
     design = Design()
     mesh = MeshEvaluator(0.02).mesh(skin(design))
     assert 0.002 < max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles) <= 0.02
+
+
+def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
+    """Centres of coarse facets have the same distance from the patches beside them as from all patches."""
+    body = Design().dimensions.outer
+    vertices, triangles = tessellate(SuperconicSolid(body), 0.5)
+    centres = vertices[triangles].mean(axis=1)
+    centres = centres[centres[:, 2] > 1.5]  # the flat end is left out of the nearby distance
+    near = surface_deviation._nearby_distance(surface_patches(body), centres)
+    assert 0.1 < near.max() < 0.5
+    np.testing.assert_allclose(near, distance_to_surface(body, centres, steps=3), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("changes", [[], ["mold.method=sleeve"], ["skin.width_mm=18"]], ids=str)

@@ -81,6 +81,7 @@ def test_the_worst_point_has_least_of_its_silicone_left() -> None:
     assert (some.retained, some.left_mm) == (0.75, 1.5)
     assert (all_of_it.retained, all_of_it.left_mm) == (-0.5, 0.0)
     assert worst([some, thin], over_sensor=False) is thin
+    assert worst([some, loss(0.8, 0.1)], over_sensor=False) is some, "the smallest share, not the thinnest rest"
     losses = [loss(2.0, 0.5, True), loss(2.0, 1.0), loss(2.0, 0.2, True), loss(2.0, 0.1)]
     assert worst(losses, over_sensor=True) is losses[0]
     assert worst(losses, over_sensor=False) is losses[1]

@@ -6,6 +6,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.all_rules import PART_RULES
+from fingertip.design.formulas import filter as formulas
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file
 from tools.fuzz.remedies import as_changes, read_remedy
@@ -184,3 +185,17 @@ def test_the_sampling_rate_needs_four_samples_a_cycle_and_no_more() -> None:
     Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1200"])
     with pytest.raises(DesignError, match=r"too slow for .* of 300 Hz; at least 1200 Hz, or "):
         Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1199"])
+
+
+def test_figures_of_the_comparator_are_those_of_its_data_sheet() -> None:
+    """The LMV331's supply, input bias current, offset and drift, entered a second time."""
+    assert formulas.MAX_COMPARATOR_V == 5.5
+    assert pytest.approx((25, 250, 400)) == (
+        1e9 * formulas.BIAS_A,
+        1e9 * formulas.MAX_BIAS_A,
+        1e9 * formulas.HOT_BIAS_A,
+    )
+    assert pytest.approx((1.7, 7)) == (1e3 * formulas.COMPARATOR_OFFSET_V, 1e3 * formulas.MAX_COMPARATOR_OFFSET_V)
+    assert pytest.approx(5) == 1e6 * formulas.COMPARATOR_DRIFT_V_PER_K
+    # Both ends are equally far from the data sheet's temperature, so that one drift holds for both.
+    assert (formulas.MIN_TEMPERATURE_C, formulas.DATA_SHEET_C, formulas.MAX_TEMPERATURE_C) == (0.0, 25.0, 50.0)

@@ -11,7 +11,6 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from packaging.specifiers import SpecifierSet
 
 from tools.dependencies import hashes, licences, needs
 from tools.dependencies.hashes import IndexFile, choose_wheels, read_html_page, read_json_page
@@ -45,12 +44,9 @@ def test_hashes_and_constraints_list_the_same_versions() -> None:
     pins = [(name, version) for name, version, _ in PIN.findall(HASHED)]
     assert dict(pins) == PINS, "run python -m tools.dependencies.hashes"
     assert len(pins) == len(PINS)
-
-
-def test_hashes_are_nothing_but_pins_and_sha256() -> None:
-    rest = [line for line in PIN.sub("", HASHED).splitlines() if not line.startswith("# ")]
-    assert rest == []
+    assert [line for line in PIN.sub("", HASHED).splitlines() if not line.startswith("# ")] == []
     assert "://" not in HASHED
+    assert supported_pythons(read_project()) == PYTHONS
 
 
 def test_each_level_of_the_list_has_what_it_needs() -> None:
@@ -67,23 +63,6 @@ def test_each_level_of_the_list_has_what_it_needs() -> None:
         name: (need.level, needs.format_marker(need, TARGETS))
         for name, need in needs.list_needs(levels, TARGETS).items()
     }, "run python -m tools.dependencies.hashes"
-
-
-def test_pinned_packages_take_the_first_release_of_each_python() -> None:
-    """Debian 12 has 3.11.2."""
-    as_pinned(name for name, _, marker in PIN.findall(HASHED) if not marker)
-    wrong = [
-        (name, needed)
-        for name, _, marker in PIN.findall(HASHED)
-        if not marker and (needed := metadata.metadata(name).get("Requires-Python"))
-        for python in PYTHONS
-        if not SpecifierSet(needed).contains(f"{python[0]}.{python[1]}.0")
-    ]
-    assert wrong == []
-
-
-def test_supported_pythons_are_those_of_the_classifiers() -> None:
-    assert supported_pythons(read_project()) == PYTHONS
 
 
 def test_wheels_of_supported_pythons_and_platforms_are_selected() -> None:
@@ -111,11 +90,8 @@ def test_wheels_of_supported_pythons_and_platforms_are_selected() -> None:
         "numpy-2.4.6.tar.gz",
     }
     assert chosen(*wanted, *unwanted) == wanted
-
-
-def test_platform_without_a_wheel_is_an_error() -> None:
-    name = "numpy-2.4.6-cp311-cp311-manylinux_2_28_x86_64.whl"
     here, *_, elsewhere = TARGETS
+    name = "numpy-2.4.6-cp311-cp311-manylinux_2_28_x86_64.whl"
     assert chosen(name, targets=[here]) == {name}
     with pytest.raises(SystemExit, match=r"no wheel of numpy 2\.4\.6 for cpython-313-darwin arm64"):
         chosen(name, targets=[here, elsewhere])
@@ -147,18 +123,13 @@ def test_licence_of_every_dependency_is_listed() -> None:
     rows = {line.split(" | ")[0][2:]: line for line in PAGE.splitlines() if line.startswith("| ")}
     missing = [one.name for one in found if not rows.get(one.name, "").endswith(f" | {one.text} |")]
     assert missing == [], "run python -m tools.dependencies.licences"
+    names = {canonical(one.name) for one in found}
+    mentioned = {name for name in names if licences.mentions_lgpl(name)}
+    assert mentioned <= set(licences.COPYLEFT) <= names
+    assert all(f"- **{metadata.metadata(name)['Name']}**: " in PAGE for name in licences.COPYLEFT)
     # The oldest Python brings the most packages, so the page is that one's.
     if sys.version_info[:2] == PYTHONS[0]:
         assert licences.format_page(found) == PAGE
-
-
-@pytest.mark.full
-def test_every_package_that_mentions_the_lgpl_is_named() -> None:
-    as_pinned(needs.collect(users_packages(read_project())))
-    found = {canonical(one.name) for one in licences.list_licences()}
-    mentioned = {name for name in found if licences.mentions_lgpl(name)}
-    assert mentioned <= set(licences.COPYLEFT) <= found
-    assert all(f"- **{metadata.metadata(name)['Name']}**: " in PAGE for name in licences.COPYLEFT)
 
 
 @pytest.mark.parametrize(

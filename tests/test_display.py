@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -15,7 +14,7 @@ import pytest
 from PIL import Image
 
 import fingertip
-from fingertip import Build, Design, Detection, Picture, Trace
+from fingertip import Build, Design, Detection, Trace
 from fingertip.foundation.display import html_table
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.sim import Trial
@@ -45,9 +44,6 @@ def test_short_forms_of_designs_name_what_differs() -> None:
     )
     assert repr(Design.load("adult_finger")).count("=") == 4
     assert re.search(r", \d+ more\)$", repr(Design.load("adult_finger")))
-
-
-def test_changes_make_the_design_again() -> None:
     design = Design.load("adult_finger")
     texts = [f"{name}={value}" for name, value in design.changes().items()]
     assert Design.load(changes=[*texts, "name=adult_finger"]) == design
@@ -67,52 +63,38 @@ def test_short_forms_of_traces_and_detections(trace: Trace, detection: Detection
     assert repr(Trace(np.zeros(0), np.zeros(0))) == "Trace(0 samples)"
 
 
-@pytest.mark.full
-def test_short_form_of_a_build(built: Build) -> None:
-    assert len(repr(built)) < 300
-    assert "bone; " in repr(built)
-    assert f"of {len(built.checks)} checks passed" in repr(built)
-
-
 def parse(text: str) -> list[ElementTree.Element]:
     """Tables of a page; fails if the text is not well-formed."""
     return list(ElementTree.fromstring(f"<div>{text}</div>").iter("table"))
 
 
 @pytest.mark.full
-def test_tables_are_well_formed(trace: Trace, detection: Detection, built: Build) -> None:
-    assert (
-        len(list(parse(Design.load("fsr402")._repr_html_())[0].iter("tr"))) == len(Design.load("fsr402").changes()) + 1
-    )
+def test_tables_are_well_formed_and_escaped(trace: Trace, detection: Detection, built: Build) -> None:
+    (changes,) = parse(Design.load("fsr402")._repr_html_())
+    assert len(list(changes.iter("tr"))) == len(Design.load("fsr402").changes()) + 1
     (columns,) = parse(trace._repr_html_())
     assert [row[0].text for row in columns.iter("tr")][:5] == ["column", "time_s", "voltage_v", "force_n", "slip"]
     (intervals,) = parse(detection._repr_html_())
     assert [cell.text for cell in list(intervals.iter("tr"))[1]][-1] == "true"
     assert [row[0].text for row in parse(built._repr_html_())[0].iter("tr")] == ["part", "bone"]
-
-
-def test_text_in_tables_is_escaped() -> None:
-    text = html_table("<script>", ["<b>"], [["&", "<script>"]])
-    (table,) = parse(text)
-    assert "<script>" not in text
+    assert len(repr(built)) < 300
+    assert "bone; " in repr(built)
+    assert f"of {len(built.checks)} checks passed" in repr(built)
+    (table,) = parse(html_table("<script>", ["<b>"], [["&", "<script>"]]))
     assert "".join(table.itertext()) == "<script><b>&<script>"
 
 
-@pytest.mark.parametrize("make", [lambda t, d: t.plot(), lambda t, d: d.plot("my title")], ids=["trace", "detection"])
-def test_traces_and_detections_are_drawn(make: Callable[..., Picture], trace: Trace, detection: Detection) -> None:
-    require_module("matplotlib")
-    picture = make(trace, detection)
-    assert picture.size_px == Image.open(io.BytesIO(picture.png)).size
-    assert picture._repr_png_() == picture.png
-    assert repr(picture).startswith(f"Picture({picture.size_px[0]} x ")
-
-
 @pytest.mark.full
-def test_designs_and_builds_are_drawn(built: Build, tmp_path: Path) -> None:
+def test_results_are_drawn(built: Build, trace: Trace, detection: Detection, tmp_path: Path) -> None:
     picture = built.design.plot(500)
     assert picture.size_px[0] == 500
     assert picture == built.plot(500) == fingertip.picture(built.design, 500)
     assert picture.save(tmp_path / "a.png").read_bytes() == picture.png
+    require_module("matplotlib")
+    for picture in (trace.plot(), detection.plot("my title")):
+        assert picture.size_px == Image.open(io.BytesIO(picture.png)).size
+        assert picture._repr_png_() == picture.png
+        assert repr(picture).startswith(f"Picture({picture.size_px[0]} x ")
 
 
 @pytest.mark.full

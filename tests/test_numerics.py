@@ -7,8 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fingertip.foundation import numerics
 from fingertip.foundation.numerics import (
@@ -47,28 +45,6 @@ def test_bisect_finds_the_root_that_brentq_finds(function: Callable[[float], flo
     assert math.nextafter(ends[0], math.inf) == ends[1]  # no number lies between the two ends
 
 
-def test_bisect_ends_at_the_tolerance_or_after_the_given_number_of_halvings() -> None:
-    evaluated: list[float] = []
-
-    def is_below(x: float) -> bool:
-        evaluated.append(x)
-        return x < 0.3
-
-    assert bisect(is_below, 0.0, 1.0, halvings=3) == (0.25, 0.375)
-    assert evaluated == [0.5, 0.25, 0.375]
-    low, high = bisect(is_below, 0.0, 1.0, tolerance=0.01)
-    assert low < 0.3 <= high
-    assert 0.005 < high - low <= 0.01
-    assert bisect(is_below, 0.0, 1.0, halvings=0) == (0.0, 1.0)
-
-
-@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6), st.floats(1e-6, 1e6))
-def test_bisect_returns_the_neighbouring_floats_around_any_boundary(boundary: float, left: float, right: float) -> None:
-    low, high = bisect(lambda x: x < boundary, boundary - left, boundary + right)
-    assert low < boundary <= high
-    assert math.nextafter(low, math.inf) == high
-
-
 @pytest.mark.parametrize(("function", "low", "high"), ROOTS)
 @pytest.mark.parametrize("known", [False, True])
 def test_find_root_finds_the_root_that_brentq_finds(
@@ -82,83 +58,15 @@ def test_find_root_finds_the_root_that_brentq_finds(
         assert find_root(function, ends, 1e-13, values) == pytest.approx(root, rel=1e-12)
 
 
-def test_find_root_returns_an_end_that_is_the_root_within_a_step() -> None:
-    assert find_root(lambda x: x, (-1.0, 1.0), 1e-13) == 0.0
-    assert find_root(lambda x: x - 1.0, (0.0, 1.0), 1e-13) == 1.0
-
-
-@pytest.mark.parametrize(("function", "low", "high"), MAXIMA)
-def test_find_maximum_finds_the_maximum_that_scipy_finds(
-    function: Callable[[float], float], low: float, high: float
-) -> None:
-    from scipy.optimize import minimize_scalar
-
-    oracle = minimize_scalar(lambda x: -function(x), bounds=(low, high), method="bounded", options={"xatol": 1e-9})
-    location, value = find_maximum(function, low, high, 1e-7)
-    assert location == pytest.approx(oracle.x, abs=2e-7)
-    assert value == pytest.approx(-oracle.fun, abs=2e-7)
-    assert value == function(location)
-
-
-@pytest.mark.parametrize(("function", "low", "high"), MAXIMA[:3])
-def test_find_maximum_of_a_smooth_function_needs_few_evaluations(
-    function: Callable[[float], float], low: float, high: float
-) -> None:
-    evaluated: list[float] = []
-
-    def counted(x: float) -> float:
-        evaluated.append(x)
-        return function(x)
-
-    find_maximum(counted, low, high, 1e-6)
-    assert len(evaluated) < 20  # golden-section search alone needs 30
-    assert all(low < x < high for x in evaluated)
-
-
-def test_find_maximum_ends_for_a_constant_function() -> None:
-    location, value = find_maximum(lambda x: 3.0, 0.0, 1.0, 1e-6)
-    assert 0.0 <= location <= 1.0
-    assert value == 3.0
-
-
-def test_find_maximum_finds_a_maximum_at_an_end() -> None:
-    assert find_maximum(lambda x: x, 0.0, 1.0, 1e-9)[0] == pytest.approx(1.0, abs=1e-9)
-    assert find_maximum(lambda x: -x, 0.0, 1.0, 1e-9)[0] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_bisect_arrays_finds_a_root_in_every_element() -> None:
-    from scipy.optimize import brentq
-
-    targets = np.linspace(0.1, 8.0, 40)
-    low, high = bisect_arrays(lambda x: x**3 < targets, np.zeros(40), np.full(40, 3.0), 50)
-    roots = [brentq(lambda x, t=t: x**3 - t, 0.0, 3.0, xtol=1e-15) for t in targets]
-    assert low == pytest.approx(roots, rel=1e-13)
-    assert np.all(high - low == pytest.approx(3.0 / 2**50, rel=0.1))
-
-
-def test_bisect_arrays_takes_the_steps_of_bisect() -> None:
+def test_bisect_takes_the_given_number_of_halvings_in_arrays_too() -> None:
+    is_below = Counted(lambda x: x < 0.3)
+    assert bisect(is_below, 0.0, 1.0, halvings=3) == (0.25, 0.375)
+    assert is_below.points == [0.5, 0.25, 0.375]
+    assert bisect(is_below, 0.0, 1.0, halvings=0) == (0.0, 1.0)
     boundaries = np.array([0.2, 0.5, 1.7])
     low, high = bisect_arrays(lambda x: x < boundaries, np.zeros(3), np.full(3, 2.0), 30)
     for i, boundary in enumerate(boundaries):
-        assert bisect(lambda x, b=float(boundary): x < b, 0.0, 2.0, halvings=30) == (low[i], high[i])  # type: ignore[misc]
-
-
-def test_find_maximum_arrays_finds_a_maximum_in_every_element() -> None:
-    from scipy.optimize import minimize_scalar
-
-    peaks = np.linspace(0.1, 2.9, 30)
-
-    def function(x: Array) -> Array:
-        result: Array = np.cos(x - peaks)
-        return result
-
-    location, value = find_maximum_arrays(function, np.zeros(30), np.full(30, 3.0), 40)
-    for i, peak in enumerate(peaks):
-        oracle = minimize_scalar(
-            lambda x, p=float(peak): -math.cos(x - p), bounds=(0.0, 3.0), method="bounded", options={"xatol": 1e-9}
-        )
-        assert location[i] == pytest.approx(oracle.x, abs=1e-7)
-        assert value[i] == pytest.approx(-oracle.fun, abs=1e-12)
+        assert bisect(lambda x, b=float(boundary): x < b, 0.0, 2.0, halvings=30) == (low[i], high[i])
 
 
 class Counted:
@@ -194,6 +102,12 @@ def test_find_root_takes_the_steps_of_the_illinois_method() -> None:
     known = Counted(function.function)
     assert find_root(known, (0.0, 2.0), 1e-13, (-2.0, 2.0)) == root
     assert known.points == function.points[2:]
+    line = Counted(lambda x: 3.0 * x - 1.5)
+    assert find_root(line, (0.0, 4.0), 1e-13) == 0.5
+    assert line.points == [0.0, 4.0, 0.5]
+    assert find_root(lambda _: 1.0, (0.0, 4.0), 1e-13) == 4.0, "no chord crosses"
+    assert find_root(lambda x: x, (-1.0, 1.0), 1e-13) == 0.0
+    assert find_root(lambda x: x - 1.0, (0.0, 1.0), 1e-13) == 1.0
 
 
 @pytest.mark.parametrize(("tolerance", "count"), [(2.0, 2), (1.0, 3), (0.5, 3), (0.2, 5), (0.02, 6), (1e-6, 8)])
@@ -205,13 +119,6 @@ def test_find_root_stops_where_its_chord_is_shorter_than_the_tolerance(tolerance
     assert root == function.points[-1]
     assert abs(root - math.log(2.0)) < tolerance
     assert function.points[2:3] == pytest.approx([1 / (math.e - 1)][: count - 2])
-
-
-def test_find_root_of_a_line_needs_one_chord() -> None:
-    line = Counted(lambda x: 3.0 * x - 1.5)
-    assert find_root(line, (0.0, 4.0), 1e-13) == 0.5
-    assert line.points == [0.0, 4.0, 0.5]
-    assert find_root(lambda _: 1.0, (0.0, 4.0), 1e-13) == 4.0, "no chord crosses"
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
@@ -299,10 +206,6 @@ def test_a_box_is_left_at_its_corner(objective: list[float]) -> None:
     )
 
 
-def test_nothing_is_gained_where_the_objective_is_zero() -> None:
-    assert maximise_linear([[0.0, 0.0]], [[1.0, 1.0]], [1.0], 5.0) == [(0.0, [0.0, 0.0])]
-
-
 def test_corners_at_which_many_planes_meet() -> None:
     """Ten planes touch the corner of a cube, and cut nothing off."""
     rows = [[1.0, 1.0 + i / 10, 1.0] for i in range(10)]
@@ -310,13 +213,10 @@ def test_corners_at_which_many_planes_meet() -> None:
     for objective in ([1.0, 1.0, 1.0], [3.0, 1.0, 2.0], [1.0, 0.0, 0.0]):
         ((value, _),) = maximise_linear([objective], rows, bounds, 1.0)
         assert value == pytest.approx(sum(objective))
-
-
-def test_a_pyramid_has_its_maximum_at_the_tip() -> None:
-    sides = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]
+    sides = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # of a pyramid
     ((value, point),) = maximise_linear([[0.2, -0.1, 1.0]], sides, [1.0] * 4, 50.0)
-    assert value == pytest.approx(1.0)
-    assert point == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+    assert (value, *point) == pytest.approx((1.0, 0.0, 0.0, 1.0), abs=1e-12)
+    assert maximise_linear([[0.0, 0.0]], [[1.0, 1.0]], [1.0], 5.0) == [(0.0, [0.0, 0.0])]
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 6])

@@ -49,25 +49,13 @@ def test_shares_follow_from_the_durations_of_the_stages(clock: Clock) -> None:
         "bench: trial: 90 % done, 10 s left",
     ]
     assert [message.share for message in messages if isinstance(message, ShareText)] == [0.0, 0.3, 0.6, 0.9]
-
-
-def test_work_without_anybody_to_report_to() -> None:
-    work = Work("", {"only": 1.0}, None)
-    work.begin("only")
-    work.advance(1.0)
-
-
-def test_long_durations_have_larger_units() -> None:
+    silent = Work("", {"only": 1.0}, None)
+    silent.begin("only")
+    silent.advance(1.0)
     assert describe_share("x", 0.5, 90.0) == "x: 50 % done, 90 s left"
     assert describe_share("x", 0.5, 600.0) == "x: 50 % done, 10 min left"
     assert describe_share("x", 0.1, 3600.0) == "x: 10 % done, 9.0 h left"
     assert describe_share("x", 0.01, 3600.0) == "x: 1 % done", "too early for an estimate"
-
-
-def test_a_bar_fits_its_line() -> None:
-    message = ShareText("a long stage: " + "x" * 100, 0.25)
-    assert format_bar(message, 80).startswith(f"[{'#' * (BAR_WIDTH // 4)}{'.' * (BAR_WIDTH - BAR_WIDTH // 4)}] a long")
-    assert len(format_bar(message, 80)) == 79
 
 
 class Terminal(io.StringIO):
@@ -88,14 +76,12 @@ def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.Monk
     assert shown.count("\n") == 1
     assert shown.endswith(f"{CLEAR_LINE}a message\n")
     assert shown.count(CLEAR_LINE) == 3
-
-
-def test_an_error_after_a_bar_begins_in_an_empty_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    monkeypatch.setenv("TERM", "xterm")
     Console(False, False).progress(ShareText("half", 0.5))
     Console(False, False).print_issues(FingertipError(Issue("field", "is wrong.")))  # as the decorator does
-    assert sys.stderr.getvalue().endswith(f"{CLEAR_LINE}error: field: is wrong.\n")  # type: ignore[attr-defined]
+    assert sys.stderr.getvalue().endswith(f"{CLEAR_LINE}error: field: is wrong.\n")
+    message = ShareText("a long stage: " + "x" * 100, 0.25)
+    assert format_bar(message, 80).startswith(f"[{'#' * (BAR_WIDTH // 4)}{'.' * (BAR_WIDTH - BAR_WIDTH // 4)}] a long")
+    assert len(format_bar(message, 80)) == 79
 
 
 def test_a_log_has_a_line_now_and_then(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> None:

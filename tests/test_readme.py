@@ -75,24 +75,21 @@ def recordings() -> dict[str, str]:
         "stream.csv": lines("time_s,voltage_v", map(",".join, samples(2000))),
         "counts.csv": lines("voltage_v", (counts for _, counts in samples(5000, "{:.0f}", 65536 / 20))),
         "force.csv": lines("time_s;force_n", map(";".join, samples(2000))),
-        "micros.txt": lines(
-            "0 2.0",
-            (f"{round(1e6 * float(t))} {v}" for t, v in samples(2000)[1:]),
-        ),
+        "micros.txt": lines("0 2.0", (f"{round(1e6 * float(t))} {v}" for t, v in samples(2000)[1:])),
     }
 
 
-def test_only_install_pytest_and_fingertip_are_shown() -> None:
-    others = {command for command in COMMANDS if command not in OURS}
-    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest -n auto --dist loadfile"}
-    assert len(OURS) >= 40
-
-
-def test_the_first_two_blocks_set_up_build_and_test() -> None:
+def test_pages_show_commands_to_copy_and_links_that_lead_to_files() -> None:
     shell = [block for language, block in BLOCKS if language == "sh"]
     assert shell[0].startswith("sh install.sh && .venv/bin/fingertip make params/fsr400.toml")
     assert shell[1] == "sh install.sh test && .venv/bin/pytest -n auto --dist loadfile\n"
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
+    others = {command for command in COMMANDS if command not in OURS}
+    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest -n auto --dist loadfile"}
+    assert len(OURS) >= 40
+    assert len(PAGES["README.md"].splitlines()) <= 100, "reference belongs in docs/"
+    assert len(LINKS) > 50
+    assert [link for link in LINKS if not (ROOT / link[0]).parent.joinpath(link[1]).exists()] == []
 
 
 @pytest.mark.full
@@ -114,14 +111,8 @@ def test_files_the_readme_promises(clone: Path) -> None:
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
     for part in ("bone", "skin", "mold_palmar", "mold_dorsal"):
         assert {f"out/fsr400/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
-    named = {
-        "assembly.step",
-        "report.json",
-        "design.toml",
-        "signal/trace.csv",
-        "signal/slip.png",
-        "signal/detection.json",
-    }
+    named = {"assembly.step", "report.json", "design.toml"}
+    named |= {"signal/trace.csv", "signal/slip.png", "signal/detection.json"}
     named |= {"print/plate_fdm.3mf", "print/plate_sla.3mf", "print/bone.stl", "print/mold_dorsal.stl"}
     named |= {"board/slip_filter.net", "board/slip_filter.kicad_pcb", "board/bom.csv", "board/values.json"}
     assert {f"out/fsr400/{file}" for file in named} <= made
@@ -142,13 +133,3 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     done = run_fingertip("build", "params/fsr400.toml", "--set", "skin.width_mm=15", PWD=str(clone))
     assert done.returncode == 2
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
-
-
-def test_links_lead_to_files() -> None:
-    assert len(LINKS) > 50
-    assert [link for link in LINKS if not (ROOT / link[0]).parent.joinpath(link[1]).exists()] == []
-
-
-def test_readme_is_short() -> None:
-    """A newcomer reads about 100 lines; reference belongs in docs/."""
-    assert len(PAGES["README.md"].splitlines()) <= 100

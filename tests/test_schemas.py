@@ -29,22 +29,19 @@ def test_schemas_are_current() -> None:
     assert not old, "renew each: fingertip schema KIND > params/schemas/KIND.json"
 
 
-def test_command_prints_what_is_bundled() -> None:
+def test_command_prints_what_is_bundled_and_refuses_an_unknown_kind() -> None:
+    assert {path.stem for path in SCHEMAS.iterdir()} == set(KINDS)
     done = run_fingertip("schema", "sweep")
     assert (done.returncode, done.stdout) == (0, (SCHEMAS / "sweep.json").read_text())
+    done = run_fingertip("schema", "desing")
+    assert done.returncode == 2
+    assert "KIND: 'desing' is no kind of file; did you mean design?" in done.stderr
 
 
-def test_no_other_schema_is_bundled() -> None:
-    assert {path.stem for path in SCHEMAS.iterdir()} == set(KINDS)
-
-
-def test_bundled_files_name_the_schemas_of_their_kinds() -> None:
+def test_bundled_files_agree_with_the_schemas_of_their_kinds() -> None:
     kinds = {path: KIND_OF_FOLDER[path.parent.name] for path in FILES}
     kinds[ROOT / "params" / "scenes" / "real_manipulation.toml"] = "manipulation"
     assert {path: schema_of(path) for path in FILES} == {path: SCHEMAS / f"{kind}.json" for path, kind in kinds.items()}
-
-
-def test_bundled_files_agree_with_their_schemas() -> None:
     jsonschema = require_module("jsonschema")
     wrong = []
     for path in FILES:
@@ -65,9 +62,3 @@ def test_bundled_files_agree_with_their_schemas() -> None:
 def test_schema_refuses_what_the_program_refuses(kind: str, tables: dict[str, Any]) -> None:
     jsonschema = require_module("jsonschema")
     assert not jsonschema.Draft202012Validator(json.loads(format_schema(kind))).is_valid(tables)
-
-
-def test_an_unknown_kind_is_refused() -> None:
-    done = run_fingertip("schema", "desing")
-    assert done.returncode == 2
-    assert "KIND: 'desing' is no kind of file; did you mean design?" in done.stderr

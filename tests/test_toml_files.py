@@ -21,7 +21,6 @@ from fingertip.foundation.errors import TomlFileError
 from fingertip.foundation.toml_files import read_toml
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
-from tests.conftest import ROOT
 
 
 def test_names_of_each_kind_are_those_of_its_model() -> None:
@@ -53,14 +52,6 @@ def test_kind_follows_from_the_names_at_the_top_level(tmp_path: Path, text: str,
     assert identify_kind(tmp_path / "a.toml") == kind
 
 
-@pytest.mark.parametrize("folder", ["", "scenes", "sweeps"])
-def test_bundled_files_are_identified(folder: str) -> None:
-    expected = {"": {DESIGN}, "scenes": {SCENE, MANIPULATION}, "sweeps": {SWEEP}}[folder]
-    files = list((ROOT / "params" / folder).glob("*.toml"))
-    assert files
-    assert {identify_kind(file) for file in files} == expected
-
-
 def test_names_of_two_kinds_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[slide]\n[skin]")
     with pytest.raises(TomlFileError, match="holds slide of a scene and skin of a design; write them in two files"):
@@ -68,15 +59,6 @@ def test_names_of_two_kinds_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[slide]\n[knock]")
     with pytest.raises(TomlFileError, match=r"holds knock of a manipulation and slide of a scene; .* one for each"):
         identify_kind(tmp_path / "a.toml")
-
-
-def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path: Path) -> None:
-    path = tmp_path / "a.toml"
-    path.write_text("[tap]\nforce_n = 2\n")
-    with pytest.raises(TomlFileError, match=r"is a scene file, not a design file; give one such as"):
-        read_file(path, DESIGN)
-    path.write_text("outputs = []\n")  # a name that scenes and sweeps share
-    assert read_file(path, SWEEP) == {"outputs": []}
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
@@ -87,6 +69,11 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
             read_file(path, DESIGN)
     with pytest.raises(TomlFileError, match="give the path of a sweep file"):
         read_file(tmp_path / "none.toml", SWEEP)
+    path.write_text("[tap]\nforce_n = 2\n")
+    with pytest.raises(TomlFileError, match=r"is a scene file, not a design file; give one such as"):
+        read_file(path, DESIGN)
+    path.write_text("outputs = []\n")  # a name that scenes and sweeps share
+    assert read_file(path, SWEEP) == {"outputs": []}
 
 
 @pytest.mark.parametrize(

@@ -5,21 +5,28 @@ from __future__ import annotations
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.verify import check_parts
+from fingertip.cad.verification.verify import check_parts, verify
 from fingertip.design import Design
+from tests.conftest import design_file
 
 TOLERANCE = 0.02
 SOCKET = ["bone.interface=socket", "bone.base_length_mm=32"]
 SLEEVE = ["mold.method=sleeve"]
 
 
-def run_checks(*changes: str) -> dict[str, Check]:
-    """Return the checks of the default design with these changes, by name."""
-    design, evaluator = Design.load(changes=changes), MeshEvaluator(TOLERANCE)
+def run_checks(*changes: str, name: str = "fsr400") -> dict[str, Check]:
+    """Return the checks of a design with these changes, by name."""
+    design, evaluator = Design.load(design_file(name), changes=changes), MeshEvaluator(TOLERANCE)
     meshes = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     return {check.name: check for check in check_parts(design, evaluator, meshes)}
 
 
-def failed_checks(*changes: str) -> set[str]:
+def failed_checks(*changes: str, name: str = "fsr400") -> set[str]:
     """Return the names of the checks that fail."""
-    return {name for name, check in run_checks(*changes).items() if not check.passed}
+    return {name for name, check in run_checks(*changes, name=name).items() if not check.passed}
+
+
+def run_all_checks(design: Design) -> dict[str, Check]:
+    """Return the checks of a design by name, with those of its files for the printer and of its strength."""
+    found = verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)).checks
+    return {check.name: check for check in found}

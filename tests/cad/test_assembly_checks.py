@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
@@ -22,9 +23,8 @@ from fingertip.tasks.build import build
 TOLERANCE = 0.02
 
 
-@pytest.fixture(scope="module")
-def finger() -> Design:
-    return Design()
+FINGER = Design()
+HOLE = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
 
 
 @pytest.fixture(scope="module")
@@ -46,26 +46,23 @@ def brep_failures(design: Design, part: Part, mesh: Mesh, exact: BrepMeasurement
     return {check.name.rsplit(".", 1)[1] for check in found if not check.passed}
 
 
-def mesh_of(evaluator: MeshEvaluator, solid: Solid) -> Mesh:
-    return to_canonical_mesh(evaluator.manifold(solid))
-
-
 @pytest.mark.full
-def test_unmodified_design_passes_all_checks(finger: Design, evaluator: MeshEvaluator) -> None:
-    assert mesh_failures(PARTS["bone"], mesh_of(evaluator, bone.bone(finger))) == set()
-    assert assembly_failures(finger, evaluator) == set()
+def test_unmodified_design_passes_all_checks(evaluator: MeshEvaluator) -> None:
+    assert mesh_failures(PARTS["bone"], evaluator.mesh(bone.bone(FINGER))) == set()
+    assert assembly_failures(FINGER, evaluator) == set()
 
 
-def test_missing_triangle_leaves_open_edges(finger: Design, evaluator: MeshEvaluator) -> None:
-    whole = mesh_of(evaluator, bone.bone(finger))
-    torn = replace(whole, triangles=np.delete(whole.triangles, 100, axis=0))
-    assert count_open_edges(torn) == 3
+def test_missing_doubled_or_inverted_triangles_fail(evaluator: MeshEvaluator) -> None:
+    whole = evaluator.mesh(bone.bone(FINGER))
     assert count_open_edges(whole) == 0
+    assert count_open_edges(replace(whole, triangles=np.delete(whole.triangles, 100, axis=0))) == 3
+    assert count_open_edges(replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))) > 0
+    assert "inverted" in mesh_failures(PARTS["bone"], replace(whole, triangles=whole.triangles[:, ::-1].copy()))
 
 
-def test_vertex_on_an_edge_leaves_a_degenerate_triangle(finger: Design, evaluator: MeshEvaluator) -> None:
+def test_vertex_on_an_edge_leaves_a_degenerate_triangle(evaluator: MeshEvaluator) -> None:
     """Every edge is matched and the volume is unchanged, but many programs drop the triangle that closes the mesh."""
-    whole = evaluator.mesh(PARTS["bone"].solid(finger))
+    whole = evaluator.mesh(PARTS["bone"].solid(FINGER))
     a, b, c = whole.triangles[0]
     midpoint = len(whole.vertices)
     vertices = np.concatenate((whole.vertices, (whole.vertices[a] + whole.vertices[b])[None] / 2))
@@ -75,98 +72,52 @@ def test_vertex_on_an_edge_leaves_a_degenerate_triangle(finger: Design, evaluato
     assert mesh_failures(PARTS["bone"], sliver) == {"degenerate_triangles"}
 
 
-def test_duplicate_triangle_leaves_open_edges(finger: Design, evaluator: MeshEvaluator) -> None:
-    whole = mesh_of(evaluator, bone.bone(finger))
-    doubled = replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))
-    assert count_open_edges(doubled) > 0
-
-
-def test_inverted_mesh_fails(finger: Design, evaluator: MeshEvaluator) -> None:
-    whole = mesh_of(evaluator, bone.bone(finger))
-    assert "inverted" in mesh_failures(PARTS["bone"], replace(whole, triangles=whole.triangles[:, ::-1].copy()))
-
-
-def test_second_body_fails(finger: Design, evaluator: MeshEvaluator) -> None:
-    crumb = Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0))
-    assert "bodies" in mesh_failures(PARTS["bone"], mesh_of(evaluator, union(bone.bone(finger), crumb)))
-
-
-def test_hole_through_a_wall_changes_the_genus(finger: Design, evaluator: MeshEvaluator) -> None:
-    hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
-    assert mesh_failures(PARTS["bone"], mesh_of(evaluator, difference(bone.bone(finger), hole))) == {"genus"}
-
-
-def test_missing_cable_channel_changes_the_genus(finger: Design, evaluator: MeshEvaluator) -> None:
-    added, removed = interface_of(finger).shapes(finger)
-    hollows = (bone.sensor_recess(finger), bone.tie_hole(finger), *removed)
-    blind = difference(union(filled_bone(finger), *added), *hollows)
-    assert mesh_failures(PARTS["bone"], mesh_of(evaluator, blind)) == {"genus"}
-
-
-def test_skin_that_does_not_fill_the_cavity_fails(finger: Design, evaluator: MeshEvaluator) -> None:
-    pierced = difference(PARTS["skin"].solid(finger), cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0))
-    assert assembly_failures(finger, evaluator, skin=pierced) == {"volume_balance.cavity"}
-
-
-def test_overlapping_parts_fail(finger: Design, evaluator: MeshEvaluator) -> None:
-    thick = union(bone.bone(finger), Box((-1.0, 3.0, 5.0), (1.0, 5.8, 7.0)))
-    assert assembly_failures(finger, evaluator, bone=thick) == {"overlap.bone.skin"}
-
-
-def test_ledge_in_the_cavity_prevents_demolding(finger: Design, evaluator: MeshEvaluator) -> None:
+def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> None:
     """A ledge in the cavity above the widest section of the skin, with a matching notch in the skin."""
     ledge = Box((7.4, 2.0, 8.0), (12.0, 2.6, 12.0))
-    lower = union(PARTS["mold_palmar"].solid(finger), difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))))
-    notched = difference(PARTS["skin"].solid(finger), ledge)
-    upper = difference(PARTS["mold_dorsal"].solid(finger), ledge)
-    found = assembly_failures(finger, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
+    lower = union(PARTS["mold_palmar"].solid(FINGER), difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))))
+    notched = difference(PARTS["skin"].solid(FINGER), ledge)
+    upper = difference(PARTS["mold_dorsal"].solid(FINGER), ledge)
+    found = assembly_failures(FINGER, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
     assert "demolding_overlap.mold_palmar" in found
     assert not any(name.startswith("overlap") for name in found)
 
 
-def test_chipped_half_breaks_the_volume_balance(finger: Design, evaluator: MeshEvaluator) -> None:
-    chipped = difference(PARTS["mold_dorsal"].solid(finger), Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0)))
-    assert assembly_failures(finger, evaluator, mold_dorsal=chipped) == {"volume_balance.mold"}
-
-
 @pytest.mark.full
-def test_mesh_too_coarse_for_its_stated_tolerance_fails(finger: Design) -> None:
-    part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(finger))
-    exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(finger)).volume()
-    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 1), 0.5) == set()
-    assert brep_failures(finger, part, coarse, BrepMeasurements(exact, 1), 0.001) == {"volume_difference_to_mesh"}
+def test_mesh_too_coarse_for_its_stated_tolerance_fails() -> None:
+    part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(FINGER))
+    exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(FINGER)).volume()
+    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 1), 0.5) == set()
+    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 1), 0.001) == {"volume_difference_to_mesh"}
 
 
-def test_brep_solid_with_an_extra_hole_fails(finger: Design, evaluator: MeshEvaluator) -> None:
+def test_brep_solid_with_an_extra_hole_fails(evaluator: MeshEvaluator) -> None:
     """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
     from fingertip.cad.kernel import brep
 
-    hole = cylinder("x", (2.0, 5.0), -20.0, 20.0, 0.5)
-    pierced = brep.BrepEvaluator().solid(difference(bone.bone(finger), hole))
+    pierced = brep.BrepEvaluator().solid(difference(bone.bone(FINGER), HOLE))
     exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))
-    mesh = mesh_of(evaluator, difference(bone.bone(finger), hole))
-    assert exact.genus == PARTS["bone"].genus(finger) + 1
-    assert brep_failures(finger, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
+    mesh = evaluator.mesh(difference(bone.bone(FINGER), HOLE))
+    assert exact.genus == PARTS["bone"].genus(FINGER) + 1
+    assert brep_failures(FINGER, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
 
 
-def test_mesh_kernel_rejects_an_inverted_primitive(finger: Design, evaluator: MeshEvaluator) -> None:
+def test_mesh_kernel_rejects_an_inverted_primitive(evaluator: MeshEvaluator) -> None:
     from fingertip.foundation.errors import GeometryError
 
     with pytest.raises(GeometryError, match="inverted mesh"):
         evaluator.manifold(Box((0.0, 0.0, 1.0), (1.0, 1.0, 0.0)))
 
 
-def test_failed_check_is_reported_and_files_are_written(
-    finger: Design, tmp_path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failed_check_is_reported_and_files_are_written(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 0))
-    result = build(finger, tmp_path, parts=["skin"], formats=["stl"])
+    result = build(FINGER, tmp_path, parts=["skin"], formats=["stl"])
     assert not result.passed
     assert {c.name for c in result.checks if not c.passed} == {"skin.stl.genus"}
     assert (tmp_path / "skin.stl").exists()
 
 
-def test_kernels_agree_on_the_volume_of_every_primitive(finger: Design, design: Design) -> None:
+def test_kernels_agree_on_the_volume_of_every_primitive(design: Design) -> None:
     """The kernels share no geometry code, so an error in either one shows as a difference in volume."""
     from fingertip.cad.kernel import brep
 
@@ -199,3 +150,28 @@ def primitives(solid: Solid) -> set[Solid]:
         case Difference(first, without):
             return {p for s in (first, *without) for p in primitives(s)}
     return {solid}
+
+
+def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
+    whole = bone.bone(FINGER)
+    added, removed = interface_of(FINGER).shapes(FINGER)
+    hollows = (bone.sensor_recess(FINGER), bone.tie_hole(FINGER), *removed)
+    without_channel = difference(union(filled_bone(FINGER), *added), *hollows)
+    second_body = union(whole, Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0)))
+    assert "bodies" in mesh_failures(PARTS["bone"], evaluator.mesh(second_body))
+    for solid in (difference(whole, HOLE), without_channel):
+        assert mesh_failures(PARTS["bone"], evaluator.mesh(solid)) == {"genus"}
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "failed"),
+    [
+        ("skin", lambda skin: difference(skin, cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0)), "volume_balance.cavity"),
+        ("bone", lambda bone: union(bone, Box((-1.0, 3.0, 5.0), (1.0, 5.8, 7.0))), "overlap.bone.skin"),
+        ("mold_dorsal", lambda half: difference(half, Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0))), "volume_balance.mold"),
+    ],
+)
+def test_part_that_does_not_fit_the_others_fails(
+    evaluator: MeshEvaluator, part: str, change: Callable[[Solid], Solid], failed: str
+) -> None:
+    assert assembly_failures(FINGER, evaluator, **{part: change(PARTS[part].solid(FINGER))}) == {failed}

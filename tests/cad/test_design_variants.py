@@ -17,10 +17,7 @@ VARIANTS = {
     "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],
     "flange": ["bone.interface=flange", "bone.base_length_mm=26"],
     "flange with four bolts": [
-        "bone.interface=flange",
-        "bone.base_length_mm=26",
-        "bone.flange_spacing_y_mm=12",
-        "bone.flange_height_mm=18",
+        "bone.interface=flange", "bone.base_length_mm=26", "bone.flange_spacing_y_mm=12", "bone.flange_height_mm=18",
     ],
     "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
@@ -28,7 +25,7 @@ VARIANTS = {
     "no draft": ["mold.draft_deg=0"],
     "compensated": ["printer.scale_percent=100.4"],
     "long name": ["name=A_very-long_name_with-forty_characters_1"],
-}
+}  # fmt: skip
 
 
 @pytest.mark.full

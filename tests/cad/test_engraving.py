@@ -33,43 +33,29 @@ def is_inside(point: engraving.Point, ring: Sequence[engraving.Point]) -> bool:
     ) % 2 == 1  # fmt: skip
 
 
-def test_every_allowed_character_has_valid_outlines() -> None:
-    """Strokes and outlines run counter-clockwise, and counters clockwise."""
+def test_outlines_are_valid_and_cover_the_same_area_as_the_strokes() -> None:
+    """Strokes and outlines run counter-clockwise, and counters clockwise.
+
+    Random points lie inside a stroke exactly if they lie inside the outline and in no counter.
+    """
     wrong = []
     for letter in ALLOWED:
         rectangles, pieces = stroke_rectangles(letter, STROKE_WIDTH), letter_outlines(letter, STROKE_WIDTH)
         wrong += [letter for ring in rectangles if area(ring) <= 0]
         wrong += [letter for ring in rectangles for x, y in ring if not (-0.57 <= x <= 4.57 and -0.57 <= y <= 6.57)]
         wrong += [letter for outline, *counters in pieces if area(outline) <= 0 or any(area(c) >= 0 for c in counters)]
-    assert wrong == []
-
-
-def test_outlines_cover_the_same_area_as_the_strokes() -> None:
-    """Random points lie inside a stroke exactly if they lie inside the outline and in no counter."""
-    wrong = []
-    for letter in LETTERS:
-        rectangles, pieces = stroke_rectangles(letter, STROKE_WIDTH), letter_outlines(letter, STROKE_WIDTH)
         rng = random.Random(letter)
-        for _ in range(500):
+        for _ in range(500 if letter in LETTERS else 0):
             point = (rng.uniform(-0.7, 4.7), rng.uniform(-0.7, 6.7))
             by_stroke = any(is_inside(point, rectangle) for rectangle in rectangles)
             if by_stroke != (sum(is_inside(point, ring) for rings in pieces for ring in rings) % 2 == 1):
-                wrong.append((letter, point))
+                wrong.append(letter)
     assert wrong == []
 
 
-def test_number_of_counters() -> None:
-    assert {letter: [len(rings) for rings in letter_outlines(letter, STROKE_WIDTH)] for letter in "COB8"} == {
-        "C": [1], "O": [2], "B": [3], "8": [3],
-    }  # fmt: skip
-
-
-def test_all_letters_differ() -> None:
+def test_all_letters_differ_and_follow_each_other_at_a_constant_distance() -> None:
     shapes = {letter: tuple(letter_outlines(letter, STROKE_WIDTH)) for letter in LETTERS}
     assert len(set(shapes.values())) == len(shapes)
-
-
-def test_letters_follow_each_other_at_a_constant_distance() -> None:
     first, second = letter_outlines("I", STROKE_WIDTH), letter_outlines("II", STROKE_WIDTH)
     moved = [tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
     assert second == (*first, *moved)

@@ -13,17 +13,13 @@ from fingertip.cad.shapes.parts import hardware, parts_by_name, screw
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid, cylinder, difference
+from fingertip.design.geometry.solids import Solid, cylinder
 from tests.conftest import ROOT, design_file
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
 OF_THE_BONE = ("sensor", "joint_pin")
 TOLERANCE_MM = 0.005
 """Tolerance of the meshes [mm]: facets of two round walls at the same radius may overlap by it."""
-
-
-def variants(name: str, method: str) -> Design:
-    return Design.load(design_file(name), changes=[f"mold.method={method}"])
 
 
 def overlap_mm3(one: Solid, other: Solid, evaluator: MeshEvaluator | None = None) -> float:
@@ -35,7 +31,7 @@ def overlap_mm3(one: Solid, other: Solid, evaluator: MeshEvaluator | None = None
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", FILES)
 def test_hardware_overlaps_nothing_but_its_thread(name: str, method: str) -> None:
-    design = variants(name, method)
+    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
     parts = parts_by_name(design)
     solids = {part: entry.solid(design) for part, entry in parts.items()}
     bought, evaluator = hardware(design, parts), MeshEvaluator(TOLERANCE_MM)
@@ -83,12 +79,6 @@ def test_thread_overlaps_the_wall_of_the_pilot_hole_alone() -> None:
     shared = overlap_mm3(found.solid, parts_by_name(design)["bone"].solid(design))
     ring = math.pi * ((chaplet.thread.diameter_mm / 2) ** 2 - chaplet.pilot_radius**2) * chaplet.engaged
     assert shared == pytest.approx(ring, rel=0.02)
-
-
-def test_overlap_can_be_found() -> None:
-    wall = cylinder("y", (0.0, 0.0), 0.0, 1.0, 3.0)
-    hole = cylinder("y", (0.0, 0.0), -1.0, 2.0, 1.0)
-    assert overlap_mm3(difference(wall, hole), cylinder("y", (0.0, 0.0), 0.0, 1.0, 1.2)) > 1.0
 
 
 def test_parts_that_are_not_built_bring_no_hardware() -> None:

@@ -22,7 +22,7 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.print_files import Placed, PrintFiles, arrange, make_print_files
+from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files
 from fingertip.cad.printing.settings import FDM, PLATE_KINDS, SLA
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
@@ -95,36 +95,28 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
             assert gap >= kind.gap_mm - 1e-6
 
 
-def test_part_on_a_plate_lies_as_its_own_file_does() -> None:
-    _, _, _, prints = make()
-    placed = placed_on(prints.contents["plate_fdm.3mf"])
+def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
+    """Halves lie on their outer faces, the bone stands upright, and all have the scale of the printer."""
+    design, _, _, prints = make()
+    larger = make("printer.scale_percent=102")[3]
+    placed, heights = placed_on(prints.contents["plate_fdm.3mf"]), {}
     for name, mesh in placed.items():
         alone = stl.from_bytes(prints.contents[f"{name}.stl"])
         assert (alone.vertices.min(axis=0) == 0.0).all()
         shifted = mesh.vertices - mesh.bounds[0]
         extents = alone.vertices.max(axis=0)
+        heights[name] = extents[2]
         turned = not np.allclose(shifted.max(axis=0), extents, atol=1e-6)
         assert np.allclose(sorted(shifted.max(axis=0)[:2]), sorted(extents[:2]), atol=1e-6)
         assert turned or np.allclose(np.sort(shifted[:, 2]), np.sort(alone.vertices[:, 2]), atol=1e-6)
-
-
-def test_halves_lie_on_their_outer_faces_and_the_bone_stands_upright() -> None:
-    design, _, _, prints = make()
-    heights = {
-        name: stl.from_bytes(prints.contents[f"{name}.stl"]).vertices[:, 2].max() for name in print_orientations(design)
-    }
+        scaled_up = stl.from_bytes(larger.contents[f"{name}.stl"]).vertices.max(axis=0)
+        assert scaled_up == pytest.approx(1.02 * extents, abs=0.05)
     layout = design.mold_layout
     assert heights["mold_palmar"] == pytest.approx(layout.palmar_height, abs=1e-4)
     assert heights["mold_dorsal"] == pytest.approx(layout.dorsal_height + design.mold.key_height_mm, abs=1e-4)
     assert heights["bone"] > 2 * design.skin.length_mm - 10.0
-
-
-def test_prints_have_the_scale_of_the_printer() -> None:
-    _, _, _, plain = make()
-    _, _, _, larger = make("printer.scale_percent=102")
-    for name in ("bone", "mold_dorsal"):
-        sizes = [np.ptp(stl.from_bytes(one.contents[f"{name}.stl"]).vertices, axis=0) for one in (plain, larger)]
-        assert sizes[1] == pytest.approx(1.02 * sizes[0], abs=0.05)
+    with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
+        bed_pose(make()[1]["bone"], 30.0)
 
 
 def test_plates_name_supports_and_settings_of_each_object() -> None:
@@ -156,11 +148,8 @@ def test_small_bed_takes_several_plates() -> None:
     for kind in ("fdm", "sla"):
         held = [part for file, parts in prints.plates.items() if kind in file for part in parts]
         assert sorted(held) == sorted(print_orientations(design))
-
-
-def test_part_larger_than_the_bed_fails_its_check() -> None:
     found = failed(*make("printer.bed_x_mm=40", "printer.bed_y_mm=40"))
-    assert found == {"plate_fdm.bed_excess", "plate_sla.bed_excess"}
+    assert found == {"plate_fdm.bed_excess", "plate_sla.bed_excess"}, "a part is larger than the bed"
 
 
 def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
@@ -218,56 +207,36 @@ def test_random_parts_are_placed_apart_on_as_few_plates_as_their_area_needs_twic
     assert len(plates) <= 1 + 3 * area / (bed[0] * bed[1])
 
 
-def test_turn_that_is_no_quarter_is_refused() -> None:
-    mesh = make()[1]["bone"]
-    with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
-        bed_pose(mesh, 30.0)
-
-
-def test_distance_of_rectangles() -> None:
-    one = Placed("a", False, 0.0, 0.0, 10.0, 10.0)
-    assert one.distance(Placed("b", False, 12.0, 5.0, 3.0, 3.0)) == 2.0
-    assert one.distance(Placed("b", False, 5.0, 13.0, 3.0, 3.0)) == 3.0
-    assert one.distance(Placed("b", False, 2.0, 2.0, 3.0, 3.0)) < 0.0
-
-
-@pytest.mark.full
-def test_skin_says_that_it_is_not_to_be_printed(tmp_path: Path) -> None:
-    build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)
-    assert NOTE in (tmp_path / "skin.stl").read_bytes()[:80].decode()
-    with ZipFile(tmp_path / "skin.3mf") as bundle:
-        assert f'<metadata name="Description">{NOTE}</metadata>' in bundle.read("3D/3dmodel.model").decode()
-    assert NOTE not in (tmp_path / "bone.stl").read_bytes()[:80].decode()
-    assert not list((tmp_path / PRINT_FOLDER).glob("skin*"))
-
-
 @pytest.mark.full
 def test_folder_for_the_printer_is_a_set_with_the_parts(tmp_path: Path) -> None:
+    """A build of other parameters removes it, also if that makes none itself."""
     result = build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)
+    folder = tmp_path / PRINT_FOLDER
     report = json.loads((tmp_path / "report.json").read_text())["print"]
-    files = {path.name for path in (tmp_path / PRINT_FOLDER).iterdir()} - {"manifest.json"}
+    files = {path.name for path in folder.iterdir()} - {"manifest.json"}
     assert {name.removeprefix("print/") for name in report} == files == set(result.prints.contents)
     for name, entry in report.items():
         assert entry["sha256"] == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
     assert sorted(report["print/plate_sla.3mf"]["parts"]) == ["bone", "mold_dorsal", "mold_palmar"]
     assert report["print/bone.stl"]["parts"] == ["bone"]
+    # The skin says that it is not to be printed.
+    assert NOTE in (tmp_path / "skin.stl").read_bytes()[:80].decode()
+    with ZipFile(tmp_path / "skin.3mf") as bundle:
+        assert f'<metadata name="Description">{NOTE}</metadata>' in bundle.read("3D/3dmodel.model").decode()
+    assert NOTE not in (tmp_path / "bone.stl").read_bytes()[:80].decode()
+    assert not list(folder.glob("skin*"))
     assert verify_sets(tmp_path)[1] == []
-    (tmp_path / PRINT_FOLDER / "bone.stl").write_bytes(b"repaired by hand")
+    kept = (folder / "bone.stl").read_bytes()
+    (folder / "bone.stl").write_bytes(b"repaired by hand")
     assert "bone.stl: was changed" in verify_sets(tmp_path)[1][0]
-    with pytest.raises(OutputError, match=r"print/bone\.stl: was not written by fingertip, or was changed since"):
-        build(Design(), tmp_path, formats=["stl"], tolerance_mm=TOLERANCE)
-    with pytest.raises(OutputError, match=r"print/bone\.stl"):
-        build(Design.load(changes=["name=other"]), tmp_path, formats=["stl"], tolerance_mm=TOLERANCE)
-
-
-@pytest.mark.full
-def test_files_for_the_printer_belong_to_one_design(tmp_path: Path) -> None:
-    """A build of other parameters removes them, also if it makes none itself."""
-    build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)
-    changed = Design.load(changes=["name=other"])
-    other = build(changed, tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=TOLERANCE)
-    assert "print/plate_fdm.3mf" in other.removed
-    assert [path.name for path in (tmp_path / PRINT_FOLDER).iterdir()] == ["manifest.json"]
+    other = Design.load(changes=["name=other"])
+    for design in (Design(), other):
+        with pytest.raises(OutputError, match=r"print/bone\.stl: was not written by fingertip, or was changed since"):
+            build(design, tmp_path, formats=["stl"], tolerance_mm=TOLERANCE)
+    (folder / "bone.stl").write_bytes(kept)
+    built = build(other, tmp_path, parts=["skin"], formats=["stl"], tolerance_mm=TOLERANCE)
+    assert "print/plate_fdm.3mf" in built.removed
+    assert [path.name for path in folder.iterdir()] == ["manifest.json"]
     assert verify_sets(tmp_path)[1] == []
 
 

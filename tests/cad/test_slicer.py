@@ -18,7 +18,6 @@ from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
 from fingertip.cad.printing.settings import slicer_settings
 from fingertip.cad.printing.slicer import parse_gcode, slice_to_gcode
-from fingertip.cad.report import Build
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
@@ -37,38 +36,19 @@ def slicer() -> Path:
     return require_tool("prusa-slicer", "apt-get install prusa-slicer")
 
 
-def assert_manifold(slicer: Path, path: Path, volume_mm3: float) -> None:
+@pytest.mark.parametrize(
+    "name", ["bone", *(pytest.param(n, marks=pytest.mark.full) for n in ("skin", "mold_palmar", "mold_dorsal"))]
+)
+def test_slicer_sees_one_manifold_part(slicer: Path, name: str, tmp_path: Path) -> None:
     """The exit code of PrusaSlicer does not report whether a mesh is manifold; its output does."""
-    output = subprocess.run([slicer, "--info", path], capture_output=True, text=True, check=True)
-    facts = dict(line.split(" = ", 1) for line in output.stdout.splitlines() if " = " in line)
-    assert facts["manifold"].strip() == "yes"
-    assert facts["number_of_parts"].strip() == "1"
-    assert float(facts["volume"]) == pytest.approx(volume_mm3, rel=1e-5)
-
-
-@pytest.mark.parametrize("file_format", ["stl", "3mf"])
-def test_slicer_sees_a_manifold_bone(slicer: Path, file_format: str, tmp_path: Path) -> None:
-    bone = build(Design(), tmp_path, parts=["bone"], formats=[file_format], tolerance_mm=COARSE).parts[0]
-    assert_manifold(slicer, tmp_path / f"bone.{file_format}", bone.mesh.volume())
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("file_format", ["stl", "3mf"])
-@pytest.mark.parametrize("name", ["bone", "skin", "mold_palmar", "mold_dorsal"])
-def test_slicer_sees_one_manifold_part(slicer: Path, built: Build, name: str, file_format: str) -> None:
-    part = next(p for p in built.parts if p.part.name == name)
-    assert_manifold(slicer, built.folder / f"{name}.{file_format}", part.mesh.volume())
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["bone", "mold_palmar", "mold_dorsal"])
-def test_slicer_slices_printed_parts(slicer: Path, built: Build, name: str, tmp_path: Path) -> None:
-    code = tmp_path / f"{name}.gcode"
-    command = [slicer, "--export-gcode", "--layer-height", "0.15", "-o", code, built.folder / f"{name}.3mf"]
-    subprocess.run(command, capture_output=True, text=True, check=True)
-    text = code.read_text()
-    assert text.count("\nG1 ") > 1000
-    assert "filament used [mm]" in text
+    (part,) = build(Design(), tmp_path, parts=[name], formats=["stl", "3mf"], tolerance_mm=COARSE).parts
+    for file_format in ("stl", "3mf"):
+        words = [slicer, "--info", tmp_path / f"{name}.{file_format}"]
+        output = subprocess.run(words, capture_output=True, text=True, check=True)
+        facts = dict(line.split(" = ", 1) for line in output.stdout.splitlines() if " = " in line)
+        assert facts["manifold"].strip() == "yes"
+        assert facts["number_of_parts"].strip() == "1"
+        assert float(facts["volume"]) == pytest.approx(part.mesh.volume(), rel=1e-5)
 
 
 def support_moves(gcode: str) -> np.ndarray:
@@ -113,8 +93,7 @@ def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
 ) -> None:
     """With automatic supports at 45 degrees: none stands under a mold half, and some under the bone."""
     design = Design.load(design_file(name), changes=[f"mold.method={method}"])
-    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
-    plate = prints.contents[f"plate_{kind}.3mf"]
+    plate = plate_of(design, kind)
     (tmp_path / "plate.3mf").write_bytes(plate)
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
     command = [
@@ -139,23 +118,24 @@ def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
             assert not inside.any(), item.name
 
 
-@pytest.mark.full
-def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate(slicer: Path, tmp_path: Path) -> None:
-    """The measure of the test above finds supports in nut traps where the plate does not switch them off."""
-    design = Design()
+def plate_of(design: Design, kind: str = "fdm") -> bytes:
     prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
-    items = [replace(item, settings=()) for item in threemf.read_items(prints.contents["plate_fdm.3mf"])]
-    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", items), design, LAYER_MM)
-    assert in_nut_traps(design, items, support_moves(code)) > 100
+    return prints.contents[f"plate_{kind}.3mf"]
 
 
 @pytest.mark.full
-def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
-    """A bridge is printed in each layer of the first two steps of a trap that is wide enough for one."""
+def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate(slicer: Path) -> None:
+    """The measure of the test above finds supports in nut traps where the plate does not switch them off.
+
+    With the settings a bridge is printed in each layer of the first two steps of a trap that is wide enough for one.
+    """
     design = Design()
-    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
-    items = [item for item in threemf.read_items(prints.contents["plate_fdm.3mf"]) if item.name == "mold_palmar"]
-    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", items), design, LAYER_MM)
+    items = threemf.read_items(plate_of(design))
+    bare = [replace(item, settings=()) for item in items]
+    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", bare), design, LAYER_MM)
+    assert in_nut_traps(design, bare, support_moves(code)) > 100
+    half = [item for item in items if item.name == "mold_palmar"]
+    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", half), design, LAYER_MM)
     heights, z = set(), 0.0
     for line in code.splitlines():
         if line.startswith(";Z:"):
@@ -170,8 +150,7 @@ def test_slicer_prints_bridges_over_the_nut_traps(slicer: Path) -> None:
 def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path) -> None:
     """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
     design = Design()
-    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
-    (bone,) = (item for item in threemf.read_items(prints.contents["plate_fdm.3mf"]) if item.name == "bone")
+    (bone,) = (item for item in threemf.read_items(plate_of(design)) if item.name == "bone")
     settings = slicer_settings("bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
     heights, infills, brims = [], [], []
     for item in (bone, replace(bone, settings=settings)):
@@ -189,9 +168,7 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
 @pytest.mark.full
 @pytest.mark.parametrize("name", some_of(("fsr400", "adult_thumb"), "fsr400"))
 def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_path: Path) -> None:
-    design = Design.load(design_file(name))
-    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
-    (tmp_path / "plate.3mf").write_bytes(prints.contents["plate_sla.3mf"])
+    (tmp_path / "plate.3mf").write_bytes(plate_of(Design.load(design_file(name)), "sla"))
     command = [
         slicer, "--export-sla", "--printer-technology", "SLA", "--dont-arrange", "--layer-height", "0.1", "-o",
         tmp_path / "plate.sl1", tmp_path / "plate.3mf",

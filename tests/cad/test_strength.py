@@ -40,7 +40,7 @@ def strength_of(**tables):
     return assess_strength(design, MeshEvaluator(0.02))
 
 
-def test_section_of_a_rectangle_away_from_the_origin():
+def test_sections_of_a_rectangle_away_from_the_origin_and_of_a_tube():
     b, h = 4.0, 6.0
     section = measure_section([np.array([[10, 20], [14, 20], [14, 26], [10, 26]], dtype=float)])
     assert section.area_mm2 == b * h
@@ -48,27 +48,9 @@ def test_section_of_a_rectangle_away_from_the_origin():
     assert section.second_xx_mm4 == pytest.approx(b * h**3 / 12)
     assert section.second_yy_mm4 == pytest.approx(h * b**3 / 12)
     assert section.second_xy_mm4 == pytest.approx(0.0, abs=1e-9)
-
-
-def test_section_of_a_tube():
-    section = measure_section([circle(5.0), circle(3.0)[::-1]])
-    assert section.area_mm2 == pytest.approx(math.pi * 16, rel=1e-5)
-    assert section.second_xx_mm4 == pytest.approx(math.pi / 4 * (5**4 - 3**4), rel=1e-5)
-
-
-def test_section_of_an_angle_has_the_mixed_moment_of_its_parts():
-    angle = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)
-    section = measure_section([angle])
-    step = 0.01
-    x, y = np.meshgrid(np.arange(step / 2, 6, step), np.arange(step / 2, 8, step))
-    inside = (y < 1) | (x < 1)
-    dx, dy = x[inside] - x[inside].mean(), y[inside] - y[inside].mean()
-    expected = [(dy * dy).sum(), (dx * dx).sum(), (dx * dy).sum()]
-    found = [section.second_xx_mm4, section.second_yy_mm4, section.second_xy_mm4]
-    assert found == pytest.approx([value * step * step for value in expected], rel=1e-4)
-
-
-def test_empty_section_is_none():
+    tube = measure_section([circle(5.0), circle(3.0)[::-1]])
+    assert tube.area_mm2 == pytest.approx(math.pi * 16, rel=1e-5)
+    assert tube.second_xx_mm4 == pytest.approx(math.pi / 4 * (5**4 - 3**4), rel=1e-5)
     assert measure_section([]) is None
 
 
@@ -85,8 +67,7 @@ def test_round_cantilever_has_the_textbook_stress_in_every_direction():
 
 def test_stress_in_an_angle_balances_force_and_moments():
     """The stress field of each unit load has exactly its force and its moments, about the section's centroid."""
-    angle = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)
-    section = measure_section([angle])
+    section = measure_section([np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 8], [0, 8]], dtype=float)])
     point = np.array([3.0, -2.0, 40.0])
     gradients = stress_gradients(section, point, 5.0)
     # A stress that is linear in x and y: recover its three coefficients from three corners.
@@ -121,27 +102,12 @@ def test_factors_at_their_limits():
     assert shoulder_in_bending(13.0, 7.0, 0.0) == shoulder_in_bending(13.0, 7.0, 0.15)
     fillets = [shoulder_in_bending(13.0, 7.0, r) for r in (0.2, 0.5, 1.0, 2.0, 3.0)]
     assert fillets == sorted(fillets, reverse=True)
-    assert all(1.0 < factor < 3.5 for factor in fillets)
     assert hole_in_tension(0.0, 7.0) == 3.0
     assert hole_in_tension(3.5, 7.0) == pytest.approx(3 - 1.565 + 0.915 - 0.19125)
 
 
 ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0}
 """The round post that the default finger once had."""
-
-
-@pytest.mark.full
-def test_weak_finger_says_so():
-    found, rounded = strength_of(), strength_of(bone=ROUND)
-    assert 1.7 < found.grip_safety_factor < 1.8
-    assert rounded.grip_safety_factor < 1.2
-    assert found.shock_safety_factor == pytest.approx(found.grip_safety_factor / 3)
-    assert found.weakest.load == "apex"
-    first, warning = describe_strength(found)
-    assert "safety factor 1.7" in first
-    assert warning.startswith("warning: 2 and 1.2 are wanted")
-    assert strength_data(found)["weakest"]["load"] == "apex"
-    assert len(describe_strength(strength_of(strength={"grip_force_n": 5.0, "shock_force_n": 10.0}))) == 1
 
 
 def checks_of(**tables: dict[str, object]) -> dict[str, Check]:
@@ -179,13 +145,6 @@ def test_plate_for_filament_warns_if_its_bone_breaks_at_the_grip() -> None:
     assert "bone.safety_factor.grip_fdm" not in checks_of(strength={"print_material": "petg"}), "checked itself"
     assert checks_of(strength={"grip_force_n": 10.0})["bone.safety_factor.grip_fdm"].state == "passed"
     assert "no print material" in checks_of(strength={"grip_force_n": 60.0})["bone.safety_factor.grip_fdm"].warning
-
-
-def test_compact_finger_holds_a_firm_grip_but_not_yet_a_knock():
-    """Wanted are 2 and 1.2."""
-    found = assess_strength(Design.load(design_file("fsr400_compact")), MeshEvaluator(0.02))
-    assert found.grip_safety_factor >= 2.0
-    assert 0.6 < found.shock_safety_factor < 1.2
 
 
 def test_nominal_stress_of_the_post_is_that_of_the_beam():
@@ -231,15 +190,6 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     assert thick.weakest.z_mm > -22.0  # the base breaks first
 
 
-@pytest.mark.parametrize("name", PRINT_MATERIALS)
-def test_materials_are_plausible_and_name_their_source(name):
-    material = PRINT_MATERIALS[name]
-    assert 10 < material.across_mpa <= material.strength_mpa < 120
-    assert 500 < material.modulus_mpa < 10_000
-    assert material.source
-    assert set(material.verified) <= {"strength_mpa", "across_mpa", "modulus_mpa"}
-
-
 @pytest.mark.full
 def test_tolerance_and_number_of_sections_matter_little(monkeypatch):
     base = assess_strength(DESIGN, MeshEvaluator(0.01))
@@ -256,8 +206,15 @@ def test_report_and_command_state_the_strength(tmp_path):
     done = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "bone", "--out", tmp_path / "b", "-q")
     assert done.returncode == 0, done.stderr
     assert "safety factor 1.7" in done.stdout
-    report = json.loads((tmp_path / "b" / "report.json").read_text())
-    assert 1.7 < report["strength"]["grip_safety_factor"] < 1.8
+    found = assess_strength(DESIGN, MeshEvaluator(0.02))
+    report = json.loads((tmp_path / "b" / "report.json").read_text())["strength"]
+    assert report["grip_safety_factor"] == pytest.approx(found.grip_safety_factor, rel=0.02)
+    assert report["weakest"]["load"] == found.weakest.load == strength_data(found)["weakest"]["load"] == "apex"
+    assert found.shock_safety_factor == pytest.approx(found.grip_safety_factor / 3)
+    first, warning = describe_strength(found)
+    assert "safety factor 1.7" in first
+    assert warning.startswith("warning: 2 and 1.2 are wanted")
+    assert len(describe_strength(strength_of(strength={"grip_force_n": 5.0, "shock_force_n": 10.0}))) == 1
     skin = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "skin", "--out", tmp_path / "s", "-q")
     assert "safety factor" not in skin.stdout
     assert "strength" not in json.loads((tmp_path / "s" / "report.json").read_text())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 from collections.abc import Iterable
 
 import numpy as np
@@ -26,7 +25,6 @@ from fingertip.design.geometry.seat import (
     worst,
 )
 from fingertip.design.new_design import PRESETS
-from fingertip.foundation.numerics import maximise_linear
 from tests.conftest import design_file
 
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
@@ -53,28 +51,8 @@ def test_losses_are_those_of_a_library(name: str, method: str) -> None:
         motion = np.array(loss.motion)
         assert (rows @ motion <= gaps + 1e-9).all()
         assert objective @ motion == pytest.approx(loss.loss_mm, abs=1e-12)
-
-
-@pytest.mark.full
-def test_random_polytopes_have_the_maxima_of_a_library() -> None:
-    from scipy.optimize import linprog
-
-    rng = random.Random(5)
-    for _ in range(60):
-        count, size = rng.randint(4, 30), rng.randint(1, 6)
-        rows = [[rng.gauss(0, 1) for _ in range(size)] for _ in range(count)]
-        bounds = [rng.uniform(0.01, 2.0) for _ in range(count)]
-        objectives = [[rng.gauss(0, 1) for _ in range(size)] for _ in range(5)]
-        for objective, (value, point) in zip(objectives, maximise_linear(objectives, rows, bounds, 7.0), strict=True):
-            expected = linprog([-c for c in objective], A_ub=rows, b_ub=bounds, bounds=[(-7, 7)] * size)
-            assert value == pytest.approx(-expected.fun, rel=1e-9)
-            assert value == pytest.approx(math.fsum(c * x for c, x in zip(objective, point, strict=True)))
-
-
-def test_shift_between_two_walls_is_their_gap() -> None:
-    ((value, point),) = maximise_linear([[0.0, 3.0]], [[0.0, 1.0], [0.0, -1.0]], [0.2, 1.0], 9.0)
-    assert value == pytest.approx(0.6)
-    assert point[1] == pytest.approx(0.2)
+    assert method == "sleeve" or worst(design.losses, over_sensor=True).retained >= 0.95
+    assert method == "sleeve" or worst(design.losses, over_sensor=False).retained >= 0.80
 
 
 def test_tip_of_a_cantilever_moves_by_the_lever_of_its_recess(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,39 +73,18 @@ def unit_pair(axis: int) -> list[tuple[float, float, float]]:
     return [tuple(sign * float(i == axis) for i in range(3)) for sign in (-1.0, 1.0)]  # type: ignore[misc]
 
 
-@pytest.mark.parametrize("name", DESIGNS)
-def test_bundled_designs_keep_their_skin(name: str) -> None:
-    losses = Design.load(design_file(name)).losses
-    assert worst(losses, over_sensor=True).retained >= 0.95
-    assert worst(losses, over_sensor=False).retained >= 0.80
+def test_the_worst_point_has_least_of_its_silicone_left() -> None:
+    def loss(thickness_mm: float, loss_mm: float, over_sensor: bool = False) -> Loss:
+        return Loss(SkinPoint((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), thickness_mm, over_sensor), loss_mm, (0.0,) * 6)
 
-
-def test_skin_over_the_sensor_has_its_design_thickness() -> None:
-    design = Design.load(design_file("fsr400"))
-    centre = next(p for p in list_skin_points(design, design.dimensions) if p.over_sensor and p.point_mm[0] == 0.0)
-    assert centre.thickness_mm == pytest.approx(design.skin.thickness_palmar_mm)
-
-
-def test_chaplet_holds_what_a_base_alone_does_not() -> None:
-    design = Design.load(design_file("fsr400"))
-    held = worst(design.losses, over_sensor=True)
-    base = [c for c in list_contacts(design, design.dimensions) if c.point_mm[2] <= 0.0]
-    along = [Contact((0.0, 0.0, 0.0), (0.0, 0.0, sign), 0.15) for sign in (-1.0, 1.0)]
-    rows = moments([(c.point_mm, c.normal) for c in (*base, *along)]).tolist()
-    gaps = [c.gap_mm for c in (*base, *along)]
-    (objective,) = moments([(held.point.point_mm, held.point.normal)]).tolist()
-    ((loose, _),) = maximise_linear([objective], rows, gaps, 100.0)
-    assert loose > 5 * held.loss_mm
-
-
-def test_what_is_left_of_the_silicone() -> None:
-    point = SkinPoint((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 2.0)
-    still = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    some, all_of_it = Loss(point, 0.5, still), Loss(point, 3.0, still)
+    some, all_of_it, thin = loss(2.0, 0.5), loss(2.0, 3.0), loss(0.8, 0.4)
     assert (some.retained, some.left_mm) == (0.75, 1.5)
     assert (all_of_it.retained, all_of_it.left_mm) == (-0.5, 0.0)
-    thin = Loss(SkinPoint((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.8), 0.4, still)
     assert worst([some, thin], over_sensor=False) is thin
+    assert worst([some, loss(0.8, 0.1)], over_sensor=False) is some, "the smallest share, not the thinnest rest"
+    losses = [loss(2.0, 0.5, True), loss(2.0, 1.0), loss(2.0, 0.2, True), loss(2.0, 0.1)]
+    assert worst(losses, over_sensor=True) is losses[0]
+    assert worst(losses, over_sensor=False) is losses[1]
 
 
 def test_gaps_are_clearance_less_growth_of_the_print_and_two_errors() -> None:
@@ -135,7 +92,6 @@ def test_gaps_are_clearance_less_growth_of_the_print_and_two_errors() -> None:
         changes=["mold.fit_clearance_mm=0.12", "printer.offset_mm=0.02", "printer.surface_error_mm=0.03"]
     )
     chaplet = design.dimensions.chaplet
-    assert chaplet is not None
     gaps = sorted({round(contact.gap_mm, 9) for contact in list_contacts(design, design.dimensions)})
     assert gaps == pytest.approx(sorted({2 * 0.03, 0.12 - 0.02 + 2 * 0.03, chaplet.play + 2 * 0.03}))
     tight = {round(contact.gap_mm, 9) for contact in list_contacts(design, design.dimensions, fit_clearance_mm=0.01)}
@@ -193,7 +149,6 @@ def test_collar_touches_its_recess_all_around_at_both_ends() -> None:
     dims, contacts = DESIGN.dimensions, list_contacts(DESIGN, DESIGN.dimensions)
     foot = -DESIGN.bone.collar_length_mm
     low = -min(DESIGN.mold.recess_length_mm, DESIGN.bone.base_length_mm)
-    assert dims.chaplet is not None
     heights = [c.point_mm[2] for c in contacts if c.point_mm[2] <= 0.0]
     assert sorted(set(heights)) == [low, foot, 0.0]
     collar = around(contacts, 0.0)
@@ -220,30 +175,21 @@ def test_base_touches_its_recess_down_to_the_edges_of_its_flat() -> None:
     check_around(others, section, flat)
     assert min(c.point_mm[1] for c in others) >= -flat
     assert len(others) > 10
-
-
-def test_a_base_that_is_shorter_than_the_recess_touches_at_its_own_end() -> None:
-    for length, low in ((3.0, -3.0), (100.0, -DESIGN.bone.base_length_mm)):
+    for length, end in ((3.0, -3.0), (100.0, -DESIGN.bone.base_length_mm)):
         tables = DESIGN.with_values({"mold.recess_length_mm": length})
-        assert min(c.point_mm[2] for c in list_contacts(tables, tables.dimensions)) == low
+        assert min(c.point_mm[2] for c in list_contacts(tables, tables.dimensions)) == end
 
 
 def test_chaplet_holds_at_its_facet() -> None:
     """Its screw locates the middle across and along; the boss carries the facet at its rim, up and down."""
     chaplet, error = DESIGN.dimensions.chaplet, 2 * DESIGN.printer.surface_error_mm
-    assert chaplet is not None
     y, z, radius, across = chaplet.facet_y, chaplet.z, chaplet.radius, chaplet.play + error
     middle = [
         ((0.0, y, z), normal, across)
         for normal in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
     ]
-    rim = [
-        ((radius, y, z), error),
-        ((-radius, y, z), error),
-        ((0.0, y, z + radius), error),
-        ((0.0, y, z - radius), error),
-    ]
-    expected = [*middle, *((point, (0.0, sign, 0.0), gap) for point, gap in rim for sign in (1.0, -1.0))]
+    rim = [(radius, y, z), (-radius, y, z), (0.0, y, z + radius), (0.0, y, z - radius)]
+    expected = [*middle, *((point, (0.0, sign, 0.0), error) for point in rim for sign in (1.0, -1.0))]
     found = [(c.point_mm, c.normal, c.gap_mm) for c in list_contacts(DESIGN, DESIGN.dimensions) if c.point_mm[2] > 0.0]
     assert sorted(found) == sorted(expected)
 
@@ -267,7 +213,6 @@ def scale_slope(body: ConicBody, z: float) -> float:
 def test_skin_is_measured_across_the_nearest_surface(design: Design) -> None:
     dims, inset = design.dimensions, sleeve_inset_mm(design)
     bone, outer = dims.bone_outline, dims.outer
-    assert bone.tip is not None
     join, apex = bone.stations[-1][0], bone.tip.z
     points = [p for p in list_skin_points(design, design.dimensions) if not p.over_sensor and p.point_mm[2] < apex]
     heights = sorted({p.point_mm[2] for p in points})
@@ -293,30 +238,23 @@ def test_skin_is_measured_across_the_nearest_surface(design: Design) -> None:
             assert abs(y) <= (height - inset) * bone.scale_at(z) + 1e-9
 
 
-def test_skin_at_the_apex_is_that_of_the_design() -> None:
+def test_skin_is_measured_at_its_apex_and_over_middle_and_rim_of_the_sensor() -> None:
     for design, inset in ((DESIGN, 0.0), (SLEEVE, 0.2)):
-        tip = design.dimensions.bone_outline.tip
-        assert tip is not None
-        (point,) = (p for p in list_skin_points(design, design.dimensions) if p.point_mm[2] == tip.z)
-        assert point == SkinPoint((0.0, 0.0, tip.z), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset)
-
-
-def test_skin_over_the_sensor_is_measured_at_its_middle_and_rim() -> None:
-    for design, inset in ((DESIGN, 0.0), (SLEEVE, 0.2)):
+        assert sleeve_inset_mm(design) == inset
         dims, radius = design.dimensions, design.dimensions.sensor.active_diameter_mm / 2
-        flat, z = dims.flat_depth, dims.sensor_z
-        points = [p for p in list_skin_points(design, design.dimensions) if p.over_sensor]
+        flat, z, tip = dims.flat_depth, dims.sensor_z, dims.bone_outline.tip
+        found = list_skin_points(design, design.dimensions)
+        points = [p for p in found if p.over_sensor]
         places = [(0.0, z), (radius, z), (0.0, z + radius), (0.0, z - radius)]
         assert [p.point_mm for p in points] == [(x, -flat, height) for x, height in places]
         assert {p.normal for p in points} == {(0.0, -1.0, 0.0)}
+        assert points[0].thickness_mm == pytest.approx(design.skin.thickness_palmar_mm + inset)
         for point, (x, height) in zip(points, places, strict=True):
             depth = point.thickness_mm - inset + flat
             assert dims.outer.half_width_at(-depth + 1e-9, height) == pytest.approx(x, abs=1e-3)
             assert dims.outer.half_width_at(-depth - 1e-6, height) <= x + 1e-9
-
-
-def test_interference_counts_only_where_there_is_a_sleeve() -> None:
-    assert sleeve_inset_mm(SLEEVE) == 0.2
+        (apex,) = (p for p in found if p.point_mm[2] == tip.z)
+        assert apex == SkinPoint((0.0, 0.0, tip.z), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset)
     assert sleeve_inset_mm(Design.load(changes=["mold.sleeve_interference_mm=0.2"])) == 0.0
 
 
@@ -334,13 +272,3 @@ def test_losses_are_those_of_the_points_that_are_asked_for() -> None:
     assert find_losses(DESIGN, DESIGN.dimensions, points=()) == ()
     looser = find_losses(DESIGN, DESIGN.dimensions, fit_clearance_mm=0.4)
     assert worst(looser, over_sensor=True).loss_mm > worst(all_of_them, over_sensor=True).loss_mm
-
-
-def test_worst_point_is_chosen_over_the_sensor_or_elsewhere() -> None:
-    still = (0.0,) * 6
-    losses = [
-        Loss(SkinPoint((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 2.0, over_sensor=over), loss_mm, still)
-        for over, loss_mm in ((True, 0.5), (False, 1.0), (True, 0.2), (False, 0.1))
-    ]
-    assert worst(losses, over_sensor=True) is losses[0]
-    assert worst(losses, over_sensor=False) is losses[1]

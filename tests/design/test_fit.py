@@ -28,13 +28,6 @@ def tables(name: str, **values: float) -> DesignTables:
     return DesignTables(**load_tables([design_file(name)], []).tables).with_values(values)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", PRESETS)
-def test_preset_needs_no_fit(name: str) -> None:
-    fit = fit_design(tables(name))
-    assert fit.changes == {}
-
-
 @pytest.mark.parametrize("hand", list_hands())
 def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
     new = write_new_design("mine", hand=hand)
@@ -62,33 +55,28 @@ def test_fit_is_reproducible_and_passes_all_rules() -> None:
 
 
 @pytest.mark.full
-def test_given_lengths_stay() -> None:
+def test_given_lengths_stay_and_a_limit_shortens_the_skin() -> None:
+    assert all(fit_design(tables(name)).changes == {} for name in PRESETS), "presets need no fit"
+    limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 34.0})).tables
+    assert limited.skin.length_mm + limited.bone.base_length_mm <= 34.0
     begin = tables("adult_finger", **{"hand.clearance_radius_mm": 5.0})
     assert "bone.base_length_mm" in fit_design(begin).changes
     with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
         fit_design(begin, given=["bone.base_length_mm"])
 
 
-@pytest.mark.full
-def test_a_length_limit_shortens_the_skin() -> None:
-    limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 34.0})).tables
-    assert limited.skin.length_mm + limited.bone.base_length_mm <= 34.0
-
-
 def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:
-    with pytest.raises(TomlFileError, match=r"is neither a file nor the name of a bundled"):
-        find_hand("nobody")
-    with pytest.raises(TomlFileError, match="is a folder; give the path of a hand file"):
-        find_hand(tmp_path)
-    (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5.0\n")
-    with pytest.raises(TomlFileError, match="lacks knuckle, axis_height_mm, pin_diameter_mm,"):
-        find_hand(tmp_path / "h.toml")
-    (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5,5\n")
-    with pytest.raises(TomlFileError, match="with a decimal point, not with a comma"):
-        find_hand(tmp_path / "h.toml")
-    (tmp_path / "h.toml").write_text("[hand]\nwidth_mm = 5.0\n[skin]\nwidth_mm = 17.0\n")
-    with pytest.raises(TomlFileError, match=r"holds skin besides \[hand\]"):
-        find_hand(tmp_path / "h.toml")
+    path = tmp_path / "h.toml"
+    for hand, text, message in (
+        ("nobody", "", r"is neither a file nor the name of a bundled"),
+        (tmp_path, "", "is a folder; give the path of a hand file"),
+        (path, "[hand]\nwidth_mm = 5.0\n", "lacks knuckle, axis_height_mm, pin_diameter_mm,"),
+        (path, "[hand]\nwidth_mm = 5,5\n", "with a decimal point, not with a comma"),
+        (path, "[hand]\nwidth_mm = 5.0\n[skin]\nwidth_mm = 17.0\n", r"holds skin besides \[hand\]"),
+    ):
+        path.write_text(text)
+        with pytest.raises(TomlFileError, match=message):
+            find_hand(hand)
 
 
 @pytest.mark.full

@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from fingertip.catalogues.sensors import CATALOGUE, SensorName
 from fingertip.design import Design
-from fingertip.design.files import json_schema, list_parameters, to_toml
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.design.files import list_parameters, to_toml
+from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 
@@ -41,11 +39,6 @@ def test_bundled_designs_are_complete_and_commented(name: str) -> None:
     assert body == to_toml(Design.load(design_file(name)))
 
 
-@pytest.mark.parametrize(("name", "low", "high"), [("fsr400", 16.5, 17.5), ("fsr402", 23.8, 24.8)])
-def test_bundled_designs_have_the_articles_sizes(name: str, low: float, high: float) -> None:
-    assert low <= Design.load(design_file(name)).skin.width_mm <= high
-
-
 def test_a_written_design_is_read_back_equal(tmp_path: Path) -> None:
     design = Design.load(changes=["skin.width_mm=17.3", "name=mine", "detector.window_samples=40"])
     path = tmp_path / "d.toml"
@@ -63,13 +56,6 @@ def test_every_parameter_has_a_description_and_its_unit_in_its_name() -> None:
         assert parameter.description, parameter.path
         if parameter.unit:
             assert parameter.path.endswith(suffix[parameter.unit]), parameter.path
-
-
-def test_schema_holds_bounds_and_refuses_unknown_names() -> None:
-    described = json_schema()
-    assert described["title"] == "fingertip design"
-    assert described["$defs"]["Mold"]["properties"]["draft_deg"]["maximum"] == 15
-    assert described["additionalProperties"] is False
 
 
 def test_all_issues_are_reported_at_once() -> None:
@@ -105,17 +91,6 @@ def test_a_sensor_that_is_wider_than_the_bone_names_the_width() -> None:
     assert float(minimum) == pytest.approx(24.2, abs=0.3)
 
 
-@pytest.mark.parametrize("value", ["inf", "-inf", "nan", "true", "[1]", "{a=1}", "''"])
-def test_values_that_are_not_numbers_are_refused(value: str) -> None:
-    assert set(load_issues(changes=(f"skin.width_mm={value}",))) >= {"skin.width_mm"} or value == "{a=1}"
-
-
-def test_a_file_with_byte_order_mark_and_crlf(tmp_path: Path) -> None:
-    marked = tmp_path / "bom.toml"
-    marked.write_bytes(b"\xef\xbb\xbf[skin]\r\nwidth_mm = 18\r\n")
-    assert Design.load(marked).skin.width_mm == 18
-
-
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
     broken.write_text("[mold\n")
@@ -126,30 +101,13 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert "UTF-8" in found[str(binary)]
     assert "is a folder" in found[str(tmp_path)]
     assert "table.key=value" in found["--set mold.draft_deg"]
-
-
-def test_a_value_in_place_of_a_table(tmp_path: Path) -> None:
     assert "is not a table" in load_issues(changes=("mold=3",))["mold"]
     assert "table.key=value" in load_issues(changes=("=3",))["--set =3"]
-
-
-def test_the_constructor_raises_the_same_error() -> None:
-    with pytest.raises(DesignError, match="at least 6 mm"):
-        Design(skin={"width_mm": 1.0})
-
-
-@pytest.mark.full
-@given(
-    key=st.sampled_from([p.path for p in list_parameters() if p.unit == "mm"]),
-    value=st.floats(allow_nan=True, allow_infinity=True),
-)
-def test_any_number_is_accepted_or_refused_with_a_message(key: str, value: float) -> None:
-    issues: tuple[Issue, ...] = ()
-    try:
-        Design.load(changes=[f"{key}={value!r}"])
-    except DesignError as error:
-        issues = error.issues
-    assert all(issue.field and len(issue.message) > 20 for issue in issues)
+    for value in ("inf", "-inf", "nan", "true", "[1]", "''"):
+        assert "skin.width_mm" in load_issues(changes=(f"skin.width_mm={value}",))
+    marked = tmp_path / "bom.toml"
+    marked.write_bytes(b"\xef\xbb\xbf[skin]\r\nwidth_mm = 18\r\n")
+    assert Design.load(marked).skin.width_mm == 18
 
 
 def test_names_of_sensors_are_those_of_the_catalogue_and_each_fits_a_bundled_design() -> None:

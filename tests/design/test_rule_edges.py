@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
@@ -13,11 +12,11 @@ from typing import Any
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.all_rules import ELECTRONIC_RULES, RULES
+from fingertip.design.all_rules import RULES
 from fingertip.design.files import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds, find_unit
+from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.foundation.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
@@ -137,45 +136,13 @@ def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: 
                 assert rule.check(design.with_values({name: end})) is None, (name, end, violation)
 
 
-def list_equal_pairs() -> list[tuple[str, str]]:
-    """Pairs of parameters of which the first may have the default of the second."""
-    return [
-        (one, other)
-        for one, other in itertools.permutations(NUMERIC, 2)
-        if PARAMETERS[one].annotation is float and find_bounds(PARAMETERS[one]).contain(DEFAULTS.value(other))
-    ]
-
-
-def check_equal_pairs(pairs: Iterator[tuple[str, str]] | list[tuple[str, str]]) -> None:
-    for one, other in pairs:
-        check_rules(DEFAULTS.with_values({one: float(DEFAULTS.value(other))}))
-
-
 @pytest.mark.full
 def test_equal_parameters_raise_no_exception() -> None:
-    pairs = list_equal_pairs()
-    same_unit = [pair for pair in pairs if find_unit(PARAMETERS[pair[0]]) == find_unit(PARAMETERS[pair[1]])]
-    check_equal_pairs([("skin.length_mm", "skin.tip_length_mm"), *random.Random(0).sample(same_unit, 60)])
-
-
-@pytest.mark.full
-def test_all_equal_parameters_raise_no_exception() -> None:
-    check_equal_pairs(list_equal_pairs())
-
-
-def test_a_finger_as_long_as_its_tip_is_refused() -> None:
-    with pytest.raises(DesignError) as caught:
-        Design.load(changes=["skin.length_mm=10", "skin.tip_length_mm=10"])
-    assert all(map(read_remedy, caught.value.issues))
-
-
-def test_a_covering_array_holds_every_pair() -> None:
-    levels: dict[str, tuple[Any, ...]] = {"a": (1, 2, 3), "b": ("x", "y"), "c": (True, False), "d": (0.0, 1.0, 2.0)}
-    rows = list(make_covering_array(levels))
-    for one, other in itertools.combinations(levels, 2):
-        pairs = {(row[one], row[other]) for row in rows}
-        assert pairs == set(itertools.product(levels[one], levels[other]))
-    assert len(rows) <= 15
+    """Each parameter that may have the default of another one has it."""
+    for one, other in itertools.permutations(NUMERIC, 2):
+        value = DEFAULTS.value(other)
+        if PARAMETERS[one].annotation is float and find_bounds(PARAMETERS[one]).contain(value):
+            check_rules(DEFAULTS.with_values({one: float(value)}))
 
 
 def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
@@ -185,13 +152,6 @@ def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
         yield from ({name: level} for name, levels in read.items() for level in levels)
     else:
         yield from make_covering_array(read)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("rule", ELECTRONIC_RULES, ids=lambda rule: rule.check.__name__)
-def test_bounds_in_pairs_raise_no_exception(rule: Rule) -> None:
-    for row in list_rule_rows(rule):
-        check_rules(DEFAULTS.with_values(row))
 
 
 @pytest.mark.full

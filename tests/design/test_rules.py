@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.all_rules import PART_RULES, RULES
-from fingertip.design.geometry import DesignTables
-from fingertip.design.rules.ruleset import RecordingTables, find_violations
+from fingertip.design.all_rules import PART_RULES
+from fingertip.design.formulas import filter as formulas
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file
 from tools.fuzz.remedies import as_changes, read_remedy
@@ -20,6 +19,10 @@ CLEVIS = [
     *FOLDED, "bone.interface=clevis", "bone.collar_length_mm=4.9", "mold.recess_length_mm=6.1", "hand.travel_deg=60",
     "hand.tendon_diameter_mm=0.1",
 ]  # fmt: skip
+RECESS = "mold.recess_length_mm=4"
+FLANGE = ["bone.interface=flange", "bone.base_length_mm=26"]
+SOCKET = ["bone.interface=socket", "bone.base_length_mm=35"]
+TALL = "bone.flange_height_mm=24"
 CASE_BY_FIELD = {
     "skin.length_mm": [*CLEVIS, "hand.length_limit_mm=34.5"],
     "hand.pin_diameter_mm": [*CLEVIS, "hand.pin_diameter_mm=6.5"],
@@ -51,12 +54,12 @@ CASE_BY_FIELD = {
     "bone.tie_hole_diameter_mm": ["bone.tie_hole_diameter_mm=3"],
     "bone.post_width_mm": ["bone.post_width_mm=10"],
     "bone.post_height_mm": ["bone.post_height_mm=8.4"],
-    "bone.flange_spacing_x_mm": ["bone.interface=flange", "bone.base_length_mm=26", "bone.flange_spacing_x_mm=17"],
-    "bone.flange_spacing_y_mm": ["bone.interface=flange", "bone.base_length_mm=26", "bone.flange_spacing_y_mm=3"],
-    "bone.flange_width_mm": ["bone.interface=flange", "bone.base_length_mm=26", "bone.flange_width_mm=24"],
-    "bone.flange_height_mm": ["bone.interface=flange", "bone.base_length_mm=26", "bone.flange_height_mm=6"],
+    "bone.flange_spacing_x_mm": [*FLANGE, "bone.flange_spacing_x_mm=17"],
+    "bone.flange_spacing_y_mm": [*FLANGE, "bone.flange_spacing_y_mm=3"],
+    "bone.flange_width_mm": [*FLANGE, "bone.flange_width_mm=24"],
+    "bone.flange_height_mm": [*FLANGE, "bone.flange_height_mm=6"],
     "bone.flange_thickness_mm": ["bone.interface=flange", "bone.wall_mm=1.3", "bone.flange_thickness_mm=1.1"],
-    "bone.socket_diameter_mm": ["bone.interface=socket", "bone.base_length_mm=35", "bone.socket_diameter_mm=8"],
+    "bone.socket_diameter_mm": [*SOCKET, "bone.socket_diameter_mm=8"],
     "bone.cross_bolt_diameter_mm": ["bone.cross_bolt_diameter_mm=5.8"],
     "mold.recess_length_mm": ["mold.recess_length_mm=25"],
     "mold.fit_clearance_mm": ["mold.fit_clearance_mm=0.9"],
@@ -74,12 +77,7 @@ CASE_BY_FIELD = {
     "custom_sensor.active_diameter_mm": ["sensor.model=custom", "custom_sensor.active_diameter_mm=20"],
     "custom_sensor.tail_width_mm": ["sensor.model=custom", "custom_sensor.tail_width_mm=1"],
     "mold.pry_depth_mm": ["mold.pry_depth_mm=4"],
-    "mold.pry_width_mm": [
-        "skin.length_mm=23",
-        "skin.tip_length_mm=8",
-        "mold.pry_width_mm=38",
-        "mold.recess_length_mm=4",
-    ],
+    "mold.pry_width_mm": ["skin.length_mm=23", "skin.tip_length_mm=8", "mold.pry_width_mm=38", RECESS],
     "mold.engraving_depth_mm": ["mold.wall_mm=2", "mold.engraving_depth_mm=1.5"],
 }
 MORE_CASES = [  # fields that a second rule blames too
@@ -99,31 +97,14 @@ MORE_CASES = [  # fields that a second rule blames too
     ),
     ("bone.wall_mm", ["bone.wall_mm=0.6"]),
     ("mold.recess_length_mm", ["mold.recess_length_mm=2.5"]),
-    (
-        "bone.cross_bolt_diameter_mm",
-        ["bone.interface=socket", "bone.base_length_mm=35", "bone.cross_bolt_diameter_mm=5"],
-    ),
+    ("bone.cross_bolt_diameter_mm", [*SOCKET, "bone.cross_bolt_diameter_mm=5"]),
     ("bone.base_length_mm", ["bone.interface=socket"]),
     ("bone.base_length_mm", ["bone.interface=flange"]),
     (
         "bone.flange_width_mm",
-        [
-            "bone.interface=flange",
-            "bone.base_length_mm=26",
-            "bone.flange_width_mm=12",
-            "bone.flange_spacing_x_mm=6",
-            "bone.flange_spacing_y_mm=18",
-            "bone.flange_height_mm=24",
-        ],
+        [*FLANGE, "bone.flange_width_mm=12", "bone.flange_spacing_x_mm=6", "bone.flange_spacing_y_mm=18", TALL],
     ),
-    (
-        "bone.flange_height_mm",
-        [
-            "bone.interface=flange",
-            "bone.base_length_mm=26",
-            "bone.flange_spacing_y_mm=8",
-        ],
-    ),
+    ("bone.flange_height_mm", [*FLANGE, "bone.flange_spacing_y_mm=8"]),
     ("bone.groove_depth_mm", ["bone.groove_distance_mm=14"]),
     ("mold.fit_clearance_mm", ["mold.fit_clearance_mm=0.3", "bone.collar_inset_mm=0.5"]),
     ("mold.fit_clearance_mm", ["mold.chaplet_diameter_mm=0"]),
@@ -170,47 +151,6 @@ def test_a_broken_rule_names_a_value_that_passes(field: str, changes: list[str])
     assert not find_issues([*changes, *as_changes(issues.values())]), issues[field]
 
 
-@pytest.mark.parametrize("name", ["fsr400", "fsr402"])
-def test_other_tails_fit_as_the_files_say(name: str) -> None:
-    changes = {
-        "fsr400": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
-        "fsr402": ["sensor.model=fsr402", "bone.base_length_mm=37"],
-    }[name]
-    Design.load(design_file(name), changes=changes)
-
-
-def test_parameters_that_a_rule_reads_are_recorded() -> None:
-    (broken,) = find_violations(RULES, DesignTables().with_values({"bone.wall_mm": 0.6}))
-    assert broken.reads == {"bone.wall_mm", "printer.min_wall_mm"}
-    tables = DesignTables().with_values({"skin.length_mm": 30.0, "bone.groove_depth_mm": 0.0})
-    recorder = RecordingTables(tables)
-    assert recorder.as_tables().dimensions.sensor_z == tables.dimensions.sensor_z
-    assert recorder.reads == {"skin.length_mm", "sensor.distance_from_tip_mm"}
-    assert recorder.as_tables().name == "fsr400"
-    assert "name" in recorder.reads
-
-
-def test_parameters_of_prerequisites_are_recorded_too() -> None:
-    tables = DesignTables().with_values({"skin.min_thickness_mm": 1.7})
-    (broken,) = find_violations(RULES, tables)
-    assert {"skin.min_thickness_mm", "skin.tip_length_mm", "bone.rim_mm"} <= broken.reads
-    assert not any(name.startswith(("board.", "detector.", "printer.")) for name in broken.reads)
-
-
-def test_a_rule_that_reads_an_invalid_parameter_is_skipped() -> None:
-    tables = DesignTables().with_values({"bone.wall_mm": 0.6, "bone.channel_bend_radius_mm": 1.0})
-    blamed = {broken.rule.field for broken in find_violations(RULES, tables)}
-    assert blamed == {"bone.wall_mm", "bone.channel_bend_radius_mm"}
-    left = list(find_violations(RULES, tables, frozenset({"printer.min_wall_mm"})))
-    assert [broken.rule.field for broken in left] == ["bone.channel_bend_radius_mm"]
-
-
-def test_rules_that_depend_on_an_invalid_parameter_through_a_prerequisite_are_skipped() -> None:
-    tables = DesignTables().with_values({"skin.min_thickness_mm": 1.7})
-    assert list(find_violations(RULES, tables))
-    assert not list(find_violations(RULES, tables, frozenset({"bone.rim_mm"})))
-
-
 def test_dimensions_follow_a_copy_with_other_parameters() -> None:
     design = Design()
     assert design.dimensions.draft_slope > 0.0
@@ -245,3 +185,17 @@ def test_the_sampling_rate_needs_four_samples_a_cycle_and_no_more() -> None:
     Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1200"])
     with pytest.raises(DesignError, match=r"too slow for .* of 300 Hz; at least 1200 Hz, or "):
         Design.load(design_file("fsr400"), changes=[*changes, "detector.sample_rate_hz=1199"])
+
+
+def test_figures_of_the_comparator_are_those_of_its_data_sheet() -> None:
+    """The LMV331's supply, input bias current, offset and drift, entered a second time."""
+    assert formulas.MAX_COMPARATOR_V == 5.5
+    assert pytest.approx((25, 250, 400)) == (
+        1e9 * formulas.BIAS_A,
+        1e9 * formulas.MAX_BIAS_A,
+        1e9 * formulas.HOT_BIAS_A,
+    )
+    assert pytest.approx((1.7, 7)) == (1e3 * formulas.COMPARATOR_OFFSET_V, 1e3 * formulas.MAX_COMPARATOR_OFFSET_V)
+    assert pytest.approx(5) == 1e6 * formulas.COMPARATOR_DRIFT_V_PER_K
+    # Both ends are equally far from the data sheet's temperature, so that one drift holds for both.
+    assert (formulas.MIN_TEMPERATURE_C, formulas.DATA_SHEET_C, formulas.MAX_TEMPERATURE_C) == (0.0, 25.0, 50.0)

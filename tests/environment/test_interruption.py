@@ -17,7 +17,7 @@ from fingertip.foundation import files as temporary
 from fingertip.foundation import processes as interruption
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.foundation.processes import Interruption, hold_interruptions
+from fingertip.foundation.processes import Interruption
 from tests.conftest import ROOT, run_python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE")
@@ -82,23 +82,8 @@ def test_an_import_that_turns_an_interruption_into_another_error_is_interrupted_
     assert caught.value.exit_code == 143
 
 
-def test_signals_wait_while_a_library_is_imported_that_they_would_abort(handlers: None) -> None:
-    """manifold3d aborts the process if a handler raises within its import."""
-    reached = False
-
-    def hold() -> None:
-        nonlocal reached
-        with hold_interruptions():
-            os.kill(os.getpid(), signal.SIGTERM)
-            reached = True
-
-    with pytest.raises(Interruption):
-        hold()
-    assert reached
-
-
-@pytest.mark.full
 def test_signals_are_held_while_manifold_is_imported() -> None:
+    """manifold3d aborts the process if a handler raises within its import."""
     program = (
         "import os, signal, sys\n"
         "from fingertip.cad.kernel import mesh; from fingertip.foundation import processes as interruption\n"
@@ -201,11 +186,17 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path, monkeypa
     (place / "theirs").mkdir()
     (place / "fingertip-tmp-link").symlink_to(place / "theirs")
     (place / "fingertip-tmp-file").write_text("mine")
-    with TemporaryFolder() as first, TemporaryFolder() as second:
-        assert first.is_dir()
-        assert second.is_dir()
-        temporary.remove_leftovers(place)
-        assert first.is_dir()
+
+    def interrupt() -> None:
+        with TemporaryFolder() as first, TemporaryFolder() as second:
+            (second / "a").write_text("b")
+            temporary.remove_leftovers(place)
+            assert first.is_dir()
+            assert second.is_dir()
+            raise Interruption(signal.SIGTERM)
+
+    with pytest.raises(Interruption):
+        interrupt()
     monkeypatch.setattr(os, "getuid", lambda: 12345)
     (place / "fingertip-tmp-abc").mkdir()
     temporary.remove_leftovers(place)
@@ -230,17 +221,6 @@ def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
     with TemporaryFolder() as folder:
         assert folder.is_dir()
     assert calls > 2
-
-
-def test_an_error_removes_the_folder_with_its_files(place: Path) -> None:
-    def fail() -> None:
-        with TemporaryFolder() as folder:
-            (folder / "a").write_text("b")
-            raise Interruption(signal.SIGTERM)
-
-    with pytest.raises(Interruption):
-        fail()
-    assert list(place.iterdir()) == []
 
 
 def test_no_place_for_temporary_files_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

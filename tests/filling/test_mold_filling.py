@@ -12,9 +12,8 @@ from fingertip.cad.verification.mold import air_rise_s, check_filling
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.filling import mold_filling
-from fingertip.filling.gate import build_grid, gate_opening
+from fingertip.filling.gate import gate_opening
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, list_ducts, predict_mold_filling
-from fingertip.filling.predict import Opening, follow_front
 from fingertip.filling.vents import find_pose, place_vents
 from tests.conftest import design_file
 
@@ -39,13 +38,7 @@ def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method:
     assert prediction.viscosity_pa_s == 35.0
     assert prediction.fill_s <= 30.0
     assert failed(f"mold.method={method}", name=name) == set()
-
-
-@pytest.mark.full
-def test_vents_stay_off_the_pad() -> None:
-    for name in DESIGNS:
-        for vent in place_vents(load(name)):
-            assert vent.point_mm[1] > 0.0, name
+    assert all(vent.point_mm[1] > 0.0 for vent in place_vents(design)), "off the pad"
 
 
 def test_ducts_follow_the_inlet() -> None:
@@ -66,11 +59,6 @@ def test_ducts_follow_the_inlet() -> None:
     assert 1000 * injected_cm3(prediction) - prediction.volume_mm3 == pytest.approx(ducts_mm3)
 
 
-def test_a_tenth_of_a_millimetre_of_nozzle_changes_the_time_by_a_sixth() -> None:
-    wide, narrow = (predict_mold_filling(load("fsr400", f"mold.nozzle_bore_mm={bore}")).fill_s for bore in (2.1, 2.0))
-    assert 1.1 < narrow / wide < 1.25
-
-
 def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
     thick, thin = "mold.filling=gravity", "silicone.product=sylgard_184"
     assert failed(thick) == {"mold.fill_time", "mold.air_rise_time"}
@@ -82,14 +70,13 @@ def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
     )
 
 
-def test_silicone_that_is_far_too_thick_is_too_slow() -> None:
+@pytest.mark.full
+def test_narrow_nozzle_thick_silicone_and_small_syringe_fail() -> None:
+    wide, narrow = (predict_mold_filling(load("fsr400", f"mold.nozzle_bore_mm={bore}")).fill_s for bore in (2.1, 2.0))
+    assert 1.1 < narrow / wide < 1.25, "a sixth for a tenth of a millimetre"
+    assert failed("mold.nozzle_bore_mm=0.6") == {"mold.fill_time", "mold.syringe_force"}
     own = ["silicone.product=own", "silicone.viscosity_pa_s=500", "silicone.pot_life_min=5", "mold.nozzle_bore_mm=1.9"]
     assert {"mold.fill_time", "mold.syringe_force"} <= failed(*own)
-
-
-@pytest.mark.full
-def test_narrow_nozzle_and_small_syringe_fail() -> None:
-    assert failed("mold.nozzle_bore_mm=0.6") == {"mold.fill_time", "mold.syringe_force"}
     assert failed("mold.syringe=3ml", name="fsr402") == {"mold.syringe_volume"}
 
 
@@ -125,22 +112,6 @@ def test_a_cavity_that_fills_last_at_the_collar_has_vents(name: str, changes: tu
     assert len(place_vents(design)) == count
     assert sum(pocket.volume_mm3 for pocket in predict_mold_filling(design).air_pockets) < MAX_AIR_MM3
     assert math.hypot(*find_pose(design)) == pytest.approx(1.0)
-
-
-@pytest.mark.full
-def test_gate_at_the_tip_traps_air_that_its_vents_do_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    design = load("adult_finger")
-    placed = place_vents(design)
-    at_tip = Opening((0.0, 0.0, design.skin.length_mm), 2.7)
-    monkeypatch.setattr(mold_filling, "follow_design_front", lambda design: follow_front(build_grid(design), at_tip))
-    monkeypatch.setattr(mold_filling, "list_ducts", lambda design: ())
-    monkeypatch.setattr(mold_filling, "vent_cavity", lambda design: (placed, ()))
-    monkeypatch.setattr(mold_filling, "is_at_collar", lambda point: False)
-    predict_mold_filling.cache_clear()
-    try:
-        assert "mold.air_trapped" in failed(name="adult_finger")
-    finally:
-        predict_mold_filling.cache_clear()
 
 
 @pytest.mark.full

@@ -20,15 +20,12 @@ from tools.fuzz import originals
 
 
 @pytest.mark.parametrize("refuse", [SceneFile, ManipulationFile])
-def test_a_scene_with_a_parameter_named_self(refuse: type[SceneFile], tmp_path: Path) -> None:
+def test_a_parameter_named_self(refuse: type[SceneFile], tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("self = 1\n")
     with pytest.raises(TraceError, match="self: there is no such parameter"):
         refuse.load(tmp_path / "a.toml")
     with pytest.raises(TraceError, match=r"tap\.self|grasp\.self"):
         refuse(**{"tap" if refuse is SceneFile else "grasp": {"self": 1}})
-
-
-def test_a_design_with_a_parameter_named_self() -> None:
     with pytest.raises(DesignError, match="self: there is no such parameter"):
         Design(**{"self": 1})
 
@@ -94,18 +91,6 @@ def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
     SceneFile(tap=taps | {"interval_s": most})
 
 
-@pytest.mark.parametrize(
-    ("axis", "message"),
-    [
-        ([10**400], "is beyond every float; list smaller numbers"),
-        ({"low": 14, "high": 10**400, "steps": 3}, "is not a finite number"),
-    ],
-)
-def test_an_axis_with_an_integer_beyond_every_float(axis: object, message: str) -> None:
-    with pytest.raises(SweepError, match=message):
-        SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": axis}})
-
-
 def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
     monkeypatch.setattr(Axis, "values", property(lambda axis: made.append(axis.name) or ()))
@@ -140,3 +125,12 @@ def test_a_converter_whose_steps_would_be_zero() -> None:
         with pytest.raises(TraceError, match=rf"above converter\.low_v; at least {least_v:g} V\."):
             SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": high_v})
         SceneFile(converter={"bits": 12, "low_v": low_v, "high_v": least_v})
+
+
+def test_an_axis_with_an_integer_beyond_every_float() -> None:
+    for axis, message in (
+        ([10**400], "is beyond every float; list smaller numbers"),
+        ({"low": 14, "high": 10**400, "steps": 3}, "is not a finite number"),
+    ):
+        with pytest.raises(SweepError, match=message):
+            SweepPlan.from_tables({"outputs": [], "axes": {"skin.width_mm": axis}})

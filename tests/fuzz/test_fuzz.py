@@ -147,22 +147,9 @@ def test_each_promise_can_be_broken(tmp_path: Path, name: str, sound: str | byte
     for content in (sound, *broken):
         (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
         assert bool(list(check_folder(tmp_path))) == (content is not sound), content
-
-
-def test_every_promise_is_among_these() -> None:
-    kinds = {name.rpartition(".")[2] for name, *_ in FILES}
+    kinds = {each.rpartition(".")[2] for each, *_ in FILES}
     tested = {promise for kind, promises in PROMISES.items() if kind[1:] in kinds for promise in promises}
-    assert {promise for promises in PROMISES.values() for promise in promises} == tested
-
-
-def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def never_end(rows: object) -> str:
-        while True:
-            pass
-
-    monkeypatch.setattr("fingertip.design.files.format_parameter_table", never_end)
-    outcome = in_process.run(Case("test", ("params",), limit_s=0.05), tmp_path)
-    assert outcome.code is None
+    assert {promise for promises in PROMISES.values() for promise in promises} == tested, "every promise is tested"
 
 
 @pytest.mark.full
@@ -241,3 +228,12 @@ def test_a_target_that_fails_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
         targets.run_hypothesis("manifest", 5, 0)
     assert targets.run_each(lambda name: int(name), ["1"]) == 0
     assert targets.run_each(lambda name: int(name), ["1", "x"]) == 1
+
+
+def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never_end(rows: object) -> str:
+        while True:
+            pass
+
+    monkeypatch.setattr("fingertip.design.files.format_parameter_table", never_end)
+    assert in_process.run(Case("test", ("params",), limit_s=0.05), tmp_path).code is None

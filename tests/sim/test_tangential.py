@@ -149,7 +149,7 @@ def test_chunks_give_the_bits_of_the_whole():
 
 
 @pytest.mark.parametrize("ratio", [1, 2, 3])
-def test_friction_gives_no_more_work_than_it_took_while_load_and_velocity_both_move(ratio):
+def test_friction_is_passive_while_load_and_velocity_both_move(ratio):
     """With the mean deflection as state, as usual, friction would drive the pad at twice the frequency in the load."""
     h, mount = 1e-4, Mount(0.01, 1e5, 2 * DAMPING_RATIO * math.sqrt(1e5 * 0.01))  # so stiff that the pad follows
     angle = 2 * math.pi * 10 * np.arange(10_000) * h

@@ -14,9 +14,11 @@ import pytest
 
 from fingertip import Design
 from fingertip.board.analysis.report import bode_table
+from fingertip.board.kicad.project import read_archive
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import LAYOUT
 from fingertip.page import markdown
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
@@ -209,10 +211,9 @@ def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page
     assert sum(name in bought for name in page.attributes("data-part")) > 3 * len(bought)
 
 
-@pytest.mark.full
-def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
+def test_back_is_the_mirror_image_of_the_front() -> None:
     """A part's frame encloses its pads, mirrored; seen from the back, the connector of the sensor is on the right."""
-    layout = read_expression((folder / "board" / "slip_filter.kicad_pcb").read_text())
+    layout = read_expression(read_archive("article_split")[LAYOUT].decode())
     back = Page(render_back(layout, "b"))
     frames = [a for tag, a in back.elements if tag == "rect" and a.get("class") == "place"]
     footprints = [f for f in layout.children("footprint") if any(f.children("pad"))]

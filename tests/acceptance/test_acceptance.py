@@ -11,13 +11,11 @@ from typing import Any
 import pytest
 
 from fingertip import Design, board_values
-from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import (
     SPREAD,
     acceptance_data,
     expect_drop_ratio,
-    expect_open_v,
     expect_readings,
     render_acceptance,
 )
@@ -37,24 +35,6 @@ def load(name: str, *changes: str) -> Design:
 @pytest.fixture(scope="module")
 def detection() -> Detection:
     return simulate_and_detect(load("fsr400"), lambda message: None)[1].detection
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", NAMES)
-def test_more_weight_gives_less_voltage_within_the_limits(name: str) -> None:
-    design = load(name)
-    light, heavy = expect_readings(design)
-    assert expect_open_v(design) > light.tactile_v > heavy.tactile_v > 0.0
-    for reading in (light, heavy):
-        low, high = reading.limits_v
-        assert low < reading.tactile_v < high < expect_open_v(design)
-
-
-def test_resistance_is_that_of_the_data_sheet_curve() -> None:
-    """The curve of the simulation meets Interlink's at the article's forces; 500 g lie a little above them."""
-    for reading in expect_readings(load("fsr400")):
-        force = reading.mass_g / 1000 * 9.81
-        assert reading.sensor_ohm == pytest.approx(1 / sensor_conductance_s(force), rel=0.15)
 
 
 def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:

@@ -16,15 +16,12 @@ from fingertip.board.fabrication.bom import (
     find_rotation,
     is_assembled,
     load_rotations,
-    missing_numbers_note,
     placement_file,
     purchased_components,
 )
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
-from fingertip.catalogues.output_files import README
-from fingertip.tasks.board import board_files
 from tests.designs import ARTICLE, load_article
 
 MAX_ROW_CHARACTERS = 2048
@@ -111,21 +108,6 @@ def test_independent_parser_accepts_both_files(name: str) -> None:
     assert all(0 < p.x_mm < width and 0 < p.y_mm < height and p.layer == "Top" for p in placed.values())
 
 
-@pytest.mark.parametrize(
-    "data",
-    [
-        b"Comment,Designator,Footprint,LCSC\n1k,R1,R_0603,C21190\n",
-        b"Comment,Designator,Footprint,JLCPCB Part #\n1k,R1,R_0603,21190\n",
-        b"Comment,Designator,Footprint,JLCPCB Part #\n1k,R1 R2,R_0603,C21190\n",
-        b"Comment,Designator,Footprint,JLCPCB Part #\n1k,R1,R_0603,C21190\n2k,R1,R_0603,\n",
-    ],
-    ids=["column", "number", "separator", "twice"],
-)
-def test_parser_refuses_a_broken_bill_of_materials(data: bytes) -> None:
-    with pytest.raises(AssertionError):
-        parse_bom(data)
-
-
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
     configuration = BOARD_CONFIGURATIONS[name]
@@ -175,17 +157,3 @@ def test_comments_state_ratings_and_values() -> None:
     assert board.component("C17").value == board.component("C18").value == "100n"
     for row in parse_bom(assembly_bom_file(board)):
         assert len({board.component(r).rating for r in row.designators}) == 1
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_readme_lists_the_lines_without_a_number_of_the_house(name: str) -> None:
-    design = load_article(BOARD_CONFIGURATIONS[name].changes)
-    circuit = board_circuit(board_values(design))
-    bom = parse_bom(assembly_bom_file(circuit))
-    missing = [row for row in bom if not row.number]
-    note = missing_numbers_note(circuit)
-    assert note.startswith(f"{len(missing)} of {len(bom)} lines ")
-    assert all(f"{' '.join(row.designators)} ({row.mpn or row.comment.split(',')[0]}" in note for row in missing)
-    assert not any(f" {row.designators[0]} (" in note for row in bom if row.number)
-    assert note in " ".join(board_files(design)[README].decode().split())

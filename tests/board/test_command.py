@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from fingertip.board.kicad.models import MODEL_FOLDER
 
+from fingertip.board.kicad.project import MODEL_FOLDER
 from fingertip.foundation.output_set import MANIFEST
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip, run_python
@@ -65,34 +65,6 @@ def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
 
 
-def test_bad_input_reports_all_issues_and_writes_nothing(tmp_path: Path) -> None:
-    (tmp_path / "slip_filter.net").write_text("existing")
-    changes = ("board.capacitor_uf=1000", "board.series=E6", "board.gain=5", "board.supply_v=nan")
-    run = run_fingertip("board", "--out", tmp_path, "--json", *(a for c in changes for a in ("--set", c)))
-    assert run.returncode == 2
-    lines = run.stderr.splitlines()
-    fields = {"board.capacitor_uf", "board.series", "board.gain", "board.supply_v"}
-    assert {line.split(": ")[1] for line in lines} == fields
-    assert len(lines) == 4
-    assert {issue["field"] for issue in json.loads(run.stdout)["issues"]} == fields
-    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("slip_filter.net", "existing")]
-
-
-def test_missing_design_file_is_reported(tmp_path: Path) -> None:
-    run = run_fingertip("board", tmp_path / "none.toml", "--out", tmp_path / "out")
-    assert run.returncode == 2
-    assert "none.toml: cannot be read" in run.stderr
-    assert not (tmp_path / "out").exists()
-
-
-def test_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("a file instead of a folder")
-    run = run_fingertip("board", "--out", tmp_path / "file" / "pcb")
-    assert run.returncode == 2
-    assert "choose another folder with --out" in run.stderr
-    assert len(run.stderr.splitlines()) == 1
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
 def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:
@@ -136,17 +108,6 @@ def test_noisy_boards_and_short_windows_are_warned_of(
     first, *rest = data["verdict"].splitlines()
     assert first.endswith("conditions of a working board are met, with a warning:" if expected else "are met")
     assert rest == [f"  warning: {text}" for text in data["warnings"]]
-
-
-@pytest.mark.full
-def test_a_warning_stands_beside_the_verdict(tmp_path: Path) -> None:
-    """The filter of the comparator's board on 3.3 V drives a load that the data sheet does not rate."""
-    words = ("--set", "board.variant=comparator", "--set", "board.supply=single_3v3")
-    run = run_fingertip("board", "--out", tmp_path, *words)
-    lines = run.stdout.splitlines()
-    assert lines[0].endswith("conditions of a working board are met, with a warning:")
-    assert lines[1].startswith("  warning: the amplifiers of the filter (U1) drive ")
-    assert "warning:" not in run.stderr
 
 
 @pytest.mark.full

@@ -34,14 +34,6 @@ ARTICLE_PLACEMENT = load_project("article_split").placement
 
 
 @pytest.mark.full
-def test_check_passes_for_an_up_to_date_folder(tmp_path: Path) -> None:
-    write_board(ARTICLE, tmp_path)
-    run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--out", tmp_path)
-    assert (run.returncode, run.stderr) == (0, "")
-    assert "is up to date with this design" in run.stdout
-
-
-@pytest.mark.full
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))

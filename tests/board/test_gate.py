@@ -17,7 +17,6 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
     CURRENT,
-    FLOOR,
     IDLE,
     MARGIN,
     PEAKING,
@@ -32,21 +31,17 @@ from fingertip.board.analysis.loads import compute_phase_margins_deg, compute_tw
 from fingertip.board.analysis.thresholds import TOLERANCES
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (
-    RECTIFIER_OHMS,
     choose_amplifier,
     compute_charging_current_a,
     compute_filter_current_a,
     compute_peaking_db,
     compute_phase_margin_deg,
-    divider,
     find_gain_bandwidth_hz,
     first_stage_feedback,
-    select_rectifier_ohm,
 )
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.foundation.errors import DesignError
@@ -98,55 +93,6 @@ def test_board_for_a_controller_meets_every_condition_over_its_range(variant: st
     assert list(gate_warnings(board_values(design).gate)) == []
 
 
-@pytest.mark.parametrize("name", [a.name for a in list_dual_amplifiers()])
-def test_a_board_for_a_controller_has_amplifiers_that_work_on_its_supply(name: str) -> None:
-    changes = ["board.supply=single_3v3", "board.supply_v=3.3", "board.variant=precision", f"board.amplifier={name}"]
-    if CATALOGUE[name].min_supply_v <= 3.3:
-        assert board_values(load_article(changes)).amplifier == name
-        return
-    with pytest.raises(DesignError, match=r"this supply puts 3\.3 V across it; set board\.amplifier=auto"):
-        load_article(changes)
-
-
-# What was accepted in silence
-
-ACCEPTED_IN_SILENCE = {
-    ("board.passband_gain=10000", "board.gain_bandwidth_hz=6.7e6"): "name the amplifier with board.amplifier=auto",
-    ("board.passband_gain=10000",): "board.passband_gain: .* at most 300",
-    ("board.passband_gain=500", "board.cutoff_hz=30"): "500 times the 3 mV of offset that a TL082BC may have",
-    ("board.capacitor_uf=10", "board.cutoff_hz=500"): "asks 52.9 mA of a TL082, more than 0.8 of its 10 mA",
-    ("board.passband_gain=2",): "leaves 9 degrees of phase margin",
-    ("board.passband_gain=2", "board.r5_ohm=1e7"): "leaves 1 degrees of phase margin",
-    ("board.capacitor_uf=0.1234567891",): "is no value of series E12, in which capacitors are made; 0.12 or 0.15 uF",
-    ("board.envelope_capacitor_uf=2.3",): "for C4 is no value of series E12, .*; 2.2 or 2.7 uF",
-    ("board.envelope_capacitor_uf=10",): "asks peaks of .* mA of a TL082",
-    ("board.amplifier=OPA2376",): "works on 2.2 to 5.5 V, and this supply puts 10 V .*; set board.amplifier=auto",
-}
-
-
-@pytest.mark.parametrize("changes", ACCEPTED_IN_SILENCE, ids=" ".join)
-def test_boards_that_cannot_work_are_refused(changes: tuple[str, ...]) -> None:
-    with pytest.raises(DesignError, match=ACCEPTED_IN_SILENCE[changes]):
-        load_article(list(changes))
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        ("board.passband_gain=300",), ("board.capacitor_uf=0.12",), ("board.capacitor_uf=0.15",),
-        ("board.capacitor_series=E6", "board.capacitor_uf=0.1234567891"),
-        ("detector.adc_range_v=4.5", "board.amplifier=TL082"),
-        ("board.passband_gain=2", "board.variant=precision"), ("board.passband_gain=10",),
-        ("board.passband_gain=2", "board.amplifier=OPA2197", "board.r5_ohm=2000"), ("board.envelope_capacitor_uf=3.9",),
-        ("board.amplifier=OPA2376", "board.supply=single"),
-    ],
-    ids=" ".join,
-)  # fmt: skip
-def test_remedies_pass_and_their_boards_meet_every_required_condition(changes: tuple[str, ...]) -> None:
-    conditions = board_values(load_article(list(changes))).gate
-    assert [c for c in conditions if c.level == "required" and not c.passed] == []
-
-
 # Conditions against closed forms
 
 
@@ -175,20 +121,6 @@ def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_oh
 
 
 @pytest.mark.full
-def test_phase_margin_of_two_equal_resistors_agrees_with_the_rectifiers() -> None:
-    for amplifier in list_dual_amplifiers():
-        ohm = select_rectifier_ohm(amplifier)
-        supply = "single" if amplifier.max_supply_v < 10 else "split"
-        design = load(f"precision_{supply}", f"board.amplifier={amplifier.name}")
-        circuit = board_circuit(board_values(design))
-        network = build_network(circuit, find_gain_bandwidth_hz(design.board), conducting=["D1"])
-        expected = compute_phase_margin_deg(amplifier, divider(ohm, 0.0, ohm, amplifier.input_f))
-        assert compute_phase_margins_deg(circuit, network)["U3a"] == pytest.approx(expected, abs=0.5)
-        assert circuit.component("R15").value == circuit.component("R16").value
-        assert expected >= 45 or ohm == RECTIFIER_OHMS[-1]
-
-
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "cutoff", "capacitor"),
     [
@@ -205,20 +137,6 @@ def test_rule_and_circuit_agree_on_the_filters_current(name: str, cutoff: str, c
     allowed = 0.3e-3 if name.startswith("article") else 0.6e-3  # the envelope, or R15
     largest_a = max(found["U1a"], found["U1b"])
     assert largest_a == pytest.approx(compute_filter_current_a(design.board), rel=0.2, abs=allowed)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
-def test_current_of_the_bridges_buffer_is_that_of_both_arms(variant: str) -> None:
-    """VREF is 0.8 and VMID 44.2 / 99.1 of 3.3 V; the sensor at 20 N lies across R11."""
-    values = board_values(load(f"{variant}_single_3v3"))
-    bridge, volts = values.bridge, (0.8 - 44.2 / 99.1) * 3.3
-    sensor_ohm = 1 / (1 / bridge.sensor_shunt_ohm + sensor_conductance_s(20.0))
-    expected = volts / (bridge.sensor_top_ohm + sensor_ohm)
-    expected += volts / (bridge.reference_top_ohm + bridge.reference_bottom_ohm)
-    (found,) = (c for c in values.gate if (c.name, c.subject) == (CURRENT, "U6"))
-    assert found.value == pytest.approx(expected, rel=1e-3)
-    assert found.limit == CATALOGUE["TLV2371DBV"].output_current_a
 
 
 @pytest.mark.parametrize(("f_hz", "peak_v"), [(67.0, 2.0), (201.0, 2.0), (450.0, 3.5), (201.0, 0.5)])
@@ -261,23 +179,6 @@ def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
     assert {c.name: c.passed for c in conditions if c.name in (IDLE, CLAMP)} == {IDLE: True, CLAMP: False}
     (warning,) = gate_warnings(conditions)
     assert "clamp of the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; the clamps do not" in warning
-
-
-@pytest.mark.full
-def test_a_controllers_clamps_are_named_where_its_converter_bears_less_than_the_supply() -> None:
-    design = load("precision_single_3v3", "board.supply_v=3.6", "detector.adc_range_v=3.3")
-    (warning,) = gate_warnings(board_values(design).gate)
-    assert warning.startswith("clamp of the converter's pins (D2, D3, D5): 3.60 V, should be at most 3.30 V")
-
-
-@pytest.mark.full
-def test_a_unipolar_converter_is_warned_of_where_offsets_take_the_envelope_below_ground() -> None:
-    """On a single supply the envelope lies above half of it."""
-    for supply, warned in (("split", True), ("single", False)):
-        for polarity in ("unipolar", "bipolar"):
-            values = board_values(load(f"precision_{supply}", f"detector.adc_polarity={polarity}"))
-            warnings = list(gate_warnings(values.gate))
-            assert any(w.startswith(FLOOR) for w in warnings) == (warned and polarity == "unipolar")
 
 
 def test_a_unipolar_converter_is_warned_of_where_a_press_takes_the_tactile_voltage_below_ground() -> None:
@@ -348,18 +249,6 @@ def test_accepted_random_boards_hold_the_conditions_in_ngspice(tmp_path: Path, c
         return
     assert [c for c in board_values(design).gate if c.level == "required" and not c.passed] == []
     assert check_gate_in_ngspice(program, tmp_path, design).failures == []
-
-
-@pytest.mark.full
-def test_most_random_boards_are_accepted() -> None:
-    accepted = 0
-    for changes in random_changes(seed=3):
-        try:
-            load_article(changes)
-        except DesignError:
-            continue
-        accepted += 1
-    assert accepted >= 0.6 * 300
 
 
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])

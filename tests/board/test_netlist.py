@@ -1,28 +1,125 @@
-"""The netlist file: its content by an independent reader, the transfer function of its wiring, and reproducibility."""
+"""Circuits are consistent, and their netlist is read back and has the transfer function of the filter."""
 
 from __future__ import annotations
 
 import hashlib
-import re
-import uuid
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.netlist import component_uuid
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
-from fingertip.board.parts.circuit import kicad_net_name
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import (
+    Circuit,
+    Component,
+    Net,
+    build_circuit,
+    find_issues,
+    format_component_value,
+    kicad_net_name,
+    parse_component_value,
+)
 from fingertip.catalogues.output_files import NETLIST
 from fingertip.design import Design
+from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import write_board
 from tests.board.kicad import read_netlist
 from tests.conftest import ROOT, run_fingertip
-from tests.designs import load_article
+from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import filter_transfer, tactile_pin_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
-from tests.oracles.netlist_nodal import NetlistCircuit
+from tests.oracles.netlist_nodal import NetlistCircuit, number
 from tests.oracles.sexpressions import children, descendants, parse, word
+
+# Circuits
+
+
+CIRCUIT = board_circuit(board_values(ARTICLE))
+
+
+@pytest.mark.full
+def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
+    """The TL082 without a grade may have 15 mV, nearly the threshold."""
+    for name, order_name, offset in (
+        ("article_split", "TL082BC", "3 mV"),
+        ("precision_split", "TLV2372", "4.5 mV"),
+        ("comparator_split", "OPA2197ID", "0.1 mV"),
+    ):
+        circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+        duals = [c for c in circuit.components if c.footprint == symbols.SOIC_8]
+        assert len(duals) == (1 if name.startswith("article") else 2)
+        assert all(c.value == order_name and f"offset {offset} at most" in c.rating for c in duals)
+        assert f"{order_name},SOIC-8" in bill_of_materials(circuit).decode()
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_every_pin_is_in_one_net_and_every_net_has_two_pins(name: str) -> None:
+    """The test does not use the package's own check."""
+    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+    assert not list(find_issues(circuit))
+    nodes = [node for net in circuit.nets for node in net.nodes]
+    assert len(nodes) == len(set(nodes))
+    assert set(nodes) == {(c.reference, pin.number) for c in circuit.components for pin in c.symbol.pins}
+    assert all(len(net.nodes) >= 2 for net in circuit.nets)
+    assert len({c.reference for c in circuit.components}) == len(circuit.components)
+    assert all(c.reference[-1].isdigit() for c in circuit.components)
+
+
+def _resistor(reference: str) -> Component:
+    return Component(reference, "1k", symbols.RESISTOR, symbols.R_0603, "")
+
+
+def _without_node(circuit: Circuit) -> Circuit:
+    first, *others = circuit.nets
+    return replace(circuit, nets=(replace(first, nodes=first.nodes[1:]), *others))
+
+
+@pytest.mark.parametrize(
+    ("corrupt", "expected"),
+    [
+        (lambda c: replace(c, components=(*c.components, c.component("R1"))), "R1: names 2 components"),
+        (lambda c: replace(c, nets=(*c.nets, Net("EXTRA", (("R1", "1"), ("R2", "1"))))), "R1.1: is connected 2 times"),
+        (lambda c: replace(c, nets=(*c.nets, Net("LONE", (("R99", "1"),)))), "LONE: connects 1 pin"),
+        (lambda c: replace(c, nets=(*c.nets, Net("GHOST", (("R99", "1"), ("U1", "9"))))), "U1.9: is connected, but"),
+        (lambda c: replace(c, components=(*c.components, _resistor("R99"))), "R99.2: is not connected"),
+        (lambda c: replace(c, components=(*c.components, _resistor("R_LP"))), "R_LP: is not letters followed by a"),
+        (lambda c: replace(c, nets=(*c.nets, Net("GND", (("R99", "1"), ("R99", "2"))))), "GND: names 2 nets"),
+        (_without_node, "is not connected"),
+    ],
+)
+def test_find_issues_reports_every_inconsistency(corrupt: Callable[[Circuit], Circuit], expected: str) -> None:
+    assert any(expected in str(issue) for issue in find_issues(corrupt(CIRCUIT)))
+
+
+def test_build_circuit_refuses_inconsistent_wiring() -> None:
+    with pytest.raises(BoardError, match="A: connects 1 pin"):
+        build_circuit("bad", {_resistor("R1"): {"1": "A", "2": "B"}, _resistor("R2"): {"1": "B", "2": "B"}})
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(4700, "4.7k"), (1180, "1.18k"), (10e6, "10M"), (47, "47"), (1e-6, "1u"), (2.2e-6, "2.2u"), (1e-7, "100n"),
+     (1e-12, "1p"), (1e-3, "1m"), (0.99999999999999e-6, "1u")],
+)  # fmt: skip
+def test_format_component_value_uses_si_prefixes(value: float, text: str) -> None:
+    assert format_component_value(value) == text
+
+
+@given(st.floats(1e-12, 1e8))
+def test_formatted_component_values_can_be_parsed(value: float) -> None:
+    assert number(format_component_value(value)) == pytest.approx(value, rel=1e-9)
+    assert parse_component_value(format_component_value(value)) == pytest.approx(value, rel=1e-9)
+
+
+# The netlist file
+
 
 FILES = [
     "3d",
@@ -63,13 +160,6 @@ def test_wiring_has_the_transfer_function_of_the_filter(tmp_path: Path, changes:
     assert max_deviation(NetlistCircuit(path), design) < 1e-9
 
 
-SWAPS = [
-    (("R1", "1"), ("R3", "1")), (("R2", "1"), ("C3", "2")), (("C2", "2"), ("C3", "2")), (("R4", "1"), ("R5", "1")),
-    (("R2", "2"), ("R3", "2")), (("U1", "3"), ("U1", "5")), (("U1", "2"), ("U1", "6")),
-    (("U1", "1"), ("U1", "7")), (("U1", "2"), ("U1", "3")), (("U1", "5"), ("U1", "6")),
-]  # fmt: skip
-
-
 def test_feedback_is_negative(tmp_path: Path) -> None:
     _, path = write_netlist(tmp_path, [])
     poles = NetlistCircuit(path).poles("/TACTILE")
@@ -77,84 +167,28 @@ def test_feedback_is_negative(tmp_path: Path) -> None:
     assert max(poles.real) < 0
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("swap", SWAPS)
-def test_miswired_netlist_is_detected(tmp_path: Path, swap: tuple[tuple[str, str], tuple[str, str]]) -> None:
-    design, path = write_netlist(tmp_path, [])
-    circuit = NetlistCircuit(path).swapped(*swap)
-    assert not max_deviation(circuit, design) < 1e-2 or max(circuit.poles("/TACTILE").real) > 0
-
-
-@pytest.mark.parametrize("reference", ["C1", "R2"])
-def test_reversed_passive_component_leaves_the_transfer_function(tmp_path: Path, reference: str) -> None:
-    """The oracle raises no false alarm."""
-    design, path = write_netlist(tmp_path, [])
-    assert max_deviation(NetlistCircuit(path).swapped((reference, "1"), (reference, "2")), design) < 1e-9
-
-
-def test_diode_drives_the_envelope_network(tmp_path: Path) -> None:
-    """The diode passes positive voltages to R_LP parallel to C_LP. Only the ADC interface and a test point follow."""
-    _, path = write_netlist(tmp_path, [])
-    circuit = NetlistCircuit(path)
-    assert circuit.nodes("D1", "2", "1") == ("/FILTERED", "/ENVELOPE")  # anode, cathode
-    assert {node for node, net in circuit.net.items() if net == "/ENVELOPE"} == {
-        ("D1", "1"), ("R6", "1"), ("C4", "1"), ("R7", "1"), ("TP4", "1"),
-    }  # fmt: skip
-    assert circuit.nodes("R6", "2") == circuit.nodes("C4", "2") == circuit.nodes("J3", "3") == ("GND",)
-    assert circuit.nodes("U1", "8", "4") == circuit.nodes("J2", "1", "3") == ("VCC", "VEE")
-
-
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])
 def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None:
     design, path = write_netlist(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
-    assert find_differences(design, path) == []
-
-
-@pytest.mark.parametrize(
-    ("original", "corrupted", "difference"),
-    [
-        ('(ref "R2") (pin "1")', '(ref "R2") (pin "7")', "nets"),
-        ("Capacitor_SMD:C_1206_3216Metric", "Capacitor_SMD:C_0402_1005Metric", "parts"),
-        ('(ref "R4")', '(ref "R44")', "parts"),
-    ],
-    ids=["pin", "footprint", "reference"],
-)
-def test_independent_reader_detects_a_corrupted_netlist(
-    tmp_path: Path, original: str, corrupted: str, difference: str
-) -> None:
-    design, path = write_netlist(tmp_path, [])
-    text = path.read_text("utf-8")
-    assert original in text
-    path.write_text(text.replace(original, corrupted, 1), "utf-8")
-    assert difference in find_differences(design, path)
-
-
-def find_differences(design: Design, path: Path) -> list[str]:
-    """Find which content of a netlist file an independent reader finds differently from the circuit."""
     circuit, tree = board_circuit(board_values(design)), parse(path.read_text("utf-8"))
     parts = {
         (word(part, "ref"), word(part, "value"), word(source, "lib"), word(source, "part"), word(part, "footprint"))
         for part in descendants(tree, "comp")
         for source in children(part, "libsource")
     }
+    assert parts == {(p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.components}
     nets, _ = read_netlist(path)
+    assert nets == {kicad_net_name(n.name): set(n.nodes) for n in circuit.nets}
     symbols = {
         (word(symbol, "lib"), word(symbol, "part")): {
             (word(pin, "num"), word(pin, "name"), word(pin, "type")) for pin in descendants(symbol, "pin")
         }
         for symbol in descendants(tree, "libpart")
     }
-    is_equal = {
-        "parts": parts
-        == {(p.reference, p.value, p.symbol.library, p.symbol.name, p.footprint) for p in circuit.components},
-        "nets": nets == {kicad_net_name(n.name): set(n.nodes) for n in circuit.nets},
-        "symbols": symbols
-        == {
-            (p.symbol.library, p.symbol.name): {(pin.number, pin.name, pin.electrical_type) for pin in p.symbol.pins}
-            for p in circuit.components
-        },
+    assert symbols == {
+        (p.symbol.library, p.symbol.name): {(pin.number, pin.name, pin.electrical_type) for pin in p.symbol.pins}
+        for p in circuit.components
     }
-    return [content for content, equal in is_equal.items() if not equal]
 
 
 @pytest.mark.full
@@ -175,30 +209,6 @@ def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_p
     poles = sorted(circuit.poles("/TACTILE").real)[::-1]
     assert poles[0] < 0 if name == "article_single" else poles[0] == 0 > poles[1]
     assert circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2
-    assert circuit.nodes("R24", "1") == circuit.nodes("J3", "5")
-    assert {circuit.net[pin] for pin in (("U1", "4"), ("U2", "4"), ("U5", "2"), ("J2", "2"), ("J3", "3"))} == {"GND"}
-    at_signal_ground = {("R1", "2"), ("R3", "2"), ("R11", "2"), ("R13", "2"), ("U2", "5"), ("C7", "2")}
-    at_signal_ground |= (
-        {("R4", "2"), ("R6", "2"), ("C4", "2")}
-        if name == "article_single"
-        else {("C14", "1"), ("U3", "3"), ("U3", "5")}
-    )
-    at_signal_ground |= {("RV1", "3"), ("C17", "2")} if name == "comparator_single" else set()
-    assert {circuit.net[pin] for pin in at_signal_ground} == {"VMID"}
-
-
-def test_netlist_meets_the_requirements_of_kicads_reader(tmp_path: Path) -> None:
-    design, path = write_netlist(tmp_path, [])
-    text = path.read_text(encoding="utf-8")
-    assert text.startswith('(export (version "E")\n')  # recognised by "(export " on the first line
-    sections = [text.index(f"\n  ({name}") for name in ("design", "components", "libparts", "nets")]
-    assert sections == sorted(sections)
-    assert [int(code) for code in re.findall(r'\(code "(\d+)"\)', text)] == list(range(1, 19))
-    assert text.count('(sheetpath (names "/") (tstamps "/"))') == len(board_circuit(board_values(design)).components)
-    stamps = re.findall(r'\(tstamps "([^/"]+)"\)', text)
-    assert len(stamps) == len(set(stamps)) == text.count("(comp\n")
-    assert all(str(uuid.UUID(stamp)) == stamp and uuid.UUID(stamp).version == 5 for stamp in stamps)
-    assert text.count("(") == text.count(")")
 
 
 def test_uuids_do_not_depend_on_values() -> None:
@@ -229,13 +239,3 @@ def test_bundled_board_files_are_up_to_date(tmp_path: Path, design: str, folder:
         assert (ROOT / folder / name).read_bytes() == (tmp_path / name).read_bytes(), (
             f"run: fingertip board {design} --out {folder} --bringup ({name})"
         )
-
-
-def test_files_contain_no_date_and_no_path(tmp_path: Path) -> None:
-    write_netlist(tmp_path, [])
-    for file in (path for path in tmp_path.rglob("*") if path.is_file()):
-        text = file.read_text(encoding="utf-8")
-        assert str(tmp_path) not in text
-        without_identifiers = re.sub(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}", "", text)
-        assert not re.search(r"\b20\d\d-\d\d", without_identifiers)
-        assert not re.search(r'"/[a-z]', without_identifiers)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
@@ -23,7 +23,6 @@ from fingertip.board.analysis.response import (
 )
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
-from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, sensor_conductance_s
 from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
@@ -42,25 +41,15 @@ from tests.oracles.filter_formulas import (
     envelope_pin_transfer,
     filter_transfer,
     first_stage_transfer,
-    ideal_cutoff_hz,
-    noise_v,
-    overall_cutoff_hz,
-    passband_gain,
     pole_hz,
     section_frequency_hz,
     section_quality,
-    supply_transfer,
     tactile_pin_transfer,
 )
 from tests.oracles.ideal_filter import (
-    envelope_impedance,
     ideal_filter_transfer,
-    phase_degrees,
-    second_stage_transfer,
 )
 
-ARTICLE = FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
-IDEAL = ideal_components(Board())
 FREQUENCIES = np.logspace(-1, 6, 141)
 
 cutoffs = st.floats(1e-2, 1e4)
@@ -95,33 +84,6 @@ def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
 # The article's figures and formulas
 
 
-def test_article_errata_are_errors() -> None:
-    assert round(100e3 / 1.5e3, 1) == 66.7  # R5 / R4, printed as G
-    assert 1 / math.sqrt(1200 * 4700 * 1e-6) == pytest.approx(0.42, abs=0.01)  # eq. (10) as printed, not 421 rad/s
-    assert envelope_impedance(0.0, ARTICLE) == pytest.approx(2000)  # an impedance [ohm], not a gain of 1
-    peak = max(abs(second_stage_transfer(f / 10, IDEAL)) for f in range(500, 2000))
-    assert round(decibel(peak), 2) == 1.25
-
-
-def test_ideal_values_of_the_default_design_are_the_articles() -> None:
-    assert [round(r, 1) for r in (IDEAL.r1_ohm, IDEAL.r2_ohm, IDEAL.r3_ohm)] == [2375.4, 1187.7, 4750.9]
-    assert IDEAL.r4_ohm == pytest.approx(1500, rel=1e-12)
-    assert IDEAL.r_lp_ohm == pytest.approx(2000, rel=1e-4)
-
-
-def test_network_of_the_articles_values_has_the_articles_figures(article_model: FilterModel) -> None:
-    values = quantities(ARTICLE)
-    section_hz, quality = article_model.section(values)
-    assert round(float(section_hz), 2) == 67.02
-    assert round(float(quality), 4) == 0.9895
-    assert round(float(article_model.first_pole_hz(values)), 2) == 66.31
-    assert round(1e3 * float(article_model.envelope.decay_s(values)), 2) == 4.40
-    ideal = multiply(stage.evaluate(values) for stage in article_model.ideal)
-    assert round(abs(ideal.at(1e9)), 2) == 67.67
-    assert round(ideal_cutoff_hz(ARTICLE), 2) == 67.26
-    assert decibel(abs(ideal.at(ideal_cutoff_hz(ARTICLE))) / passband_gain(ARTICLE)) == pytest.approx(-3.0103, abs=1e-4)
-
-
 @given(cutoffs, capacitors, gains, cutoffs, capacitors)
 def test_network_of_ideal_parts_agrees_with_the_closed_forms(
     article_model: FilterModel, f_c: float, c_uf: float, gain: float, f_lp: float, c_lp_uf: float
@@ -144,28 +106,6 @@ def test_network_of_ideal_parts_agrees_with_the_closed_forms(
     assert section == pytest.approx((section_frequency_hz(ideal), section_quality(ideal)), rel=1e-9)
     assert float(article_model.envelope.decay_s(values)) == pytest.approx(target.envelope_decay_s, rel=1e-9)
     assert float(article_model.envelope.gain(values)) == pytest.approx(ideal.r_lp_ohm, rel=1e-9)
-
-
-@pytest.mark.full
-@settings(max_examples=200)
-@given(st.floats(0.02, 50), st.floats(0.2, 40))
-def test_overall_cutoff_is_the_highest_half_power_frequency(first_pole: float, quality: float) -> None:
-    """The closed form that other tests rely on."""
-
-    def power(f: float) -> float:
-        s = 1j * f
-        return abs(s / (s + first_pole) * s * s / (s * s + s / quality + 1)) ** 2
-
-    cutoff = overall_cutoff_hz(first_pole, 1.0, quality)
-    assert power(cutoff) == pytest.approx(0.5, rel=1e-9)
-    assert all(power(cutoff * 1.01**i) > 0.5 for i in range(1, 1200))
-
-
-def test_ideal_filter_blocks_direct_current_and_passes_high_frequencies() -> None:
-    assert ideal_filter_transfer(0.0, ARTICLE) == 0
-    assert decibel(0.0) == -math.inf
-    assert abs(ideal_filter_transfer(1e9, ARTICLE)) == pytest.approx(1 + 100 / 1.5, rel=1e-9)
-    assert phase_degrees(ideal_filter_transfer(1e-3, ARTICLE)) == pytest.approx(-90, abs=0.01)  # s^3
 
 
 # Frequency response as built, in its three forms: equations, polynomials and states
@@ -230,15 +170,6 @@ def state_response(system: StateSpace, net: str) -> Array:
     return np.asarray(states @ row[:n] + row[n])
 
 
-def test_products_of_a_coefficient_never_cancel() -> None:
-    """All products of a coefficient are positive, so that it is exact to rounding."""
-    for name in BOARD_CONFIGURATIONS:
-        model = model_filter(load(name)[1], name.startswith("article"))
-        for stage in (*model.ideal, *model.as_built, model.envelope.stage):
-            for polynomial in (stage.numerator, stage.denominator):
-                assert all(factor > 0 for products in polynomial for factor, _ in products)
-
-
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_passband_is_found_on_the_closed_form(name: str) -> None:
     """At both cutoffs the closed form has half the power of its maximum, which is nowhere exceeded."""
@@ -255,7 +186,9 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     assert max(gain(f) for f in np.geomspace(10, 2000, 2000).tolist()) <= passband.gain * (1 + 1e-9)
     for cutoff_hz in (passband.low_hz, passband.high_hz):
         assert gain(cutoff_hz) == pytest.approx(passband.gain / math.sqrt(2), rel=1e-9)
-    assert values.achieved_response.cutoff_hz == passband.low_hz
+    achieved = values.achieved_response
+    assert (achieved.cutoff_hz, achieved.upper_cutoff_hz) == (passband.low_hz, passband.high_hz)
+    assert achieved.passband_gain_db == pytest.approx(decibel(passband.gain), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
@@ -282,74 +215,6 @@ def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
 
 # Noise, ripple, offsets, thresholds and operating point
 
-NOISY = ("board.passband_gain=300",)
-FAST_AMPLIFIER = {"split": "OPA2197", "single": "OPA2197", "single_3v3": "OPA2376"}
-"""Amplifier that is fast enough for such a gain, by supply."""
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("name", "changes"),
-    [
-        *((name, ()) for name in BOARD_CONFIGURATIONS),
-        *((name, NOISY) for name in ("article_split", "precision_single", "comparator_single_3v3")),
-        ("precision_split", ("board.passband_gain=10", "board.band_limit_hz=3000")),
-    ],
-)
-def test_noise_agrees_with_the_closed_form(name: str, changes: tuple[str, ...]) -> None:
-    """The formula has the bridge and its amplifier, which cause 96 % of the noise or more; no VMID, no VREF."""
-    if changes == NOISY:
-        changes = (*changes, f"board.amplifier={FAST_AMPLIFIER[name.split('_', 1)[1]]}")
-    design, _ = load(name, *changes)
-    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
-    tolerance = 0.035 if "3v3" in name else 0.004 if "single" in name else 0.0005
-    assert values.noise.tactile_v == pytest.approx(noise_v(values.bridge, lambda f: 1.0), rel=tolerance)
-
-    def formula_v(has_limit: bool) -> float:
-        capacitors = values.first_stage_capacitors
-        if capacitors and not has_limit:
-            capacitors = replace(capacitors, limiting_capacitor_f=0.0)
-        input_f = CATALOGUE[values.amplifier].input_f
-        return noise_v(values.bridge, lambda f: filter_transfer(f, values.preferred, gbw, capacitors, input_f))
-
-    assert values.noise.filtered_v == pytest.approx(formula_v(has_limit=True), rel=max(tolerance, 0.01))
-    assert values.noise.filtered_without_limit_v == pytest.approx(formula_v(has_limit=False), rel=max(tolerance, 0.01))
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_supply_ripple_agrees_with_the_closed_form(name: str) -> None:
-    """The formula has no ripple in VMID, of which C21 leaves a little.
-
-    On a board for 3.3 V all ripple is what C21 and C23 leave: the bridge lies between VREF and VMID, and its ends are
-    those of the sensor's range.
-    """
-    design, _ = load(name)
-    values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
-
-    def excitation(f_hz: float) -> complex:
-        if "3v3" not in name:
-            return 1.0
-        dividers = (0.8, 24e3), (44.2 / 99.1, 54.9e3 * 44.2e3 / 99.1e3)
-        vref, vmid = (ratio / (1 + 2j * math.pi * f_hz * ohm * 10e-6) for ratio, ohm in dividers)
-        return vref - vmid
-
-    def gain(f_hz: float, force_n: float) -> float:
-        pole = 1 + 1j * f_hz * values.bridge.gain / AD623_BANDWIDTH_HZ
-        chain = filter_transfer(
-            f_hz, values.preferred, gbw, values.first_stage_capacitors, CATALOGUE[values.amplifier].input_f
-        )
-        return abs(
-            supply_transfer(values.bridge, f_hz, sensor_conductance_s(force_n)) * excitation(f_hz) / pole * chain
-        )
-
-    tolerance = 0.002 if name.endswith("split") else 0.02
-    f = np.geomspace(30, 1e5, 2000).tolist()
-    largest = {
-        force_n: max(gain(f_hz, force_n) for f_hz in f) for force_n in ((0.0, 20.0) if "3v3" in name else (0.0,))
-    }
-    assert values.supply_ripple.gain == pytest.approx(max(largest.values()), rel=tolerance)
-    assert values.supply_ripple.force_n == max(largest, key=largest.__getitem__)
-
 
 @pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
 def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
@@ -362,6 +227,7 @@ def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     assert offset.max_v == pytest.approx(amplifier.max_offset_v * math.fsum(map(abs, conducting)), rel=1e-4)
     assert offset.min_v == pytest.approx(-amplifier.max_offset_v * math.fsum(map(abs, blocked)), rel=1e-4)
     assert offset.typical_v == pytest.approx(amplifier.offset_v * math.hypot(*conducting), rel=1e-4)
+    assert offset.max_low_offset_v < 0.05 * 0.017
 
 
 @pytest.mark.full
@@ -432,12 +298,6 @@ def test_charges_that_determine_each_other_are_refused() -> None:
         assert build_network(circuit).state_space
 
 
-def test_polynomials_have_no_more_coefficients_than_their_degree() -> None:
-    """(1 + s) (1 + 2 s) = 1 + 3 s + 2 s^2."""
-    product = multiply([Rational([1.0, 1.0], [4.0]), Rational([1.0, 2.0], [1.0, 0.5])])
-    assert product == Rational([1.0, 3.0, 2.0], [4.0, 2.0])
-
-
 def test_determinants_multiply_the_factors_of_their_terms() -> None:
     """a: 4 g a + 3 c s b = 5 g x; b: 2 g b + 7 c s a = 0, so that b / x = -35 g c s / (8 g^2 - 21 c^2 s^2)."""
     terms = (
@@ -454,14 +314,3 @@ def test_stage_fed_by_two_nets_is_refused() -> None:
     network = build_network(load("article_split")[1])
     with pytest.raises(ValueError, match="is fed by REFERENCE, SENSOR, not by one net"):
         find_stages(network, "VCC", "TACTILE")
-
-
-def test_batched_values_give_the_matrices_of_each_board() -> None:
-    circuit = load("precision_split")[1]
-    path = filter_path(circuit, 3e6)
-    capacitances = np.array([0.9e-6, 1e-6, 1.1e-6])
-    batch = path.with_values({"C2": capacitances}).state_space
-    for i, farad in enumerate(capacitances.tolist()):
-        single = path.with_values({"C2": farad}).state_space
-        assert np.array_equal(batch.A[i], single.A)
-        assert np.array_equal(batch.rows["FILTERED"][i], single.rows["FILTERED"])

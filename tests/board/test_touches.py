@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_values
-from fingertip.board.analysis.board_values import FAST_PRESSES, KNOCK, SLOW_PRESS, SimulatedTouch, describe_touches
+from fingertip.board.analysis.board_values import FAST_PRESSES, KNOCK, SLOW_PRESS, SimulatedTouch
 from fingertip.sim import SceneFile, run_scene
 from tests.conftest import ROOT
 from tests.designs import ARTICLE
@@ -41,9 +41,3 @@ def test_knock_drives_the_filter_as_far_down_as_stated() -> None:
     _, volts = simulate_filtered_v("hard_tap", **held, **{"tap.force_n": KNOCK.force_n, "tap.rise_s": KNOCK.rise_s})
     assert volts.min() == pytest.approx(KNOCK.min_filtered_v, abs=0.06)
     assert volts.min() < -board_values(ARTICLE).voltage_limits.filter_trough_v
-
-
-def test_texts_describe_these_touches() -> None:
-    (erratum,) = (e for e in board_values(ARTICLE).errata if "phase" in e.correction)
-    assert describe_touches() in erratum.correction
-    assert "within 40 ms" in describe_touches()

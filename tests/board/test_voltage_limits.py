@@ -7,18 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit, board_values
+from fingertip.board import board_values
 from fingertip.board.analysis.limits import (
     adc_range_warnings,
-    compute_voltage_limits,
     describe_adc_range,
     describe_filter_swing,
 )
-from fingertip.board.analysis.loads import compute_amplifier_loads, load_warnings
-from fingertip.board.components.bridge import (
-    AMPLIFIERS,
-)
-from fingertip.board.components.values import SUPPLIES
+from fingertip.board.analysis.loads import load_warnings
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.amplifiers import (
     ARTICLE_AMPLIFIER,
@@ -26,10 +21,9 @@ from fingertip.catalogues.amplifiers import (
     LOW_VOLTAGE_AMPLIFIER,
     RAIL_TO_RAIL_AMPLIFIER,
 )
-from fingertip.design.parameters import Detector
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 
 
 def test_voltage_limits_of_both_supplies() -> None:
@@ -81,28 +75,6 @@ def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
     assert (higher_supply.filter_peak_v, higher_supply.filter_trough_v) == (4.0, 2.5)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("series", ["E12", "E24", "E96"])
-@pytest.mark.parametrize(
-    ("supply", "supply_v"),
-    [("split", 5.0), ("split", 5.5), ("single", 5.0), ("single", 6.0), ("single_3v3", 3.1), ("single_3v3", 3.6)],
-)
-def test_bridge_amplifier_stays_within_its_limits(supply: str, supply_v: float, series: str) -> None:
-    changes = [f"board.supply={supply}", f"board.supply_v={supply_v}", f"board.series={series}"]
-    changes.append("board.variant=precision")
-    assert board_values(load_article(changes)).voltage_limits.bridge_amplifier_margin_v > 0
-
-
-def test_a_bridge_at_ground_violates_the_amplifiers_limits_on_a_single_supply() -> None:
-    """The AD623's internal amplifiers would have to go below ground, so the bridge refers to VMID."""
-    circuit = board_circuit(board_values(ARTICLE))  # of a split supply: its bridge refers to ground
-    for negative_rail, minimum, maximum in (("VEE", 0.0, 5.0), ("GND", -5.0, -1.0)):
-        supply = replace(SUPPLIES["split"], negative_rail=negative_rail)
-        amplifier = AMPLIFIERS[RAIL_TO_RAIL_AMPLIFIER]
-        limits = compute_voltage_limits(circuit, supply, 5.0, amplifier, 67.7, True, Detector())
-        assert minimum < limits.bridge_amplifier_margin_v < maximum
-
-
 AMPLIFIER_OUTPUTS = {"U1a": "stage1_out", "U1b": "filtered", "U2": "tactile", "U3a": "rect_out", "U3b": "envelope"}
 
 
@@ -144,54 +116,6 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
             if variant is conducting:
                 current = values.voltage_limits.vibration_peak_v * max(row[-1] for row in rows)
                 assert load.max_current_a == pytest.approx(current, rel=0.02)
-
-
-@pytest.mark.parametrize("supply", ["split", "single"])
-def test_charging_current_through_the_diode_stays_below_its_bound(tmp_path: Path, supply: str) -> None:
-    """A vibration of 201 Hz at the clipping level charges C4 of variant article through D1."""
-    design, deck = write_deck(tmp_path, [f"board.supply={supply}"])
-    values, ground = board_values(design), "0" if supply == "split" else "vmid"
-    load = next(load for load in values.amplifier_loads if load.amplifier == "U1b")
-    metered = "\n".join(line for line in measure_output(deck, "U1b").splitlines() if not line.startswith("XU2 "))
-    peak_v = values.voltage_limits.vibration_peak_v
-    tone = metered.replace("\n.ac", f"\nVtest tactile {ground} sin(0 {peak_v} 201)\n.ac") + "\n"
-    rows = run_ngspice(tmp_path, tone, "tran 10u 0.06 0.02 10u\nwrdata out i(vm)")
-    assert 0.4 * load.max_current_a < max(current for _, current in rows) < load.max_current_a
-
-
-def test_fast_amplifier_does_not_change_the_loads() -> None:
-    """Its resonance with the input capacitance, at 12 MHz, lies outside the band of the vibrations."""
-    design = ARTICLE
-    values = board_values(design)
-    vibration_v = values.voltage_limits.vibration_peak_v
-    fast = compute_amplifier_loads(board_circuit(values), 1e9, design.board.cutoff_hz, vibration_v)
-    for load, expected in zip(fast, values.amplifier_loads, strict=True):
-        assert load.min_ohm == pytest.approx(expected.min_ohm, rel=1e-3)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("supply", ["split", "single"])
-def test_envelope_ends_a_diode_drop_below_the_swing_of_the_rectifiers_amplifier(tmp_path: Path, supply: str) -> None:
-    """U3a, whose output stops near the rails, goes to the rectified voltage and a drop beyond; VMID settles slowly."""
-    design, deck = write_deck(tmp_path, ["board.variant=precision", f"board.supply={supply}"])
-    limits, ground = board_values(design).voltage_limits, "0" if supply == "split" else "vmid"
-    low_v, high_v = limits.signal_ground_v - limits.filter_trough_v, limits.signal_ground_v + limits.filter_peak_v
-    head, model = deck.split(".subckt tlv2372 ")
-    limited = model.replace("E1 out 0 pole 0 1", f"B1 out 0 V = min(max(V(pole), {low_v}), {high_v})", 1)
-    lines = f"{head}.subckt tlv2372 {limited}".splitlines()
-    driven = "\n".join(line for line in lines if not line.startswith(("XU1", "R2 ")))
-    driven = driven.replace("\n.ac", f"\nVtest filtered {ground} pwl(0 0 0.02 {limits.filter_peak_v})\n.ac") + "\n"
-    vectors = "v(envelope)" if supply == "split" else "v(envelope) v(vmid)"
-    _, envelope, *reference = run_ngspice(tmp_path, driven, f"tran 50u 0.5 0 50u\nwrdata out {vectors}")[-1]
-    assert limits.max_envelope_v == pytest.approx(envelope - sum(reference), abs=0.06)
-    assert limits.max_envelope_v == pytest.approx(4.3 if supply == "split" else 1.8)
-
-
-def test_filter_load_is_inverse_to_the_capacitors() -> None:
-    tenth = board_values(load_article(["board.capacitor_uf=0.1"])).filter_load_ohm
-    # R5 is a part of the load that does not change.
-    parallel = 1 / (1 / (10 * board_values(ARTICLE).filter_load_ohm) + 0.9 / 100e3)
-    assert tenth == pytest.approx(parallel, rel=0.05)
 
 
 @pytest.mark.full

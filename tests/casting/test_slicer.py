@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -68,19 +67,6 @@ def test_program_that_takes_long_is_ended(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(slicer, "TIME_LIMIT_S", 0.05)
     with pytest.raises(GeometryError, match=r"^mine: PrusaSlicer did not finish within 0\.05 s; remove --slicer\.$"):
         slice_plate(write_program(tmp_path, "exec sleep 20"), "mine", b"", Design())
-
-
-def test_no_more_of_the_program_is_waited_for_than_the_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = []
-
-    def run(*words: object, timeout: float, **options: object) -> subprocess.CompletedProcess[str]:
-        limits.append(timeout)
-        return subprocess.CompletedProcess([], 0, "", "")
-
-    monkeypatch.setattr(subprocess, "run", run)
-    with pytest.raises(GeometryError, match="no message"):
-        slice_plate(tmp_path / "none", "mine", b"", Design())
-    assert limits == [slicer.TIME_LIMIT_S]
 
 
 @pytest.mark.parametrize("line", ESTIMATES.splitlines())

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,23 +28,6 @@ def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     assert output["passed"] is True
     assert output["parts"]["bone"]["files"] == {"stl": "bone.stl"}
     assert "bone:" in done.stderr, "progress goes to stderr"
-
-
-@pytest.mark.full
-def test_quiet_prints_nothing_on_stderr(tmp_path: Path) -> None:
-    done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--quiet")
-    assert done.returncode == 0
-    assert done.stderr == ""
-    assert "checks passed" in done.stdout
-
-
-@pytest.mark.full
-def test_default_folder_is_out_and_the_name_of_the_design(tmp_path: Path) -> None:
-    done = run_fingertip(
-        "build", FSR400, "--formats", "stl", "--parts", "bone", "--set", "name=mine", PWD=str(tmp_path)
-    )
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "out" / "mine" / "bone.stl").exists()
 
 
 @pytest.mark.parametrize(
@@ -80,20 +60,6 @@ def test_invalid_input_exits_2_with_a_message_and_changes_nothing(
     assert snapshot(out) == {"bone.stl": b"precious"}
 
 
-def test_issues_are_printed_as_json(tmp_path: Path) -> None:
-    done = run_fingertip("build", tmp_path / "none.toml", "--json")
-    assert done.returncode == 2
-    assert json.loads(done.stdout)["issues"][0]["message"].startswith("cannot be read")
-
-
-def test_folder_that_cannot_be_created_is_an_error(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way")
-    done = run_fingertip("build", FSR400, "--formats", "stl", "--out", tmp_path / "file" / "deeper")
-    assert done.returncode == 2
-    assert "choose another folder with --out" in done.stderr
-    assert snapshot(tmp_path) == {"file": b"in the way"}
-
-
 @pytest.mark.full
 def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))
@@ -104,7 +70,6 @@ def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def without_cadquery(tmp_path: Path) -> str:
-    """Create a PYTHONPATH on which importing cadquery fails as on a Debian system without libGL."""
     fake = tmp_path / "fake"
     fake.mkdir()
     (fake / "cadquery.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')\n")
@@ -125,42 +90,8 @@ def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Pa
 
 
 @pytest.mark.full
-def test_without_libgl_stl_and_3mf_are_written(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    done = run_fingertip("build", FSR400, "--out", out, "--formats", "stl,3mf", PYTHONPATH=without_cadquery(tmp_path))
-    assert done.returncode == 0, done.stderr
-    assert (out / "mold_dorsal.3mf").exists()
-
-
-@pytest.mark.full
-def test_crashed_step_process_leaves_no_files(tmp_path: Path) -> None:
-    fake, out = tmp_path / "fake", tmp_path / "out"
-    fake.mkdir()
-    (fake / "cadquery.py").write_text("import os\nos.kill(os.getpid(), 9)\n")
-    done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=str(fake))
-    assert done.returncode == 2
-    assert "the B-rep kernel crashed" in done.stderr
-    assert not out.exists()
-
-
-@pytest.mark.full
-def test_step_files_report_the_share_that_is_done(tmp_path: Path) -> None:
-    from fingertip.design import Design
-    from fingertip.foundation.progress import ShareText
-    from fingertip.tasks.build import build
-
-    messages: list[str] = []
-    build(Design(), tmp_path, parts=["bone", "skin"], formats=["step"], progress=messages.append)
-    shares = [message.share for message in messages if isinstance(message, ShareText)]
-    assert shares == sorted(shares)
-    assert shares[0] == 0.0
-    assert 0.2 < shares[-1] <= 1.0
-
-
-@pytest.mark.full
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.cad.files.step_process import StepProcess
-    from fingertip.design import Design
     from fingertip.foundation.errors import GeometryError
     from fingertip.tasks import build as module
 
@@ -174,27 +105,6 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
     assert not (tmp_path / "out").exists()
 
 
-def test_full_disk_leaves_existing_files_unchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip.foundation.errors import OutputError
-    from fingertip.foundation.output_set import SetWriter
-
-    writer = SetWriter(tmp_path / "set", "parts", "finger", "same")
-    writer.write({"a": b"old", "b": b"old"})
-    before = snapshot(tmp_path / "set")
-    original = Path.write_bytes
-
-    def full(self: Path, data: bytes) -> int:
-        if self.name == "b":
-            raise OSError(28, "No space left on device")
-        return original(self, data)
-
-    monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(OutputError, match="No space left on device"):
-        writer.write({"a": b"new", "b": b"new"})
-    assert snapshot(tmp_path / "set") == before
-    assert [path.name for path in tmp_path.iterdir()] == ["set"]
-
-
 @pytest.mark.full
 def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     """Files of another design are removed with the new ones in place. Files of the user are kept."""
@@ -204,11 +114,6 @@ def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     for name, data in mine.items():
         (tmp_path / name).write_bytes(data)
     before, stl = snapshot(tmp_path), (*quick, "--formats", "stl")
-
-    rejected = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--set", "skin.width_mm=10")
-    assert rejected.returncode == 2
-    assert snapshot(tmp_path) == before
-
     same = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--parts", "bone", "--json")
     assert json.loads(same.stdout)["removed"] == []
     assert set(snapshot(tmp_path)) == set(before), "other parts of the same design stay"
@@ -231,67 +136,6 @@ def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
 
 
 @pytest.mark.full
-def test_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
-    """The refusal comes before the parts are made and names the file; --force overwrites it."""
-    bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
-    assert run_fingertip("build", FSR400, *bone).returncode == 0
-    (tmp_path / "bone.stl").write_bytes(b"repaired by hand")
-    refused = run_fingertip("build", FSR400, *bone)
-    assert refused.returncode == 2
-    assert refused.stderr == (
-        f"error: {tmp_path / 'bone.stl'}: was not written by fingertip, or was changed since; move it away, choose "
-        "another place with --out, or add --force to overwrite it.\n"
-    )
-    assert (tmp_path / "bone.stl").read_bytes() == b"repaired by hand"
-    assert run_fingertip("check", tmp_path).returncode == 1
-    assert run_fingertip("build", FSR400, *bone, "--force").returncode == 0
-    assert run_fingertip("check", tmp_path).returncode == 0
-
-
-@pytest.mark.full
-def test_two_builds_into_one_folder_leave_one_design(tmp_path: Path) -> None:
-    """Builds of different designs run at the same time; the folder holds the files of the one that ended last."""
-    folder, widths = tmp_path / "finger", (17, 18)
-    running = [
-        subprocess.Popen(
-            [sys.executable, "-m", "fingertip", "build", FSR400, "--out", folder, "--formats", "stl", "--quiet",
-             "--set", f"skin.width_mm={width}"],
-            stdout=subprocess.DEVNULL,
-        )
-        for width in widths * 2
-    ]  # fmt: skip
-    assert [process.wait() for process in running] == [0] * 4
-    assert run_fingertip("check", folder).returncode == 0
-    assert Design.load(folder / "design.toml").skin.width_mm in widths
-    alone = tmp_path / "alone"
-    run_fingertip("build", folder / "design.toml", "--out", alone, "--formats", "stl")
-    assert snapshot(folder) == snapshot(alone)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["alone", "finger"]
-
-
-@pytest.mark.full
-def test_folder_of_version_one_is_taken_over(tmp_path: Path) -> None:
-    """It has no manifest. Files that match its report's hashes count as fingertip's own; others do not."""
-    bone = ("--out", tmp_path, "--formats", "stl", "--parts", "bone")
-    assert run_fingertip("build", FSR400, *bone).returncode == 0
-    (tmp_path / "manifest.json").unlink()
-    assert run_fingertip("build", FSR400, *bone).returncode == 0
-    (tmp_path / "manifest.json").unlink()
-    (tmp_path / "bone.stl").write_bytes(b"repaired by hand")
-    refused = run_fingertip("build", FSR400, *bone)
-    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
-    assert "bone.stl: was not written by fingertip" in refused.stderr
-
-
-@pytest.mark.full
-def test_folder_without_a_design_file_keeps_all_files(tmp_path: Path) -> None:
-    (tmp_path / "skin.stl").write_bytes(b"of somebody")
-    done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--parts", "bone")
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "skin.stl").read_bytes() == b"of somebody"
-
-
-@pytest.mark.full
 def test_all_files_of_a_build_are_listed(built: object) -> None:
     from fingertip.cad.report import ALL_FILES, Build
 
@@ -309,27 +153,3 @@ def test_string_instead_of_a_list_is_rejected() -> None:
         build(Design(), formats="stl,3mf")
     with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; give a list"):
         Design.load(changes="skin.width_mm=18")
-
-
-@pytest.mark.full
-@pytest.mark.skipif(os.name == "nt", reason="SIGINT of a terminal")
-def test_interrupt_says_so_and_leaves_no_file(tmp_path: Path) -> None:
-    own = str(tmp_path / "own")
-    words = [sys.executable, "-m", "fingertip", "build", str(FSR400), "--out", own, "--formats", "stl"]
-    # A test run in the background ignores SIGINT, and so would its processes.
-    process = subprocess.Popen(
-        words,
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    assert process.stderr is not None
-    # The first part is meshed. `tests/environment` interrupts the start and the imports.
-    first = process.stderr.readline()
-    process.send_signal(signal.SIGINT)
-    errors = process.communicate(timeout=60)[1]
-    assert process.returncode == 130
-    assert first.startswith("bone: ")
-    assert errors.splitlines()[-1] == "interrupted; no file is half-written"
-    assert list(tmp_path.iterdir()) == []

@@ -48,9 +48,6 @@ def test_flags_have_no_value_and_values_have_a_name() -> None:
     assert re.search(r"^  -o, --out PATH  +Output folder", page, re.MULTILINE)
     assert "--set TABLE.KEY=VALUE" in page
     assert page.index("Options:") < page.index("Options of all commands:") < page.index("Examples:")
-
-
-def test_defaults_are_stated() -> None:
     assert "Default: 0.01." in run_fingertip("build", "--help").stdout
 
 

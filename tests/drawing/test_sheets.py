@@ -13,17 +13,13 @@ import pytest
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import general
-from fingertip.foundation.errors import MissingLibraryError
-from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.draw import part_drawings
-from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Styles, Text, line
-from tests.conftest import design_file, run_fingertip, run_python
-from tests.drawing.conftest import FILES, load_variant
+from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Text
+from tests.conftest import design_file, run_python
 from tests.tools import require_module
 
 Drawn = tuple[Design, dict[str, Sheet]]
 Box = tuple[float, float, float, float]
-ISO_5455 = {"5:1", "2:1", "1:1", "1:2"}
 TOUCHING_MM = 0.02
 
 
@@ -89,16 +85,6 @@ def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
         assert not faults(sheet), part
 
 
-def test_faults_are_found() -> None:
-    good = Text("12.5", (100.0, 100.0), 2.5)
-    assert not faults(Sheet("", 297.0, 210.0, (good, line((90.0, 99.5), (120.0, 99.5), Styles.EDGE))))
-    assert len(faults(Sheet("", 297.0, 210.0, (good, Text("3", (101.0, 101.0), 2.5))))) == 1
-    assert faults(Sheet("", 297.0, 210.0, (good, line((90.0, 101.0), (120.0, 101.0), Styles.EDGE))))
-    assert faults(Sheet("", 297.0, 210.0, (good, Arc((100.0, 101.0), 1.0, 0.0, 360.0, Styles.EDGE))))
-    assert faults(Sheet("", 297.0, 210.0, (Text("12.5", (15.0, 100.0), 2.5),)))
-    assert faults(Sheet("", 297.0, 210.0, (line((90.0, 101.0), (300.0, 101.0), Styles.EDGE),)))
-
-
 def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn) -> None:
     design, sheets = drawn
     assert set(sheets) == {name for name, part in parts_by_name(design).items() if part.is_printed}
@@ -110,49 +96,6 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
             nominal = size.text().removesuffix(f" {tolerance}")
             wanted.update([str(number), str(number), nominal, tolerance])  # in its balloon, and its row of the table
         assert {text: found[text] for text in wanted} == wanted, drawing.part
-
-
-@pytest.mark.full
-def test_title_block_names_design_part_scale_and_sheet(drawn: Drawn) -> None:
-    design, sheets = drawn
-    for number, (part, sheet) in enumerate(sheets.items(), 1):
-        found = {text.text for text in texts(sheet)}
-        assert {design.name, "mm", f"fingertip {__version__}", f"{number} of {len(sheets)}", "A-A"} <= found
-        assert f"drawing_{part}.svg" in found
-        assert len(found & ISO_5455) == 1
-        assert (sheet.width, sheet.height) in ((297.0, 210.0), (420.0, 297.0))
-
-
-@pytest.mark.full
-def test_lines_have_the_widths_of_iso_128(drawn: Drawn) -> None:
-    for part, sheet in drawn[1].items():
-        styles = {p.style for p in sheet.primitives if isinstance(p, Polyline)}
-        assert Styles.EDGE in styles
-        assert Styles.EDGE.width_mm == 0.5
-        assert Styles.HIDDEN.width_mm == 0.25
-        assert Styles.HIDDEN.dashes_mm
-        assert Styles.HIDDEN in styles, part
-        assert any(isinstance(primitive, Hatch) and any(primitive.lines()) for primitive in sheet.primitives)
-
-
-@pytest.mark.full
-def test_hatched_area_is_that_of_the_solid_in_the_section() -> None:
-    """The section at x = 0 of the mesh, by another kernel."""
-    from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.parts import PARTS
-    from fingertip.pictures.drawing.projection import project_parts
-
-    design = Design.load(design_file("fsr400"), changes=["mold.engraving_depth_mm=0"])
-    solids = {part: PARTS[part].solid(design) for part in ("bone", "mold_dorsal")}
-    views = project_parts(tuple((part, solid, ("section",)) for part, solid in solids.items()))
-    for part, solid in solids.items():
-        manifold = MeshEvaluator(0.002).manifold(solid)
-        thin = 0.01
-        slab = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0).trim_by_plane((-1.0, 0.0, 0.0), -thin)
-        spacing = 0.005
-        hatched = Hatch(views[part]["section"].cut, spacing).lines()
-        area = sum(math.dist(*each.points) for each in hatched) * spacing
-        assert area == pytest.approx(slab.volume() / thin, rel=2e-3), part
 
 
 @pytest.mark.full
@@ -169,40 +112,6 @@ def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
     parts = ("bone", "lid", "mold_palmar", "mold_dorsal")
     assert set(written[0]) == {*(f"drawing_{part}.svg" for part in parts), "drawing.pdf", "manifest.json"}
     assert written[0] == written[1]
-
-
-def test_missing_package_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    monkeypatch.setitem(sys.modules, "reportlab", None)
-    done = run_fingertip("drawing", design_file("fsr400"), "--out", tmp_path / "out")
-    assert done.returncode == 2
-    assert done.stderr == (
-        "error: fingertip drawing: needs the package reportlab, which is not installed; "
-        'pip install "fingertip[drawing]", or draw a picture with fingertip picture.\n'
-    )
-    assert not (tmp_path / "out").exists()
-
-
-def test_folder_of_another_design_is_refused_before_any_work(tmp_path: Path) -> None:
-    from fingertip.tasks.build import parts_writer
-
-    require_module("reportlab")
-    parts_writer(Design.load(design_file("fsr402")), tmp_path / "out").write({"casting.md": b"sheet"})
-    done = run_fingertip("drawing", design_file("fsr400"), "--out", tmp_path / "out")
-    assert done.returncode == 2
-    assert "holds the parts of another design" in done.stderr
-    assert "projecting" not in done.stderr
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_parts_have_few_sizes_to_check(name: str) -> None:
-    for variant in ((name, ()), (name, ("mold.method=sleeve",))):
-        for drawing in part_drawings(load_variant(variant)):
-            fewest, most = {"lid": 5}.get(drawing.part, 6), {"bone": 9}.get(drawing.part, 8)  # a joint adds two
-            assert fewest <= len(drawing.checked) <= most, drawing.part
-            names = [size.name for size in drawing.sizes]
-            assert len(set(names)) == len(names)
 
 
 @pytest.mark.full
@@ -232,14 +141,3 @@ def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     assert all(math.dist(point, (4.0, 0.0)) == pytest.approx(0.5, abs=2e-4) for point in circle)
     area = sum(math.dist(*hatched.points) for hatched in Hatch(views["section"].cut, 0.01).lines()) * 0.01
     assert area == pytest.approx(9.0 * 4.0 - 4.0, rel=2e-3)
-
-
-def test_library_without_cadquery_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    from fingertip.pictures.drawing.draw import draw_files
-
-    monkeypatch.setitem(sys.modules, "cadquery", None)
-    monkeypatch.setitem(sys.modules, "reportlab", None)
-    with pytest.raises(MissingLibraryError, match=r'cadquery and reportlab.*"fingertip\[step,drawing\]"'):
-        draw_files(Design())

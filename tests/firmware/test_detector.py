@@ -11,7 +11,6 @@ import pytest
 from fingertip.design import Design
 from fingertip.firmware.sources import SOURCE, float_key, library_sources
 from fingertip.foundation import jit
-from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, FastSettings
 from fingertip.slip.detectors.fast_coefficients import load_model
 from tests.firmware.conftest import Library, make_library, require_gcc
@@ -19,8 +18,6 @@ from tools.firmware.signals import (
     Recording,
     campaign_recordings,
     count_differences,
-    find_intervals,
-    quiet_recording,
     slip_recording,
 )
 from tools.firmware.toolchain import compile_host, write_sources
@@ -91,15 +88,6 @@ def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None
         assert_same_bits(either, recording.tactile_v, recording.filtered_v)
 
 
-@pytest.mark.full
-def test_filtered_signal_counts_where_the_board_gives_it(article_library: Library, library: Library) -> None:
-    """Also as the C library takes it: one board's decisions depend on it, the other's do not."""
-    signals = random_signals(library.design, 40_000)["bursts"]
-    for each, differs in ((article_library, False), (library, True)):
-        both, alone = (each.detector("float").process(*inputs)[0] for inputs in (signals.inputs, signals.inputs[:1]))
-        assert np.array_equal(both, alone) != differs
-
-
 def test_double_build_has_the_bits_of_the_plain_loop(library: Library) -> None:
     """Also of the loop that numba has not compiled, one sample at a time."""
     recording = slip_recording(library.design, 1.0)
@@ -129,25 +117,6 @@ def test_other_sampling_rates_give_the_same_bits(rate_hz: float, tmp_path: Path)
 
 
 @pytest.mark.full
-def test_simulated_trials_give_the_same_bits_and_float_the_same_intervals(either: Library) -> None:
-    intervals = 0
-    for recording in campaign_recordings(either.design, stride=60):
-        output = assert_same_bits(either, *recording.inputs)
-        *_, on = either.detector("float").process(*recording.inputs)
-        different, found = count_differences(output.on, on)
-        intervals += found
-        assert not different
-    assert intervals >= 4
-
-
-@pytest.mark.full
-def test_double_build_has_the_bits_of_python_over_ten_million_samples(library: Library) -> None:
-    signals = random_signals(library.design, 1_200_000, seed=5)
-    total = sum(len(assert_same_bits(library, *signal.inputs).on) for signal in signals.values())
-    assert total >= 10_000_000
-
-
-@pytest.mark.full
 def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> None:
     """The campaign's traces, and a thousand slips in noise, so that one difference is less than the limit.
 
@@ -164,18 +133,6 @@ def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> Non
     print(f"{design.board.supply}: {different} of {total} intervals differ")
     assert total > 2 / (1 - MIN_EQUAL_SHARE)
     assert different <= (1 - MIN_EQUAL_SHARE) * total
-
-
-def test_the_comparison_of_intervals_can_fail() -> None:
-    first = np.zeros(100, bool)
-    first[10:20] = first[50:60] = True
-    near, far = first.copy(), first.copy()
-    near[[9, 59]] = True, False
-    far[[8, 9]] = True
-    assert count_differences(first, near) == (0, 4)
-    assert count_differences(first, far) == (2, 4)
-    assert count_differences(first, np.zeros(100, bool)) == (2, 2)
-    assert find_intervals(np.array([True, True, False, True])) == [(0, 2), (3, 4)]
 
 
 def test_chunks_do_not_matter(library: Library) -> None:
@@ -228,26 +185,6 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[3])
 
 
-@pytest.mark.full
-def test_another_order_of_operations_is_noticed(library: Library, tmp_path: Path) -> None:
-    """The comparison of bits can fail: the same sum in another order."""
-    write_sources(library.design, tmp_path)
-    source = (tmp_path / SOURCE).read_text()
-    first, second = "SLIP_EDGE_B1 * restored - SLIP_EDGE_A1 * edge + state->edge_2", "SLIP_EDGE_B1 * restored"
-    changed = source.replace(first, f"state->edge_2 - SLIP_EDGE_A1 * edge + {second}")
-    assert changed != source
-    (tmp_path / SOURCE).write_text(changed)
-    compile_host(tmp_path, "double")
-    inputs = slip_recording(library.design, 2.0).inputs
-    assert_same_bits(library, *inputs)
-    with pytest.raises(AssertionError):
-        assert_same_bits(Library(library.design, tmp_path), *inputs)
-
-
-def test_state_is_small(library: Library) -> None:
-    assert library.detector("float").state_bytes <= 4 * fast_loop.STATES
-
-
 def test_codes_are_volts_without_rounding(either: Library) -> None:
     """The same decisions, and the same ones whatever the code at which the signal begins."""
     recording, design = slip_recording(either.design, 4.0), either.design
@@ -281,12 +218,3 @@ def test_keys_are_in_the_order_of_the_floats() -> None:
     assert (np.diff(keys)[np.diff(numbers) > 0] > 0).all()
     assert float_key(-0.0) == float_key(0.0) - 1
     assert min(float_key(t) for t in load_model().thresholds.tolist()) > 0  # the key of NaN
-
-
-def test_a_quiet_signal_is_off_and_learned(either: Library) -> None:
-    inputs = quiet_recording(either.design, 10.0).inputs
-    _, _, floor, on = either.detector("float").process(*inputs)
-    assert not on.any()
-    detector = python_detector(either.design)
-    detector.process(*inputs)
-    assert floor[-1] == pytest.approx(detector.state[fast_loop.FLOOR], rel=1e-4)

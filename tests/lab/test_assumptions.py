@@ -1,4 +1,4 @@
-"""Study of the assumptions: variations of scene and design, true onset and vibration, and the remarks on them."""
+"""Studies of the assumptions and of the time step, and the remarks on them."""
 
 from __future__ import annotations
 
@@ -24,15 +24,22 @@ from fingertip.lab.studies.sensitivity import (
     change_converter,
     study_assumptions,
 )
-from fingertip.lab.studies.steps import StepSensitivity
-from fingertip.sim import run_scene
+from fingertip.lab.studies.steps import (
+    SIGNALS,
+    DelayShift,
+    SignalError,
+    StepSensitivity,
+    _find_shift_s,
+    _pool_shifts,
+    compare_grids,
+)
+from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from tests.designs import ARTICLE
 
 SLIDE = next(article_trials())[0]
-BY_LABEL = {variation.label: variation for variation in VARIATIONS}
 
 
 @pytest.mark.parametrize("variation", VARIATIONS, ids=lambda variation: variation.label)
@@ -82,21 +89,6 @@ def test_vibration_is_the_fast_part_of_the_force_in_slip() -> None:
     assert math.isnan(median_of_known([math.nan]))
 
 
-@pytest.mark.full
-def test_assumptions_change_the_delay_in_the_expected_direction() -> None:
-    harder = Variation("harder start", {"scene.slide.acceleration_m_s2": 10.0})
-    noisier = Variation("noisier", {"detector.noise_v": Factor(8.0)})
-    weaker = Variation("weaker", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)})
-    base, fast, noisy, weak = study_assumptions(Design(), "fast", 8, variations=[harder, noisier, weaker])
-    assert base.change_s == base.onset_change_s == 0.0
-    # The slip begins sooner after the motion; from gross slip on, fast waits until it is no contact.
-    assert fast.change_s < 0.002
-    assert fast.onset_change_s < -0.003
-    assert noisy.change_s > 0.002
-    assert noisy.onset_change_s == 0.0
-    assert weak.median_s != base.median_s
-
-
 def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     """With a constant threshold, twice the noise would keep digital ON all the time."""
     noisier = Variation("twice the noise", {"detector.noise_v": Factor(2.0)})
@@ -104,20 +96,6 @@ def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     assert base.found_share == 1.0
     assert twice.found_share > 0.5
     assert twice.alarms_per_minute < 10
-
-
-@pytest.mark.full
-def test_realistic_effects_make_detection_harder() -> None:
-    labels = (PATCH_AVERAGE, ELASTO_PLASTIC, "vibration of the hand, 0.5 mV", "converter of 10 bits, 0 to 5 V")
-    base, patch, bristles, hand, coarse = study_assumptions(
-        ARTICLE, "fast", 8, variations=[BY_LABEL[label] for label in labels]
-    )
-    assert 10 < base.vibration_n / patch.vibration_n < 40
-    assert patch.median_s > base.median_s
-    assert patch.onset_change_s == 0.0
-    assert 0.003 < bristles.onset_change_s < 0.006
-    assert hand.alarms_per_minute > base.alarms_per_minute + 2
-    assert coarse.median_s > base.median_s + 0.01
 
 
 def make_result(label: str, found: float = 1.0, median_s: float = 0.015, is_realistic: bool = True) -> VariationResult:
@@ -153,3 +131,55 @@ def test_table_and_remarks_state_every_realistic_effect() -> None:
     assert data[-1]["realistic"]
     assert (data[-1]["slips"], data[-1]["found_share"]) == (24, 0.25)
     assert data[-1]["vibration_n"] == pytest.approx(results[-1].vibration_n)
+
+
+SHORT = SceneFile(
+    scene="sliding_finger",
+    hold={"wait_s": 0.1, "release": False},
+    slide={"distance_m": 0.005, "speed_m_s": 0.05},
+)
+
+
+@pytest.mark.parametrize(
+    ("coarse", "fine", "shift"),
+    [((0.01,), (0.012,), 0.002), ((0.01, 0.02), (0.01, 0.017), 0.003), ((0.01,), (), math.inf), ((), (), math.nan)],
+)
+def test_shift_is_that_of_the_slip_that_moves_most(
+    coarse: tuple[float, ...], fine: tuple[float, ...], shift: float
+) -> None:
+    assert _find_shift_s(coarse, fine) == pytest.approx(shift, nan_ok=True)
+
+
+def test_slip_found_with_one_step_only_counts_as_beyond_a_sample() -> None:
+    pooled = _pool_shifts("fast", [0.0] * 18 + [1.0, math.inf, math.nan], 2000.0)
+    assert (pooled.trials, pooled.beyond_sample, pooled.one_grid_only) == (20, 1, 1)
+    assert pooled.meets_goal
+    assert pooled.median_s == 0.0
+    assert pooled.worst_s == math.inf
+    worse = _pool_shifts("fast", [0.0] * 18 + [2.0, math.inf], 2000.0)
+    assert not worse.meets_goal
+    empty = _pool_shifts("analog", [math.nan], 2000.0)
+    assert (empty.trials, empty.worst_s) == (0, 0.0)
+
+
+def test_a_finer_step_changes_little() -> None:
+    found = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 4)
+    assert set(found.errors) == set(SIGNALS)
+    assert 0.0 < found.errors["force_n"] < 1e-4
+    assert found.errors["voltage_v"] < 2 * 20 / 65536
+    assert 0.0 < found.errors["envelope_v"] < 2e-3
+    assert found.shifts_samples["fast"] <= 1.0
+    same = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 1)
+    assert set(same.errors.values()) == {0.0}
+
+
+def test_table_and_remarks_name_a_missed_goal() -> None:
+    shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
+    steps = StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),))
+    text, remarks = "\n".join(robustness.step_table(steps)), page_items("Time step", steps=steps)
+    assert "0.040 mN" in text
+    assert text.count("MISSED") == 1
+    assert "digital 4 of 20 (worst not found)" in remarks[0]
+    assert "missed by digital" in remarks[0]
+    assert remarks[1] == "Found with one step only: digital 1."
+    assert robustness.steps_as_data(steps)["delay_shifts"][1]["worst_s"] is None

@@ -7,19 +7,7 @@ nothing else.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
-from fingertip.board.components.bridge import (
-    AD623_BANDWIDTH_HZ,
-    AD623_NOISE_V,
-    AD623_OUTPUT_NOISE_V,
-    BOLTZMANN_J_PER_K,
-    GAIN_CONSTANT_OHM,
-    SENSOR_FILTER_F,
-    TEMPERATURE_K,
-    Bridge,
-    sensor_conductance_s,
-)
 from fingertip.board.components.selection import FirstStageCapacitors
 from fingertip.board.components.values import AdcInterface
 from fingertip.design.formulas.filter import FilterComponents
@@ -147,47 +135,6 @@ def tactile_pin_transfer(f_hz: float, c: AdcInterface) -> complex:
 def envelope_pin_transfer(f_hz: float, c: AdcInterface) -> complex:
     """Transfer function from the envelope to its pin at f [Hz]."""
     return 1.0 / (1.0 + 1j * f_hz / pole_hz(c.envelope_ohm, c.envelope_f))
-
-
-def noise_v(bridge: Bridge, transfer: Callable[[float], complex]) -> float:
-    """RMS noise from 0.1 Hz to 1 MHz [V] of bridge, amplifier and gain resistor behind a transfer function."""
-    low, high, per_decade = 0.1, 1e6, 50
-    steps = round(per_decade * math.log10(high / low))
-    width, total = math.log(high / low) / steps, 0.0
-    # Trapezoidal rule over the logarithm of the frequency, df = f d(ln f).
-    for i in range(steps + 1):
-        f = low * math.exp(i * width)
-        weight = 0.5 if i in (0, steps) else 1.0
-        total += _tactile_density_squared(bridge, f) * f * width * weight * abs(transfer(f)) ** 2
-    return math.sqrt(total)
-
-
-def _tactile_density_squared(bridge: Bridge, f_hz: float) -> float:
-    """Squared noise density [V^2/Hz] at the output of the bridge's amplifier at f [Hz]."""
-    thermal, gain = 4.0 * BOLTZMANN_J_PER_K * TEMPERATURE_K, bridge.gain
-    resistors = 1.0 / bridge.sensor_top_ohm + 1.0 / bridge.sensor_shunt_ohm
-    arm_ohm = 1.0 / (resistors + sensor_conductance_s(0.8))
-    # The sensor itself is assumed to be noiseless. C7 lies across its arm.
-    arm = thermal * resistors * arm_ohm**2 / (1.0 + (math.tau * f_hz * SENSOR_FILTER_F * arm_ohm) ** 2)
-    reference = thermal / (1.0 / bridge.reference_top_ohm + 1.0 / bridge.reference_bottom_ohm)
-    amplifier = AD623_NOISE_V**2 + (AD623_OUTPUT_NOISE_V / gain) ** 2
-    gain_resistor = thermal * GAIN_CONSTANT_OHM / (gain - 1.0) * ((gain - 1.0) / gain) ** 2
-    pole = 1.0 + (f_hz * gain / AD623_BANDWIDTH_HZ) ** 2
-    return gain**2 * (arm + reference + amplifier + gain_resistor) / pole
-
-
-def supply_transfer(bridge: Bridge, f_hz: float, sensor_s: float = 0.0) -> complex:
-    """Transfer function from the supply to the tactile voltage at f [Hz], for a conductance of the sensor [S].
-
-    VMID of a single supply is assumed to be free of ripple.
-    """
-    top, shunt, reference = (
-        bridge.sensor_top_ohm,
-        1 / (1 / bridge.sensor_shunt_ohm + sensor_s),
-        bridge.reference_bottom_ohm / (bridge.reference_top_ohm + bridge.reference_bottom_ohm),
-    )
-    delay = 1.0 + 2j * math.pi * f_hz * SENSOR_FILTER_F * top * shunt / (top + shunt)
-    return bridge.gain * (shunt / (top + shunt) / delay - reference)
 
 
 def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -1,11 +1,10 @@
-"""Transfer functions of the article's filter with ideal amplifiers (eqs. 1, 4, 9 and 11), as an oracle.
+"""Transfer functions of the article's filter with ideal amplifiers (eqs. 1, 4 and 9), as an oracle.
 
 The article writes omega where j omega is meant. Here s = j 2 pi f.
 """
 
 from __future__ import annotations
 
-import cmath
 import math
 
 from fingertip.design.formulas.filter import FilterComponents
@@ -34,18 +33,3 @@ def second_stage_transfer(f_hz: float, components: FilterComponents) -> complex:
 def ideal_filter_transfer(f_hz: float, components: FilterComponents) -> complex:
     """Hc = H1 H2 at f [Hz], eq. (9): from the tactile voltage to the diode."""
     return first_stage_transfer(f_hz, components) * second_stage_transfer(f_hz, components)
-
-
-def envelope_impedance(f_hz: float, components: FilterComponents) -> complex:
-    """Z = (1 / C_LP) / (s + 1 / (R_LP C_LP)) [ohm] at f [Hz], eq. (11).
-
-    The article calls it the transfer function of a low-pass filter. Its unit is volt per ampere: a diode that feeds
-    R_LP parallel to C_LP is a peak detector, whose decay is the 36.17 Hz (tau = R_LP C_LP = 4.40 ms).
-    """
-    s = 2j * math.pi * f_hz
-    return (1.0 / components.c_lp_f) / (s + 1.0 / (components.r_lp_ohm * components.c_lp_f))
-
-
-def phase_degrees(ratio: complex) -> float:
-    """Phase of a transfer function's value [degree], from -180 to 180."""
-    return math.degrees(cmath.phase(ratio))

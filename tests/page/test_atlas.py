@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,10 +21,8 @@ from fingertip.page.atlas import (
     draw_parameter,
     find_depth_changes,
     find_ring,
-    list_changes,
     render_atlas,
 )
-from tests.conftest import run_fingertip
 from tests.page.conftest import Page
 
 
@@ -94,15 +91,6 @@ def test_a_small_change_has_a_ring_around_it() -> None:
     assert find_ring(np.zeros((4, 4), dtype=bool), 2) is None
 
 
-def test_changes_leave_the_other_parameters(design: Design) -> None:
-    for path in ("skin.width_mm", "mold.method", "mold.chaplet_screw"):
-        for changed in list_changes(design, path):
-            others = [other for other in PARAMETERS if other != path]
-            assert [changed.value(one) for one in others] == [design.value(one) for one in others]
-            assert changed.value(path) != design.value(path)
-    assert list(list_changes(design, "name")) == []
-
-
 @pytest.mark.full
 def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
     picture = draw(design, "bone.collar_length_mm")
@@ -119,15 +107,6 @@ def test_page_shows_every_parameter_in_one_file(design: Design) -> None:
     assert picture.caption in page.text
     assert not [link for link in page.attributes("href") if not link.startswith("#")]
     assert "script" not in {tag for tag, _ in page.elements}
-
-
-def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
-    done = run_fingertip("params", "--html", tmp_path / "a.png")
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: --html: 'a.png' is of no format that is written; end it in .html.")
-    done = run_fingertip("params", "--html", tmp_path)
-    assert done.returncode == 2
-    assert "is a folder" in done.stderr
 
 
 @pytest.mark.full

@@ -6,7 +6,6 @@ import base64
 import json
 import re
 import shutil
-import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -64,13 +63,6 @@ def count_pixels(driver: Any, rgb: tuple[int, int, int]) -> int:
     """Number of opaque pixels of one colour."""
     pixels = picture(driver)
     return int(((np.abs(pixels[..., :3] - rgb).max(axis=-1) <= 1) & (pixels[..., 3] == 255)).sum())
-
-
-@pytest.mark.full
-def test_first_picture_comes_at_once(opened: Any) -> None:
-    """A picture is drawn without any action; `benchmarks/page.py` measures when."""
-    assert float(wait(lambda: drawn_ms(opened))) > 0.0
-    assert drawn_share(opened) > 0.15
 
 
 @pytest.mark.full
@@ -223,14 +215,6 @@ def test_saves_the_mesh_that_was_exported(opened: Any, folder: Path) -> None:
     saved, exported = stl.from_bytes(path.read_bytes()), stl.from_bytes((folder / "bone.stl").read_bytes())
     assert np.array_equal(saved.vertices, exported.vertices)
     assert np.array_equal(saved.triangles, exported.triangles)
-
-
-@pytest.mark.full
-def test_saves_a_picture(opened: Any) -> None:
-    click(opened, "#save-picture")
-    path = opened.downloads / "fsr400.png"
-    wait(lambda: path.is_file() and path.stat().st_size > 1000)
-    assert struct.unpack(">II", path.read_bytes()[16:24])[0] > 300
 
 
 @pytest.mark.full

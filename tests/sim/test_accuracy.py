@@ -27,7 +27,6 @@ FLOOR = {
 
 
 def fit_order(errors: list[float]) -> float:
-    """Order of convergence from the errors at steps that halve."""
     return -float(np.polyfit(np.arange(len(errors)), np.log2(errors), 1)[0])
 
 
@@ -93,21 +92,3 @@ def test_trials_of_the_article_are_within_a_tenth_of_a_millinewton_and_a_millivo
     assert max(errors["voltage_v"]) < 1e-4
     assert np.quantile(errors["envelope_v"], 0.9) < 1e-3
     assert max(errors["envelope_v"]) < (1.5e-3 if variant == "article" else 1e-3)
-
-
-def test_error_controlled_contact_agrees_with_the_stepped_one():
-    """Elasto-plastic bristles without elastic range would be plain ones; here the load is the same in both."""
-    scene = SceneFile(
-        hold={"min_force_n": 1.0, "max_force_n": 1.0, "wait_s": 0.1}, slide={"distance_m": 0.02},
-        outputs=["velocity_m_s", "shear_m", "slip"],
-    )  # fmt: skip
-    contact = scene.contact.model_copy(update={"bristles": "elasto_plastic"})
-    with compiled():
-        plain = run_scene(DESIGN, scene, 1)
-        elastic = run_scene(DESIGN, scene.model_copy(update={"contact": contact}), 1)
-    # Steady sliding does not depend on the bristles' elastic range, the onset does, by some milliseconds.
-    steady = plain.columns["slip"] & elastic.columns["slip"]
-    middle = np.flatnonzero(steady)[300:-200]
-    assert np.abs(plain.columns["shear_m"][middle] - elastic.columns["shear_m"][middle]).max() < 1e-7
-    onsets = [run.record.slips[0].onset_s for run in (plain, elastic)]
-    assert 0.0 < abs(onsets[1] - onsets[0]) < 0.008

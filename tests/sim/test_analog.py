@@ -18,7 +18,7 @@ from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, augment, com
 from fingertip.sim.signal.envelope_loop import wright_omega
 from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
 from tests.designs import ARTICLE, article_design
-from tests.oracles.filter_formulas import OPEN_LOOP_GAIN, filter_transfer
+from tests.oracles.filter_formulas import filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.oracles.ngspice import simulate_with_ngspice
 from tests.tools import require_tool
@@ -57,22 +57,15 @@ def first_stage_gain(board: AnalogBoard, frequency: float) -> complex:
 
 
 def burst(seconds: float = 0.5) -> np.ndarray:
-    """Tactile voltage with a burst of 90 Hz on a constant [V]."""
     time = np.arange(round(seconds / STEP_S) + 1) * STEP_S
     return 4.0 + np.where((time > 0.1) & (time < 0.35), 0.02 * np.sin(2 * math.pi * 90 * time), 0.0)
-
-
-@pytest.mark.parametrize("y", [-800.0, -60.0, -40.0, -5.0, -2.0, -1.0, 0.0, 1.0, 3.0, 50.0, 1e5])
-def test_omega_solves_its_equation(y):
-    from scipy.special import wrightomega
-
-    assert wright_omega(y) == pytest.approx(float(wrightomega(y)), rel=1e-14)
 
 
 def test_omega_agrees_with_scipy_over_its_range():
     from scipy.special import wrightomega
 
-    y = np.linspace(-45, 60, 20_001)
+    assert wright_omega(-800.0) == 0.0
+    y = np.concatenate((np.linspace(-45, 60, 20_001), [-60.0, 1e5]))
     assert np.abs(np.array([wright_omega(a) for a in y.tolist()]) / wrightomega(y) - 1).max() < 1e-14
 
 
@@ -86,51 +79,6 @@ def test_exponentials_agree_with_scipy(capacitor_f, bound):
     for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
         theirs = expm(M[0] * STEP_S / 2**level)
         assert np.abs(ours - theirs).max() < bound * np.abs(theirs).max()
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("frequency", [20.0, 67.0, 90.0, 200.0])
-def test_tone_has_the_gain_of_the_filter_formula(frequency):
-    """The tone is finely sampled, so that straight lines between samples are a sine, and too weak for the diode."""
-    step = 1 / 32_000
-    time = np.arange(32_000) * step
-    out = simulate_board(BOARD, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[16_000:]
-    gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred))
-    assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=2e-3)
-
-
-@pytest.mark.full
-def test_agrees_with_scipys_radau():
-    """Radau solves the circuit's own equations and restarts at every sample, where the input has a corner."""
-    from scipy.integrate import solve_ivp
-    from scipy.optimize import brentq
-
-    c, d, gain, voltage = BOARD.components, BOARD.diode, constant_gain(BOARD), burst(0.15)
-    ours = simulate_board(BOARD, STEP_S, voltage, 1e-8)
-    nvt = d.emission * d.thermal_v
-
-    def current(v):
-        if v < -0.5:  # within 1e-4 of the saturation current
-            return -d.saturation_a
-        return brentq(lambda i: v - i * d.series_ohm - nvt * math.log1p(i / d.saturation_a), -0.999999 * 2.52e-9, 1.0,
-                      xtol=1e-18)  # fmt: skip
-
-    state = [voltage[0], 0.0, 0.0, 0.0]
-    for i in range(190, len(voltage) - 1):
-
-        def rates(t, s, i=i):
-            u = voltage[i] + (voltage[i + 1] - voltage[i]) * t / STEP_S
-            p = u - s[0]
-            behind = gain * p - s[1] - s[2]
-            q3 = behind / c["R3"] / c["C3"]
-            q2 = (behind / c["R3"] + s[2] / c["R2"]) / c["C2"]
-            return [p / c["R1"] / c["C1"], q2, q3, (current(behind - s[3]) - s[3] / c["R6"]) / c["C4"]]
-
-        state = solve_ivp(rates, (0, STEP_S), state, "Radau", rtol=1e-8, atol=1e-10).y[:, -1]
-        assert state[3] == pytest.approx(ours.envelope_v[i + 1], abs=3e-7)
-        behind = gain * (voltage[i + 1] - state[0]) - state[1] - state[2]
-        assert behind == pytest.approx(ours.filtered_v[i + 1], abs=1e-6)
-    assert ours.envelope_v.max() > 0.3
 
 
 @pytest.mark.full
@@ -211,18 +159,6 @@ def test_extreme_components_and_inputs_give_bounded_envelopes(parts, what, toler
     assert found.steps < 100_000
     if what in ("zero", "denormal"):
         assert np.abs(found.envelope_v).max() < tolerance
-
-
-def test_jump_charges_the_envelope_to_its_peak():
-    """Without Rs and with hardly any load, the peak is the jump times the gain, less the diode's drop."""
-    board = replace(BOARD.with_components(R6=1e9), diode=Diode(1e-6, 1.0, 0.0))
-    voltage = np.where(np.arange(50) > 20, 1.0, 0.0)
-    after = np.where(np.arange(50) >= 20, 1.0, 0.0)
-    out = simulate_board(board, STEP_S, voltage, 1e-6, after).envelope_v
-    assert out[20] == pytest.approx(0.0, abs=1e-6)
-    assert constant_gain(board) - 0.8 < out[21] < constant_gain(board)
-    ramp = simulate_board(board, STEP_S, voltage, 1e-6).envelope_v
-    assert ramp[21] < 0.9 * out[21]
 
 
 def test_rails_limit_the_output_and_do_not_change_small_signals():
@@ -310,31 +246,6 @@ def test_rectifier_resistors_set_the_gain_of_the_envelope(reference):
     assert before.envelope_v.max() > 0.1
 
 
-def test_series_capacitor_removes_the_gain_at_dc_only():
-    """The first stage has the gain 1 + Z5 / (R4 + 1/(s C)) for tones."""
-    board = PRECISION.with_components(C14=66e-6)
-    step = 1 / 16_000
-    time = np.arange(64_000) * step
-    for frequency in (2.0, 100.0):
-        ratio = first_stage_gain(board, frequency) / constant_gain(board)
-        gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred) * ratio)
-        out = simulate_board(board, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
-        assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * gain, rel=3e-3)
-
-
-@pytest.mark.parametrize("series_f", [1.0, 22e-6])
-def test_limiting_capacitor_reduces_the_gain_above_its_corner(series_f):
-    """The gain is 1 + Z5 / Z4 for tones: R5 parallel to 1.5 nF over R4 in series with C14, of which 1 F is a short."""
-    board = PRECISION.with_components(C14=series_f, C20=1.5e-9)
-    for frequency in (100.0, 1000.0, 8000.0):
-        step = 1 / (64 * frequency)
-        time = np.arange(64 * 200) * step
-        ratio = first_stage_gain(board, frequency) / constant_gain(board)
-        gain = abs(ideal_filter_transfer(frequency, board_values(DESIGN).preferred) * ratio)
-        out = simulate_board(board, step, 1e-5 * np.sin(2 * math.pi * frequency * time)).filtered_v[64 * 100 :]
-        assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-5 * gain, rel=3e-3)
-
-
 @pytest.mark.parametrize("gain_bandwidth_hz", [None, 3e4, 3e6])
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_state_equations_have_the_transfer_function_of_the_formulas(variant, gain_bandwidth_hz):
@@ -354,49 +265,6 @@ def test_state_equations_have_the_transfer_function_of_the_formulas(variant, gai
         assert found == pytest.approx(expected, rel=1e-8)
 
 
-def test_finite_gain_bandwidth_changes_the_output_by_a_bounded_amount():
-    """At 1 GHz the open-loop gain A0 remains, which reduces the first stage's gain G by G / A0."""
-    fast, slow = (simulate_board(AnalogBoard.from_design(DESIGN, f), STEP_S, burst()).filtered_v for f in (1e9, 3e4))
-    ideal = simulate_board(BOARD, STEP_S, burst()).filtered_v
-    maximum = np.abs(ideal).max()
-    assert np.abs(fast - ideal / (1 + constant_gain(BOARD) / OPEN_LOOP_GAIN)).max() < 1e-4 * maximum
-    assert 0.01 < np.abs(slow - ideal).max() / maximum < 0.5  # 30 kHz / 67.7 = 443 Hz of bandwidth
-
-
-@pytest.mark.parametrize("gain_bandwidth_hz", [3e4, 3e6])
-@pytest.mark.parametrize("variant", ["article", "precision"])
-def test_finite_gain_bandwidth_agrees_with_its_formula(variant, gain_bandwidth_hz):
-    """Both stages have amplifiers of finite gain and inputs with a capacitance; variant precision has C14 and C20."""
-    design = article_design(board={"variant": variant})
-    board, values = AnalogBoard.from_design(design, gain_bandwidth_hz), board_values(design)
-    step = 1 / 32_000
-    time = np.arange(64_000) * step
-    for frequency in (20.0, 90.0, 400.0):
-        gain = filter_transfer(frequency, values.preferred, gain_bandwidth_hz, values.first_stage_capacitors)
-        out = simulate_board(board, step, 1e-3 * np.sin(2 * math.pi * frequency * time)).filtered_v[32_000:]
-        ideal = 2 * (1 - math.cos(2 * math.pi * frequency * step)) / (2 * math.pi * frequency * step) ** 2
-        assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(1e-3 * abs(gain) * ideal, rel=2e-3)
-
-
-@pytest.mark.full
-def test_a_million_samples_stay_periodic():
-    voltage = np.tile(burst(0.5)[:-1], 1000)
-    pytest.importorskip("numba")
-    with compiled():
-        found = simulate_board(BOARD, STEP_S, voltage)
-    period = found.envelope_v.reshape(1000, 1000)
-    assert np.abs(period[1:] - period[-1]).max() < 1e-4  # every period after the first is equal
-    assert np.isfinite(found.envelope_v).all()
-
-
-def test_many_boards_equal_single_boards():
-    caps = np.array([0.9e-6, 1e-6, 1.1e-6])
-    many = simulate_board(BOARD.with_components(C2=caps), STEP_S, burst(0.2))
-    for row, c in zip(many.envelope_v, caps.tolist(), strict=True):
-        assert np.array_equal(row, simulate_board(BOARD.with_components(C2=c), STEP_S, burst(0.2)).envelope_v)
-    assert many.envelope_v.shape == (3, 401)
-
-
 @pytest.mark.parametrize("parts", ["as fitted", "rails", "gain-bandwidth", "precision", "C 1p"])
 def test_any_chunks_give_the_same_bits(parts):
     board = STIFF_BOARDS[parts]
@@ -409,23 +277,6 @@ def test_any_chunks_give_the_same_bits(parts):
         assert np.array_equal(np.concatenate([envelope_v[i] for _, envelope_v in chunks]), whole.envelope_v)
     with pytest.raises(TraceError, match="voltage_v of board 1: nan at sample 2"):
         stream.process(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, math.nan], [0.0, 0.0, 0.0]]))
-
-
-def test_compiled_loop_gives_the_same_bits():
-    pytest.importorskip("numba")
-    plain = simulate_board(BOARD, STEP_S, burst())
-    with compiled():
-        fast = simulate_board(BOARD, STEP_S, burst())
-    assert np.array_equal(plain.envelope_v, fast.envelope_v)
-    assert plain.steps == fast.steps
-
-
-def test_input_that_is_not_finite_is_reported_with_its_sample():
-    for bad in (math.nan, math.inf):
-        voltage = burst()
-        voltage[[17, 30]] = bad
-        with pytest.raises(TraceError, match=rf"voltage_v: {bad} at sample 17 \(and 1 more after it\) is not a finite"):
-            simulate_board(BOARD, STEP_S, voltage)
 
 
 @pytest.mark.parametrize(
@@ -452,10 +303,14 @@ def test_impossible_components_are_refused(change: Callable[[], AnalogBoard], me
         change()
 
 
-@pytest.mark.parametrize("step", [0.0, -1.0, math.nan])
-def test_step_that_is_not_positive_is_refused(step):
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
+def test_steps_and_voltages_that_are_no_numbers_are_refused(bad):
     with pytest.raises(TraceError, match=r"step_s: .* above 0, such as 0\.0005 s"):
-        simulate_board(BOARD, step, burst())
+        simulate_board(BOARD, bad, burst())
+    voltage = burst()
+    voltage[[17, 30]] = math.inf if bad else math.nan
+    with pytest.raises(TraceError, match=r"voltage_v: (nan|inf) at sample 17 \(and 1 more after it\) is not a finite"):
+        simulate_board(BOARD, STEP_S, voltage)
 
 
 @pytest.mark.parametrize("volts", [1e300, 1e15, -1e15, 1.1e4])

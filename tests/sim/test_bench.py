@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.peers import board, contact, spice, throughput
-from benchmarks.peers.board import BoardProblem, measure_board
+from benchmarks.peers.board import BoardProblem
 from benchmarks.peers.contact import ContactProblem
 from benchmarks.peers.cvode import CvodeFailedError, CvodeLibrary, CvodeMissingError, compile_cvode
 from benchmarks.peers.spice import Spice
@@ -60,25 +60,6 @@ def test_an_error_near_the_references_difference_is_omitted():
     assert "ZeroDivisionError" in texts
 
 
-def test_jobs_are_measured_in_rounds_and_slow_ones_once():
-    calls, times = [], {"a": iter([3e-3, 1e-3, 2e-3, 5e-3, 4e-3]), "slow": iter([1.5])}
-
-    def run(name: str) -> Outcome:
-        calls.append(name)
-        return Outcome(ZERO + 1e-4, next(times[name]))
-
-    diagram = WorkPrecision("p", "V", (1e-3,))
-    diagram.measure([Job(name, "s", lambda n=name: run(n)) for name in ("a", "slow")], ZERO)  # type: ignore[misc]
-    assert calls == ["a", "slow", "a", "a", "a", "a"]
-    assert [point.cpu_s for point in diagram.points] == [3e-3, 1.5]  # the median
-
-
-def test_a_result_may_bring_its_own_reference():
-    diagram = WorkPrecision("p", "V", (1e-3,))
-    diagram.measure([Job("sine", "s", lambda: Outcome(np.ones(7), 1.0, np.ones(7) + 1e-3))], ZERO)
-    assert diagram.points[0].error == pytest.approx(1e-3)
-
-
 def test_time_at_an_error_is_interpolated_between_the_best_points():
     diagram = diagram_of(("ours", 1.0, 1e-2), ("ours", 4.0, 1e-4), ("ours", 3.0, 2e-2), ("ours", 8.0, 1e-5))
     assert [p.cpu_s for p in diagram.best_points("ours")] == [1.0, 4.0, 8.0]
@@ -108,34 +89,10 @@ def test_solvers_are_compared_by_the_geometric_mean_over_the_levels():
         data = diagram.as_data()["comparisons"]["theirs"]
         assert data["target"] == target
         assert data["mean"] == pytest.approx(40.0)
-
-
-def test_solver_that_was_not_measured_is_told_apart_from_a_slow_one():
-    diagram = diagram_of(("ours", 1.0, 1e-3))
-    diagram.targets["theirs"] = 10.0
-    assert not diagram.misses_target
-    assert any("NOT COMPARED, target 10" in line for line in diagram.as_text())
-
-
-@pytest.mark.parametrize("kind", ["contact", "board"])
-def test_equations_of_the_peers_have_the_jacobian_they_state(kind):
-    """numba is not needed: the functions are plain Python where it is missing."""
-    rng = np.random.default_rng(2)
-    if kind == "contact":
-        problem = ContactProblem.over(1.0)
-        system, argument = contact._scipy_equations(problem.mount, problem.normal), problem.drives()[2]
-        size = np.array([1e-3, 0.02, 2e-5, 0.8, 50.0])
-    else:
-        system, argument = board._scipy_equations(AnalogBoard.from_design(DESIGN)), BoardProblem(None, 0.5).voltage_v
-        size = np.array([4.0, 0.3, 0.3, 0.3])
-    for _ in range(20):
-        state = size * rng.uniform(0.2, 1.0, len(size))
-        expected = system.jacobian(0.15, state, argument)
-        found = np.empty_like(expected)
-        for i, h in enumerate(1e-6 * size):
-            ahead, behind = (system.rates(0.15, state + sign * h * np.eye(len(size))[i], argument) for sign in (1, -1))
-            found[:, i] = (ahead - behind) / (2 * h)
-        assert np.abs((found - expected) * size).max() < 1e-5 * np.abs(expected * size).max()
+    alone = diagram_of(("ours", 1.0, 1e-3))
+    alone.targets["theirs"] = 10.0
+    assert not alone.misses_target
+    assert any("NOT COMPARED, target 10" in line for line in alone.as_text())
 
 
 def cvode_or_skip() -> contextlib.AbstractContextManager[CvodeLibrary]:
@@ -161,23 +118,6 @@ def test_peers_agree_with_fingertip_on_the_contact():
         assert np.abs(run.result - ours).max() < 1e-6, name
         assert run.cpu_s > 0.0
     assert np.abs(ours[: len(problem.time_s)]).max() > 0.2
-
-
-def test_peers_agree_with_fingertip_on_the_board():
-    problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
-    system = board._scipy_equations(problem.board)
-    with compiled(), cvode_or_skip() as cvode:
-        ours = problem.run_fingertip(1e-9).result
-        ways = ("no longer than a sample", "stops at samples")
-        runs = [problem.run_cvode(cvode, way, None, 1e-9) for way in ways]
-        runs += [problem.run_scipy(system, "odeint", stops, 1e-9) for stops in (False, True)]
-        for run in runs:
-            assert np.abs(run.result - ours).max() < 1e-6
-        sine = problem.run_exact_sine(system, "LSODA", 1e-11, problem.time_s)
-        native = problem.run_cvode(cvode, "sine", sine, 1e-9)
-        assert np.abs(native.result - sine).max() < 1e-6
-        assert native.reference is sine
-        assert 1e-3 < np.abs(sine - ours).max() < 1e-2  # straight lines are not the sine
 
 
 def test_ngspice_agrees_on_both_sources():
@@ -213,18 +153,6 @@ def test_missing_compiler_and_missing_library_are_named(tmp_path, monkeypatch):
 
 
 @pytest.mark.full
-def test_missing_peers_are_listed_loudly(monkeypatch):
-    monkeypatch.setattr(spice, "find_program", lambda: None)
-    with compiled():
-        diagram = measure_board(0.5, ("CVODE", "ngspice"), "no C compiler (cc); install one")
-    text = "\n".join(diagram.as_text())
-    assert "CVODE: NOT MEASURED: no C compiler (cc); install one" in text
-    assert "ngspice: NOT MEASURED: it is not installed; install Debian's package ngspice" in text
-    assert text.count("NOT COMPARED, target") == 2
-    assert not diagram.misses_target
-
-
-@pytest.mark.full
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(
@@ -248,12 +176,9 @@ def test_command_writes_diagrams_and_times(tmp_path):
         assert len(ours) >= 3
         # The references differ by the machine's rounding, and an error counts from a hundred times that.
         assert ours[-1] < max(0.05 * ours[0], 1000 * diagram["reference_difference"])
-        assert ours[-1] >= 100 * diagram["reference_difference"]
-        assert "scipy" in diagram["solvers"]["scipy odeint"]
         for name in ("scipy LSODA", "scipy odeint"):
             assert None not in diagram["comparisons"][name]["ratios"]
             assert diagram["comparisons"][name]["mean"] > 0
-        assert isinstance(diagram["omissions"], list)
     assert "bench: contact: 0 % done" in done.stderr
     text = (tmp_path / "work_precision.txt").read_text()
     assert text.startswith("a target is MISSED\n" if missed else "all targets are met\n")
@@ -290,42 +215,6 @@ def test_trials_are_those_of_the_article():
     assert len({seed for _, seed in planned}) == len(planned) == 120
     assert Counter(scene.scene for scene, _ in planned) == {"sliding_finger": 90, "sliding_surface": 30}
     assert Counter(scene.slide.speed_m_s for scene, _ in planned) == {0.04: 40, 0.06: 40, 0.08: 40}
-
-
-@pytest.mark.full
-def test_trials_all_slip():
-    """`fingertip bench` compares the time with the target."""
-    pytest.importorskip("numba")
-    with compiled():
-        found = throughput.measure_trials()
-    assert found["slipping"] == found["trials"] == 120
-    assert found["target_s"] == throughput.CAMPAIGN_TARGET_S
-    assert found["cpu_s"] > 0.0
-
-
-@pytest.mark.full
-def test_manipulations_without_control_lose_objects():
-    """`fingertip bench` compares the time with the target, a second for each."""
-    pytest.importorskip("numba")
-    with compiled():
-        found = throughput.measure_manipulations()
-    assert found["manipulations"] == 12
-    assert found["target_s"] == 12.0
-    assert found["cpu_s"] > 0.0
-    assert found["lost"] >= 5  # without control
-
-
-def test_boards_are_measured_on_a_trial_in_which_the_diode_conducts():
-    """A fiftieth of 10 000 boards, on a strong trial of 5 s; `fingertip bench` compares the time with its target."""
-    pytest.importorskip("numba")
-    with compiled():
-        found = throughput.measure_boards(200)
-    assert found["samples"] == 10_001
-    assert found["target_s"] == 0.2  # a fiftieth of 10 s
-    assert found["cpu_s"] > 0.0
-    assert found["conducting_ratio"] > 0.001
-    peaks = found["peak_v"]
-    assert 0.01 < peaks["5 %"] < peaks["50 %"] < peaks["95 %"]
 
 
 @pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 15)])

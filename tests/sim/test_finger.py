@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 import random
-import tracemalloc
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -20,7 +19,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, 
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.report import encode_trace, open_trace
-from fingertip.sim.runs.scene import SceneRun, stream_scene
+from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
@@ -48,20 +47,7 @@ SCENE_OUTPUTS = SceneFile.known_outputs()
 
 
 def record_all(path: Path, **changes) -> SceneFile:
-    """A bundled scene that records every output."""
     return SceneFile.load(path).model_copy(update={"outputs": [*SCENE_OUTPUTS], **changes})
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
-def test_chunks_change_no_bit(path):
-    scene = record_all(path)
-    with compiled():
-        whole = run_scene(DESIGN, scene, 2).signals
-        for size in (997, 4096):
-            parts = FingerSignals.join([*SceneRun(DESIGN, scene, 2).chunks(size)])
-            for name in ("time_s", *SCENE_OUTPUTS):
-                assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, size)
 
 
 @pytest.mark.full
@@ -150,23 +136,6 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
         assert np.array_equal(other[:shared], points[0][:shared])
 
 
-@pytest.mark.full
-def test_stream_needs_no_more_memory_for_a_longer_scene():
-    def peak_mb(seconds: float) -> float:
-        scene = SceneFile(hold={"min_s": seconds}, outputs=["voltage_v", "force_n", "slip"])
-        tracemalloc.start()
-        record = stream_scene(Design(), scene, lambda chunk: None, 1)
-        peak = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        assert record.duration_s > seconds
-        return peak / 1e6
-
-    with compiled():
-        peak_mb(5.0)
-        short, long = peak_mb(10.0), peak_mb(60.0)
-    assert long < 1.1 * short
-
-
 @pytest.mark.parametrize("suffix", ["csv", "npz"])
 def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
     result = run_scene(DESIGN, record_all(SCENES[0]), 1)
@@ -176,18 +145,6 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
         writer.write(result.time_s[a:b], {name: values[a:b] for name, values in result.columns.items()})
     writer.close()
     assert out.getvalue() == encode_trace(result.time_s, result.columns, path)
-
-
-@pytest.mark.full
-def test_long_scene_runs_compiled_and_a_trial_plain(monkeypatch):
-    entered = []
-    monkeypatch.setattr(
-        "fingertip.sim.runs.scene.jit.compiled", lambda progress: entered.append(1) or compiled(progress)
-    )
-    run_scene(Design(), Trial().scene, 0)
-    assert not entered
-    run_scene(Design(), SceneFile(hold={"min_s": 400.0}, outputs=["force_n"]), 0)
-    assert entered
 
 
 @pytest.mark.full
@@ -269,17 +226,6 @@ def test_amplifier_drifts_by_its_rate():
     volts = np.concatenate([source.process(np.ones(12_500))[0] for _ in range(2)])
     assert volts[[0, 12_500]] == pytest.approx([0.0, 2.5e-3])
     assert np.ptp(np.diff(volts)) < 1e-15
-
-
-def test_noise_is_the_same_on_a_finer_grid():
-    for make in (
-        lambda grid: PinkNoise(grid, 1e-3, open_stream(1, "x")),
-        lambda g: HandVibration(g, 1e-3, open_stream(1, "x")),
-    ):
-        base, fine = make(Grid()).process(500), make(Grid(4))
-        found = np.concatenate([fine.process(n) for n in (1, 3, 700, 1293)])
-        assert np.array_equal(found[::4][:499], base[:499])
-        assert found[2] == pytest.approx((base[0] + base[1]) / 2)
 
 
 def test_hand_vibration_needs_contact():

@@ -22,7 +22,6 @@ H = 5e-4
 
 
 def make_motors(fingers=FIVE, **hand) -> Motors:
-    """Motors of these fingers, with these parameters of the hand."""
     return Motors(Hand(**hand), PAD, fingers, np.full(len(fingers), 0.03), H)
 
 
@@ -97,12 +96,6 @@ def move_object(
     return time[1:], moved, shear.reshape(count, -1), over_object.reshape(count, -1), pushed
 
 
-def test_friction_carries_the_weight_at_rest():
-    _, _, shear, over_object, _ = move_object(1.0, 1.25e-4, [1.0, 0.6, 0.4])
-    assert (6000.0 * shear[:, -1]).sum() == pytest.approx(0.98, rel=1e-6)
-    assert np.abs(over_object[:, -1]).max() < 1e-7
-
-
 def test_released_object_falls():
     time, moved, *_ = move_object(0.3, 1.25e-4, [0.0, 0.0])
     late = time > 0.05
@@ -163,22 +156,16 @@ def test_every_step_is_ros2_with_the_full_jacobian():
     assert shear[:, -1] == pytest.approx(y[:3], rel=3e-8)
 
 
-@pytest.mark.full
-def test_impact_agrees_with_scipy_radau():
-    """scipy uses tight tolerances and stops at the kinks of the drive."""
-    from scipy.integrate import solve_ivp
-
-    loads, y = np.array([0.8, 0.5, 0.3]), np.zeros(11)
-    for start, end in ((0.0, 0.05), (0.05, 0.1), (0.1, 0.2), (0.2, 0.4)):
-        run = solve_ivp(rates, (start + 1e-12, end - 1e-12), y, "Radau", rtol=1e-9, atol=1e-12, args=(loads, 0.1, 0.98))
-        y = run.y[:, -1]
-    errors = []
-    for step in (2.5e-4, 1.25e-4, 6.25e-5):
-        _, moved, *_ = move_object(0.4, step, loads, pin=pin_motion)
-        errors.append(abs(moved[-1] - y[-2]))
-    assert y[-2] > 0.008  # the object slides
-    assert errors[1] < 5e-6
-    assert errors[2] < errors[0] / 4
+def test_compiled_loops_give_the_same_bits():
+    plain = move_object(0.3, 1.25e-4, [0.8, 0.5], pin=pin_motion)
+    command = 0.03 + 0.02 * np.abs(np.sin(np.arange(1500) / 200 + np.arange(5)[:, None]))
+    followed = vars(make_motors().follow(command)).values()
+    with compiled():
+        for before, after in zip(plain, move_object(0.3, 1.25e-4, [0.8, 0.5], pin=pin_motion), strict=True):
+            assert np.array_equal(before, after)
+        for before, after in zip(followed, vars(make_motors().follow(command)).values(), strict=True):
+            assert np.array_equal(before, after)
+    assert all(np.isfinite(row).all() for row in followed)
 
 
 @pytest.mark.parametrize(
@@ -200,15 +187,3 @@ def test_extreme_parameters_give_bounded_motion(tables):
     result = run_manipulation(Design(), scene, None, 1)
     assert all(np.isfinite(signal).all() for signal in result.columns.values())
     assert np.abs(result.output("velocity_m_s")).max() < 2 * scene.knock.speed_m_s + math.sqrt(2 * 9.81 * 0.05)
-
-
-def test_compiled_loops_give_the_same_bits():
-    plain = move_object(0.3, 1.25e-4, [0.8, 0.5], pin=pin_motion)
-    command = 0.03 + 0.02 * np.abs(np.sin(np.arange(1500) / 200 + np.arange(5)[:, None]))
-    followed = vars(make_motors().follow(command)).values()
-    with compiled():
-        for before, after in zip(plain, move_object(0.3, 1.25e-4, [0.8, 0.5], pin=pin_motion), strict=True):
-            assert np.array_equal(before, after)
-        for before, after in zip(followed, vars(make_motors().follow(command)).values(), strict=True):
-            assert np.array_equal(before, after)
-    assert all(np.isfinite(row).all() for row in followed)

@@ -7,7 +7,6 @@ import pytest
 
 from fingertip.foundation import jit
 from fingertip.foundation.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
-from tests.conftest import run_python
 
 
 def _double(values, out):
@@ -70,13 +69,6 @@ def test_loop_compiles_from_its_break_even_on():
     assert whole._compiled is not None
 
 
-def test_an_imported_numba_changes_nothing():
-    pytest.importorskip("numba")
-    loop = make_loop()
-    loop(np.ones(loop.break_even - 1), np.zeros(loop.break_even - 1))
-    assert loop._compiled is None
-
-
 def test_short_calls_run_plain_even_in_the_block():
     loop = make_loop(plain_us=1e6 * CALL_S / 10)
     with compiled():
@@ -98,16 +90,6 @@ def test_state_in_lists_carries_over_from_plain_to_compiled():
     assert total == [whole[-1]]
 
 
-def test_views_and_single_precision_compile_no_second_form():
-    pytest.importorskip("numba")
-    loop, out = make_loop(), np.zeros(3)
-    with compiled():
-        for values in (np.ones(3), np.ones(6)[::2], np.ones(3, dtype=np.float32), [1, 1, 1]):
-            loop(values, out)
-            assert out.tolist() == [2.0, 2.0, 2.0]
-    assert len(loop._compiled.signatures) == 1
-
-
 def test_loop_without_a_cache_folder_is_compiled_for_this_process():
     pytest.importorskip("numba")
     names: dict = {}
@@ -127,12 +109,3 @@ def test_without_numba_every_loop_runs_plain(monkeypatch):
     assert out[0] == 2.0
     assert loop._compiled is None
     assert compile_for_process(_double) is _double
-
-
-@pytest.mark.full
-def test_a_short_detection_does_not_import_numba():
-    code = (
-        "import sys; from fingertip.design import Design; from fingertip.slip import make_detector; "
-        "make_detector('fast', Design()).process([4.0] * 12_000); print('numba' in sys.modules)"
-    )
-    assert run_python("-c", code).stdout.strip() == "False"

@@ -1,4 +1,4 @@
-"""Simulations loaded from files, as the command line loads them."""
+"""Trials of the article, simulations as the command line loads them, and the stages that they need."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
-from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene, simulate
+from fingertip.sim import (
+    ManipulationFile,
+    SceneFile,
+    Trial,
+    load_simulation,
+    run_manipulation,
+    run_scene,
+    simulate,
+)
 from fingertip.sim import report as summary
-from fingertip.sim.runs.scene import SceneRecord
+from fingertip.sim.runs.scene import SceneRecord, SceneRun
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip.traces.truth import SlipCollector, intervals
 from tests.conftest import ROOT, design_file
-from tests.designs import ARTICLE
+from tests.designs import ARTICLE, article_design
 
 SCENES = ROOT / "params" / "scenes"
-
-
-@pytest.mark.full
-def test_design_alone_gives_a_trial_of_the_article():
-    simulation = load_simulation(design_file("fsr402"), surface="smooth", speed_m_s=0.08, force_n=1.5, seed=3)
-    assert simulation.scene == Trial("smooth", 0.08, 1.5, 3).scene
-    assert simulation.design == Design.load(design_file("fsr402"))
-    trace = simulate(simulation.design, Trial("smooth", 0.08, 1.5, 3))
-    assert np.array_equal(simulation.run().columns["voltage_v"], trace.voltage_v)
 
 
 def test_nothing_given_means_default_design_and_trial():
@@ -50,19 +50,6 @@ def test_changes_go_to_the_file_that_has_the_parameter():
     assert np.array_equal(result.columns["force_n"], expected.columns["force_n"])
 
 
-@pytest.mark.full
-def test_manipulation_file_gives_a_manipulation():
-    simulation = load_simulation(
-        SCENES / "real_manipulation.toml", changes=["grasp.kind=pinch", 'outputs=["object_m"]'], surface="plastic",
-        speed_m_s=0.05, force_n=2.0, seed=1,
-    )  # fmt: skip
-    scene = simulation.scene
-    assert isinstance(scene, ManipulationFile)
-    assert (scene.object.surface, scene.knock.speed_m_s, scene.grasp.force_n) == ("plastic", 0.05, 2.0)
-    expected = run_manipulation(simulation.design, scene, None, 1)
-    assert np.array_equal(simulation.run().columns["object_m"], expected.columns["object_m"])
-
-
 def test_all_issues_are_reported_at_once():
     with pytest.raises(FingertipError) as caught:
         load_simulation(SCENES / "contact.toml", changes=["tap.rise_s=9", "skin.width_mm=1"], speed_m_s=0.05, seed=-1)
@@ -70,18 +57,6 @@ def test_all_issues_are_reported_at_once():
     with pytest.raises(FingertipError) as caught:
         load_simulation(design_file("fsr400"), design_file("fsr402"), changes=["tap.force_n=1"])
     assert [issue.field for issue in caught.value.issues] == ["--design", "--set tap.force_n=1"]
-
-
-def test_speed_of_a_scene_without_slide_is_refused():
-    with pytest.raises(FingertipError, match=r"--speed-m-s: 0\.05 m/s has no effect, because nothing slides here"):
-        load_simulation(SCENES / "contact.toml", speed_m_s=0.05)
-
-
-@pytest.mark.full
-def test_warnings_concern_the_recorded_voltage_only():
-    changes = ["detector.adc_range_v=1.0"]
-    assert list(load_simulation(SCENES / "contact.toml", changes=changes).find_warnings())
-    assert not list(load_simulation(SCENES / "contact.toml", changes=[*changes, 'outputs=["slip"]']).find_warnings())
 
 
 def test_summary_describes_the_surface_and_the_peak_speed_that_is_reached():
@@ -203,3 +178,125 @@ def test_controller_that_commands_millimetres_is_refused():
 
     with pytest.raises(TraceError, match=r"return closings in metres, at most 0\.5 m"):
         run_manipulation(ARTICLE, ManipulationFile(grasp={"kind": "pinch"}), InMillimetres())
+
+
+@pytest.fixture(scope="module")
+def gross():
+    return simulate(ARTICLE, Trial("gross", 0.04, 1.0, 3))
+
+
+def test_trial_has_the_rate_voltage_and_force_of_the_article(gross):
+    assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
+    assert gross.voltage_v[:200].mean() == pytest.approx(compute_bridge_v(ARTICLE, np.zeros(1))[0], abs=1e-3)
+    holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
+    assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
+    assert gross.force_n.min() == 0.0
+    assert not gross.force_n[-2000:].any()
+    assert not gross.force_n[:700].any()
+    begins = gross.time_s[gross.slip][0]
+    command = 1.0 + np.flatnonzero(gross.force_n > 0.99)[0] / 2000  # one second after the touch
+    assert command < begins < command + 0.1
+    assert gross.slip.sum() / 2000 == pytest.approx(1.0, abs=0.06)
+
+
+def test_slide_shorter_than_the_shear_of_the_pad_is_no_gross_slip():
+    slides = {}
+    for distance, speed in ((5e-5, 0.007), (5e-3, 0.04)):
+        scene = SceneFile(
+            contact={"surface": "gross"},
+            hold={"min_force_n": 2.0, "max_force_n": 2.0},
+            slide={"distance_m": distance, "speed_m_s": speed},
+        )
+        slides[distance] = run_scene(ARTICLE, scene, 3).trace.slip.any()
+    assert slides == {5e-5: False, 5e-3: True}
+
+
+def test_drawn_force_lies_in_the_range_of_the_article():
+    forces = [SceneRun(ARTICLE, Trial(seed=seed).scene, seed).force_n for seed in range(200)]
+    assert 0.2 <= min(forces) < 0.25
+    assert 1.95 < max(forces) <= 2.0
+
+
+@pytest.mark.parametrize("rate", [1000.0, 3000.0, 10000.0])
+def test_onset_does_not_depend_on_the_sampling_rate(rate):
+    trace = simulate(article_design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
+    assert trace.time_s[trace.slip][0] == pytest.approx(1.8831, abs=0.003)
+
+
+@pytest.mark.parametrize(
+    ("values", "field", "message"),
+    [
+        ({"surface": "woood"}, "--surface", "did you mean wood?"),
+        ({"speed_m_s": -0.04}, "--speed-m-s", "-0.04 m/s is refused; choose 0.005 to 0.2 m/s"),
+        ({"speed_m_s": float("nan")}, "--speed-m-s", "nan m/s"),
+        ({"force_n": -1.0}, "--force-n", "-1 N is refused; choose above 0 and at most 4 N"),
+        ({"force_n": float("inf")}, "--force-n", "inf N"),
+        ({"seed": -1}, "--seed", "at least 0"),
+    ],
+)
+def test_invalid_trial_is_refused(values, field, message):
+    with pytest.raises(TraceError) as caught:
+        Trial(**values)
+    (issue,) = caught.value.issues
+    assert issue.field == field
+    assert message in issue.message
+
+
+SLIDE = {"slide": {"distance_m": 0.01}, "hold": {"wait_s": 0.1, "release": False}}
+STILL = {"hold": {"wait_s": 0.1, "release": False}}
+
+
+def run(tables: dict, outputs: list[str]):
+    found = run_scene(Design(), SceneFile(**tables, outputs=outputs), 3)
+    return found, {stage.name: stage for stage in found.stages}
+
+
+@pytest.mark.parametrize(
+    ("tables", "outputs", "stages"),
+    [
+        (SLIDE, ["slip"], ["load", "carriage", "friction", "slip"]),
+        (SLIDE, ["shear_m"], ["load", "carriage", "friction", "shear"]),
+        (SLIDE, ["force_n"], ["load", "carriage", "friction", "profile", "contact", "force"]),
+        (STILL, ["force_n"], ["load", "contact", "force"]),
+        (STILL, ["slip"], ["load", "no motion"]),
+        (STILL, ["voltage_v"], ["load", "contact", "sensor", "bridge", "ADC"]),
+        (STILL, ["envelope_v"], ["load", "contact", "sensor", "bridge", "board noise", "filter board"]),
+        (STILL | {"tap": {"force_n": 1.0}}, ["force_n"], ["load", "disturbances", "contact", "force"]),
+        (
+            STILL | {"cable": {"hum_v": 0.1}},
+            ["tactile_v"],
+            ["load", "contact", "sensor", "bridge", "interference", "board noise"],
+        ),
+        (
+            SLIDE | {"contact": {"feedback": True}},
+            ["force_n", "slip"],
+            ["load", "carriage", "coupled contact", "force", "slip"],
+        ),
+    ],
+    ids=str,
+)
+def test_only_needed_stages_run(tables, outputs, stages):
+    found, by_name = run(tables, outputs)
+    assert list(by_name) == stages
+    assert list(found.columns) == outputs
+
+
+@pytest.mark.parametrize("tables", [SLIDE, STILL | {"motor": {"force_n": 0.05}}], ids=["slide", "motor"])
+def test_outputs_do_not_depend_on_the_other_outputs(tables):
+    every = ["voltage_v", "force_n", "slip", "velocity_m_s", "shear_m", "tactile_v", "filtered_v", "envelope_v"]
+    full, _ = run(tables, every)
+    for name in every:
+        alone, _ = run(tables, [name])
+        assert np.array_equal(alone.columns[name], full.columns[name]), name
+
+
+def test_states_and_evaluations_count_needed_stages_only():
+    _, slip_only = run(SLIDE, ["slip"])
+    _, everything = run(SLIDE, ["voltage_v", "force_n", "slip", "envelope_v"])
+    steps = everything["friction"].evaluations // 2
+    assert sum(stage.states for stage in slip_only.values()) == 3
+    assert sum(stage.evaluations for stage in slip_only.values()) == 2 * steps
+    assert sum(stage.states for stage in everything.values()) == 3 + 1 + 2 + 1 + 4
+    assert everything["contact"].evaluations == steps
+    _, still = run(STILL, ["voltage_v", "force_n", "slip"])
+    assert sum(stage.states for stage in still.values()) == 2 + 1

@@ -13,7 +13,6 @@ from fingertip.slip import make_detector
 
 
 def run(*words, lines=None):
-    """Run `fingertip` with these words; `lines` is its standard input."""
     return CliRunner().invoke(app, [str(word) for word in words], input=lines)
 
 

@@ -1,23 +1,19 @@
-"""Commands `fingertip simulate` and `fingertip detect`: results, messages and exit codes."""
+"""Commands `fingertip simulate` and `fingertip detect`, on files and on standard input."""
 
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
+import re
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from fingertip.cli import app
+import fingertip
+from fingertip.detection import files as detect_trace
+from tests.slip.recordings import T, V, burst, csv, run
 
 GOOD = [f"{i / 2000:.4f},2.3,0.8,0" for i in range(200)]
 HEADER = "time_s,voltage_v,force_n,slip"
-
-
-def run(*words):
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 @pytest.fixture
@@ -63,24 +59,6 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert data["missed_slips"] == []
 
 
-CLIPPED = ("--set", "detector.adc_range_v=3.3", "--set", "board.supply=single", "--set", "board.supply_v=5")
-
-
-@pytest.mark.full
-def test_simulate_and_detect_warn_of_a_clipped_voltage(tmp_path):
-    done = run("simulate", "--out", tmp_path / "t.csv", *CLIPPED)
-    message = "warning: the tactile voltage, up to 4.36 V, is clipped: an ADC with a range of 0 to 3.3 V"
-    assert message in done.stderr
-    assert "set detector.adc_range_v to at least 4.36" in done.stderr
-    wide = run("simulate", "--out", tmp_path / "w.csv", *CLIPPED, "--set", "detector.adc_range_v=4.9")
-    assert "clipped" not in wide.stderr
-    found = run("detect", tmp_path / "t.csv", *CLIPPED)
-    assert "samples are at the limits of the ADC range, 0 to 3.3 V" in found.stderr
-    assert "Attenuate the signal before the ADC" in found.stderr
-    assert "is a sensor connected?" not in found.stderr
-    assert "limits of the ADC range" not in run("detect", tmp_path / "w.csv", *CLIPPED[2:]).stderr
-
-
 def test_detect_warns_if_every_sample_is_clipped(trace):
     top = 3.3 - 3.3 / 4096
     found = run("detect", trace([f"{i / 2000:.4f},{top:.6f},0.8,0" for i in range(200)]))
@@ -92,15 +70,6 @@ def test_detect_asks_for_the_sensor_of_a_dead_channel(trace):
     found = run("detect", trace([f"{i / 2000:.4f},0.0,0.8,0" for i in range(200)]))
     assert "the voltage is constant at 0 V; is a sensor connected?" in found.stderr
     assert "limits of the ADC range" not in found.stderr
-
-
-@pytest.mark.full
-def test_an_adc_with_less_noise_detects_the_smoothest_surface_sooner(tmp_path):
-    quiet = ["--set", "detector.noise_v=2e-5", "--set", "detector.adc_bits=24", "--set", "detector.threshold_v=0.005"]
-    out = tmp_path / "trace.csv"
-    assert run("simulate", "--out", out, "--surface", "smooth", "--force-n", 1, "--seed", 5, *quiet).exit_code == 0
-    (delay,) = json.loads(run("detect", out, "--json", *quiet).stdout)["delays_s"]
-    assert 0.0 < delay < 0.05
 
 
 def test_detect_without_true_slip_as_json_and_text(trace):
@@ -119,7 +88,6 @@ INVALID = {
     "no header": (GOOD, "1,2,3,4", ["is not the header of a trace"]),
     "duplicate column": (GOOD, "time_s,voltage_v,voltage_v,slip", ["column voltage_v appears 2 times"]),
     "nan": (edit({7: "0.0035,nan,0.8,0"}), HEADER, ["nan in line 9 is not a finite number"]),
-    "inf": (edit({7: "0.0035,4,-inf,0"}), HEADER, ["force_n: -inf in line 9 is not a finite number"]),
     "word": (edit({7: "0.0035,4 V,0.8,0"}), HEADER, ["'4 V' in line 9 is not a number"]),
     "slip": (edit({7: "0.0035,4,0.8,2"}), HEADER, ["2 in line 9 is neither 0 nor 1"]),
     "cells": (edit({7: "0.0035,4"}), HEADER, ["line 9: has 2 cells, but the header has 4"]),
@@ -130,8 +98,6 @@ INVALID = {
         HEADER,
         ["0.02 s in line 52 goes backwards (previous time 0.0245 s, median step 0.0005 s)"],
     ),
-    "constant": (["0,4,0,0"] * 100, HEADER, ["does not increase"]),
-    "header only": ([], HEADER, ["has 0 samples; at least one window of 60 is required"]),
     "short": (GOOD[:59], HEADER, ["has 59 samples; at least one window of 60 is required"]),
     "several": (
         edit({3: "0.0015,nan,0.8,0", 7: "0.0035,4,x,0", 9: "0.0020,4,0.8,0"}),
@@ -165,11 +131,6 @@ def test_files_that_are_not_csv_give_an_error(tmp_path, content):
     assert str(path) in issue["field"]
 
 
-def test_a_missing_trace_and_a_folder_give_an_error(tmp_path):
-    assert "cannot be read" in run("detect", tmp_path / "none.csv").stderr
-    assert run("detect", tmp_path).exit_code == 2
-
-
 def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     out = tmp_path / "t.csv"
     done = run(
@@ -184,77 +145,129 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
+PLAIN = csv(T, V)
+
+
 @pytest.mark.full
-def test_outputs_that_cannot_be_written_give_an_error(tmp_path, trace):
-    file = tmp_path / "file"
-    file.write_text("mine")
-    for done in (
-        run("simulate", "--out", file / "t.csv"),
-        run("simulate", "--out", tmp_path),
-        run("detect", trace(GOOD), "--plot", file / "p.png"),
-        run("detect", trace(GOOD), "--plot", tmp_path),
+@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
+def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
+    (tmp_path / "t.csv").write_text(csv(T, V))
+    whole = json.loads(run("detect", tmp_path / "t.csv", "--detector", detector, "--json").stdout)["intervals"]
+    data = json.loads(run("detect", "-", "--detector", detector, "--json", lines=csv(T, V)).stdout)
+    assert [transition["time_s"] for transition in data["transitions"]] == [
+        time for i in whole for time in (i["onset_s"], i["end_s"])
+    ]
+    text = run("detect", "-", "--detector", detector, lines=csv(T, V)).stdout.splitlines()
+    assert text[0] == f"ON   {whole[0]['onset_s']:9.4f} s"
+
+
+@pytest.mark.full
+def test_an_invalid_line_ends_the_stream_after_the_transitions_before_it():
+    lines = csv(T, V).splitlines()
+    for invalid, message in (
+        ("1500", "line 1500: has 1 cells, but the header has 2"),
+        ("0.749,nan", "line 1500: nan is not a finite number"),
+        ("0.749,4 V", "line 1500: '4 V' is not a number"),
+        ("0.8,2.3", "line 1500: 0.8 s is 0.0515 s after the previous sample"),
+        ("0.7485,2.3", "line 1500: 0.7485 s is 0 s after the previous sample"),
     ):
+        edited = [*lines[:1499], invalid, *lines[1500:]]
+        done = run("detect", "-", lines="\n".join(edited))
         assert done.exit_code == 2
-        assert done.stderr.splitlines()[-1].startswith("error: ")
-    assert file.read_text() == "mine"
+        assert message in done.stderr
+        assert done.stdout.splitlines()[0].startswith("ON ")
+    # What a controller says among its samples is quoted, shortened.
+    for said, quoted in (
+        ("no timer is free", "'no timer is free'"),
+        ("0.749,x\x07" + 300 * "y", "...(308 characters)..."),
+    ):
+        done = run("detect", "-", lines="\n".join([*lines[:1499], said, *lines[1500:]]))
+        assert f"The line reads '{said[:5]}" in done.stderr
+        assert quoted in done.stderr
+        assert "\x07" not in done.stderr
+    assert "is empty" in run("detect", "-", lines="").stderr
+    empty = run("detect", "-", lines="time_s,voltage_v\n")
+    assert empty.exit_code == 2
+    assert "has no samples below its header" in empty.stderr
+    assert "requires the whole recording" in run("detect", "-", "--plot", "p.png", lines=csv(T, V)).stderr
 
 
-def test_the_rule_for_the_sampling_rate_states_the_remedy():
-    done = run("simulate", "article", "--set", "board.cutoff_hz=700", "--set", "board.envelope_capacitor_uf=0.1")
+@pytest.mark.parametrize("rate", [1400, 1900, 1980, 2020, 2100, 2990])
+def test_another_sampling_rate_gives_the_same_message_as_a_file(rate):
+    t, v = burst(rate)
+    done = run("detect", "-", lines=csv(t, v))
     assert done.exit_code == 2
-    assert "detector.sample_rate_hz: 2000 Hz is too slow for board.cutoff_hz of 700 Hz; at least 2800 Hz" in done.stderr
-
-
-@pytest.mark.full
-def test_a_plot_is_a_reproducible_png_without_metadata(tmp_path):
-    out = tmp_path / "t.csv"
-    run("simulate", "--out", out)
-    pictures = []
-    for name in ("a.png", "b.png"):
-        assert run("detect", out, "--plot", tmp_path / name).exit_code == 0
-        pictures.append((tmp_path / name).read_bytes())
-    assert pictures[0] == pictures[1]
-    assert pictures[0].startswith(b"\x89PNG")
-    assert b"tEXt" not in pictures[0]
-
-
-def test_detect_warns_of_a_threshold_below_the_noise(trace):
-    done = run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001")
-    assert done.exit_code == 0
-    assert "is below the mean noise level" in done.stderr
-    assert "warning" not in run("detect", trace(GOOD), "--set", "detector.threshold_v=0.001", "--quiet").stderr
-
-
-@pytest.mark.full
-def test_simulate_and_detect_import_no_optional_libraries(tmp_path):
-    code = (
-        "import sys; from fingertip.cli import app\n"
-        "for words in (['simulate', '--quiet'], ['detect', 'trace.csv', '--quiet']):\n"
-        "    app(words, standalone_mode=False)\n"
-        "bad = {'cadquery', 'OCP', 'trimesh', 'vtk', 'vtkmodules', 'matplotlib', 'scipy', 'manifold3d'}\n"
-        "print(sorted(bad & set(sys.modules)))"
+    rates = re.search(
+        r"is sampled at ([\d.]+) Hz, but the detector is designed for 2000 Hz .*-hz ([\d.]+)", done.stderr
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+    assert rates
+    assert float(rates[1]) == float(rates[2]) == pytest.approx(rate, rel=1e-3)
+    assert run("detect", "-", "--rate-hz", rate, "--quiet", lines=csv(t, v)).stdout.startswith("ON      0.50")
+
+
+def test_jitter_is_accepted_and_a_change_of_rate_is_not():
+    t, v = burst()
+    jittered = t + np.random.default_rng(2).uniform(-1e-4, 1e-4, len(t))
+    assert run("detect", "-", lines=csv(jittered, v)).exit_code == 0
+    t, v = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040)), np.full(9999, 2.3)
+    done = run("detect", "-", lines=csv(t, v))  # 2 % faster from the first second on
+    assert "the detector is designed for 2000 Hz" in done.stderr
+
+
+def test_voltages_outside_the_adc_range_give_an_error():
+    for v, message in (
+        (np.round(V / 3.3 * 4096), "line 2: 2855 exceeds the ADC range of 0 to 3.3 V; the values are whole numbers"),
+        (1000 * V, "exceeds the ADC range of 0 to 3.3 V; use --scale if the column is not in volts"),
+        (np.where(T < 0.1, V, 11.0), "line 202: 11 exceeds the ADC range of 0 to 3.3 V; use --scale"),
+    ):
+        done = run("detect", "-", lines=csv(T, v))
+        assert done.exit_code == 2
+        assert message in done.stderr
+    assert run("detect", "-", "--scale", 0.001, lines=csv(T, 1000 * V)).stdout.startswith("ON")
 
 
 @pytest.mark.full
-def test_detection_never_imports_the_simulation():
-    code = "import sys, fingertip.slip, fingertip.slip.report; print([m for m in sys.modules if 'fingertip.sim' in m])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):
+    whole = json.loads(run("detect", "-", "--json", lines=PLAIN).stdout)
+    assert json.loads(run("detect", "-", "--json", lines=PLAIN + "\n \n").stdout) == whole
+    invalid = json.loads(run("detect", "-", "--json", lines=PLAIN + "1.0,x\n").stdout)
+    assert invalid["transitions"] == whole["transitions"]
+    assert invalid["issues"][0]["field"] == "standard input, line 2002"
+
+    def interrupted(*_):
+        yield from PLAIN.splitlines(keepends=True)
+        raise KeyboardInterrupt
+
+    open_stream = detect_trace.open_stream
+    monkeypatch.setattr(detect_trace, "open_stream", lambda lines, *columns: open_stream(interrupted(), *columns))
+    done = run("detect", "-", "--json", lines="")
+    assert done.exit_code == 130
+    assert json.loads(done.stdout) == whole
 
 
-def test_csv_round_trip_keeps_all_columns(tmp_path):
-    from fingertip.design import Design
-    from fingertip.sim import encode_trace
-    from fingertip.slip.traces.csv_file import read_csv
-    from fingertip.slip.traces.trace import ColumnMap, Trace
+def test_detect_stream_in_python_yields_transitions_as_lines_arrive():
+    lines = csv(T, V).splitlines()
+    taken = 0
 
-    time = np.arange(100) / 2000
-    trace = Trace(time, np.round(np.sin(time), 6), np.round(np.cos(time), 6), time > 0.02)
-    columns = {name: getattr(trace, name) for name in ("voltage_v", "force_n", "slip")}
-    (tmp_path / "t.csv").write_bytes(encode_trace(trace.time_s, columns, tmp_path / "t.csv"))
-    read = read_csv(tmp_path / "t.csv", ColumnMap()).validate(Design().detector)
-    for column in ("time_s", *columns):
-        assert np.array_equal(getattr(read, column), getattr(trace, column))
+    def count_lines():
+        nonlocal taken
+        for line in lines:
+            taken += 1
+            yield line
+
+    found = fingertip.detect_stream(count_lines(), detector="fast")
+    first = next(found.transitions)
+    assert first.on
+    # Lines 1 and 2 are the header and the sample at 0 s.
+    assert T[taken - 2] == pytest.approx(first.time_s)
+    (last,) = found.transitions
+    assert not last.on
+    assert found.warnings == ()
+
+
+def test_a_stream_without_detection_says_so():
+    quiet = csv(T, V).splitlines()
+    assert run("detect", "-", lines="\n".join(quiet[:100])).stdout == "never ON\n"
+    short = run("detect", "-", lines="\n".join(quiet[:31]))
+    assert short.exit_code == 2
+    assert "has 30 samples; at least one window of 60 is required; record for longer." in short.stderr

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 
-from fingertip.design import Design
-from fingertip.detection.adaptation import equivalent_noise_v
-from fingertip.foundation import jit
-from fingertip.slip import make_detector
 from fingertip.slip.detectors import fast_loop
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast import FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import (
     DEPTH,
     FEATURES,
@@ -29,12 +24,9 @@ from fingertip.slip.detectors.fast_coefficients import (
     load_model,
     noise_energies,
 )
-from fingertip.slip.detectors.noise import input_noise_v
 
-DESIGN = Design()
 NOISE_V = 4e-4
 SETTINGS = FastSettings(2000.0, NOISE_V)
-LOUD = 3  # index of the wide energy of 20 ms
 NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0, 0.0)
 
 
@@ -61,7 +53,6 @@ def smoothstep(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 20000.0])
 def test_filters_are_butterworth_filters(rate):
-    """Impulse responses, and the loop's output, agree with scipy's filters."""
     from scipy import signal as scipy_signal
 
     filters = design_filters(rate)
@@ -77,16 +68,6 @@ def test_filters_are_butterworth_filters(rate):
     assert (*filters.slow,) == pytest.approx((*b, *a[1:]), abs=1e-12)
     output = FastDetector(FastSettings(rate, NOISE_V)).process(np.concatenate(([0.0], impulse)))
     assert output.filtered_v[1:] == pytest.approx(wide, abs=1e-12)
-
-
-def test_the_bands_pass_the_stated_energy_of_noise():
-    from scipy import signal as scipy_signal
-
-    white = noise(100.0, 1.0)
-    for hz, energy in zip((LOW_HZ, UPPER_HZ), noise_energies(2000.0), strict=True):
-        edge = filter_edge(white)
-        band = scipy_signal.sosfilt(scipy_signal.butter(2, hz, "high", fs=2000.0, output="sos"), edge)
-        assert energy == pytest.approx(float(np.mean(band**2)), rel=0.02)
 
 
 @pytest.mark.parametrize("cutoff_hz", [30.0, 67.0, 150.0])
@@ -113,16 +94,7 @@ def test_the_board_filter_and_its_restoration_are_one_high_pass(rate, cutoff_hz)
     assert np.abs(response((*board, *restore)) - expected[RESTORED_HZ]).max() < 1e-4
 
 
-@pytest.mark.parametrize(("rate", "volts"), [(1000.0, 4.3), (2000.0, 0.0), (2000.0, -10.0), (20000.0, 4.3)])
-def test_a_constant_voltage_leaves_nothing_in_the_bands(rate, volts):
-    output, rows = FastDetector(FastSettings(rate, NOISE_V)).compute_features(np.full(round(rate), volts))
-    assert np.abs(output.filtered_v).max() < 1e-9
-    assert rows[:, 4:7].max() < 1e-9  # slope and changes
-    assert not output.on.any()
-
-
 def test_features_are_what_their_names_say():
-    """Compare each feature of one tick with its definition, from the signal and scipy's filters."""
     from scipy import signal as scipy_signal
 
     volts = 4.0 + noise(1.2)
@@ -163,7 +135,6 @@ def test_features_are_what_their_names_say():
 
 
 def test_the_unit_of_the_input_does_not_matter():
-    """A signal and its noise times a power of two give the same flags, bit by bit."""
     volts = 4.0 + noise(2.0)
     volts += 0.01 * np.sin(2 * math.pi * 90 * times(volts)) * (times(volts) > 1.0)
     one = FastDetector(SETTINGS).process(volts)
@@ -172,16 +143,6 @@ def test_the_unit_of_the_input_does_not_matter():
     assert np.array_equal(one.on, other.on)
     assert np.array_equal(one.confidence, other.confidence)
     assert np.array_equal(one.statistic_v * 1024, other.statistic_v)
-
-
-@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0, 5.0])
-def test_noise_is_learned_within_half_a_second_whatever_is_stated(factor):
-    detector = FastDetector(SETTINGS)
-    output = detector.process(4.0 + noise(0.5, factor * NOISE_V))
-    assert detector.noise_v == pytest.approx(factor * NOISE_V, rel=0.35)
-    detector.process(4.0 + noise(30.0, factor * NOISE_V, 2))
-    assert detector.noise_v == pytest.approx(factor * NOISE_V, rel=0.12)
-    assert not output.on.any()
 
 
 def learned_noise_v(detector: FastDetector) -> list[float]:
@@ -266,35 +227,6 @@ def band_noise(seconds: float, rms_v: float, low_hz: float = 60.0, high_hz: floa
     return np.asarray(rms_v * raw / raw.std())
 
 
-def test_noise_is_learned_again_in_the_held_grasp():
-    """Vibration that begins with the contact raises the floor within 0.6 s after it."""
-    for seed in range(4):
-        t = np.arange(8000) / 2000
-        held = smoothstep((t - 1.0) / 0.4)
-        volts = 4.4 - 0.4 * held + noise(4.0, seed=seed) + held * band_noise(4.0, 3e-4, 30.0, 90.0, seed + 9)
-        detector = FastDetector(SETTINGS)
-        detector.process(volts[:4000])
-        assert detector.noise_v > 1.5 * NOISE_V
-        assert not detector.process(volts[4000:]).on.any()
-
-
-def test_a_strong_burst_is_found_no_later_than_a_weak_one():
-    delays = []
-    for rms_v in (0.006, 0.012, 0.025):
-        found = []
-        for seed in range(8):
-            volts = 4.0 + noise(2.0, seed=seed)
-            volts[2000:] += band_noise(1.0, rms_v, 70.0, 180.0, seed)
-            on = np.flatnonzero(FastDetector(SETTINGS).process(volts).on)
-            assert on.size
-            assert on[0] >= 2000
-            found.append((on[0] - 2000) / 2000)
-        delays.append(float(np.median(found)))
-    assert delays[0] <= 0.01
-    tick_s = 0.002
-    assert all(later <= earlier + tick_s + 1e-9 for earlier, later in itertools.pairwise(delays))
-
-
 @pytest.mark.parametrize("rise_s", [0.02, 0.03, 0.05, 0.1, 0.15])
 @pytest.mark.parametrize("change_v", [-0.25, 0.2])
 def test_a_change_of_grip_is_not_slip(rise_s, change_v):
@@ -311,19 +243,6 @@ def test_a_knock_is_not_slip_and_slip_after_it_is_found():
     assert not FastDetector(SETTINGS).process(volts).on.any()
     volts[2600:] += band_noise(0.7, 0.01)
     assert 2600 < np.flatnonzero(FastDetector(SETTINGS).process(volts).on)[0] < 2640
-
-
-def test_a_tone_is_unlearned_and_slip_is_not():
-    t = np.arange(40_000) / 2000
-    tone = 4.0 + 0.003 * np.sin(2 * math.pi * 110 * t) * (t > 1.0) + noise(20.0)
-    tone[36_000:] += band_noise(2.0, 0.02)
-    on = FastDetector(SETTINGS).process(tone).on
-    assert on[2100:5000].mean() > 0.95
-    assert not on[(t > 9.0) & (t < 17.9)].any()
-    assert on[36_100:39_900].mean() > 0.95
-    slide = 4.0 + noise(20.0)
-    slide[2000:38_000] += band_noise(18.0, 0.003)
-    assert FastDetector(SETTINGS).process(slide).on[2100:38_000].mean() > 0.98
 
 
 def test_coarse_steps_are_not_slip():
@@ -348,46 +267,6 @@ def test_outputs_for_a_controller():
     assert np.flatnonzero(output.incipient)[0] <= first
     assert output.statistic_v == pytest.approx(output.confidence * output.threshold_v)
     assert detector.noise_v == pytest.approx(NOISE_V, rel=0.3)
-
-
-def test_a_higher_threshold_never_detects_earlier():
-    volts = 4.0 + noise(2.0)
-    volts[2000:] += band_noise(1.0, 0.004) * np.minimum(1.0, np.arange(2000) / 400)
-    firsts = [
-        int(np.flatnonzero(FastDetector(FastSettings(2000.0, NOISE_V, scale)).process(volts).on)[0])
-        for scale in (0.8, 1.0, 1.2)
-    ]
-    assert firsts == sorted(firsts)
-    assert not FastDetector(FastSettings(2000.0, NOISE_V, 10.0)).process(volts).on.any()
-
-
-@pytest.mark.parametrize("rate", [1000.0, 1250.0, 5000.0, 20000.0])
-def test_any_sampling_rate_is_quiet_in_noise_and_finds_a_burst(rate):
-    design = Design(detector={"sample_rate_hz": rate, "window_samples": int(0.03 * rate)})
-    t = np.arange(round(8 * rate)) / rate
-    volts = 4.0 + noise(8.0, input_noise_v(design), 3, rate)
-    volts += 0.01 * np.sin(2 * math.pi * 90 * t) * (t >= 7.0)
-    on = make_detector("fast", design).process(volts).on
-    assert not on[t < 7.0].any()
-    assert 7.0 < t[np.flatnonzero(on)[0]] < 7.015
-
-
-@pytest.mark.full
-def test_features_hardly_depend_on_the_sampling_rate():
-    """A burst well above the noise has the same features at every rate, on average over the noise, but for filters."""
-    found = []
-    for rate in (2000.0, 4000.0, 20000.0):
-        t = np.arange(round(1.5 * rate)) / rate
-        burst = 4.0 + 0.02 * np.sin(2 * math.pi * 70 * t) * (t > 1.0) - 0.1 * smoothstep((t - 1.2) / 0.2)
-        noise_v, logs = NOISE_V * math.sqrt(rate / 2000), []
-        for seed in range(1, 5):
-            detector = FastDetector(FastSettings(rate, noise_v), NO_TREES)
-            _, rows = detector.compute_features(burst + noise(1.5, noise_v, seed, rate))
-            logs.append(np.log(np.abs(rows[550:700])).mean(axis=0))
-        found.append(np.mean(logs, axis=0))
-    assert len(found[0]) == len(FEATURES)
-    for other in found[1:]:
-        assert np.abs(other - found[0]).max() < 0.1
 
 
 def test_trees_are_evaluated_as_they_are_stored():
@@ -419,34 +298,69 @@ def test_model_and_state_fit_a_microcontroller():
     assert in_single.astype(float) == pytest.approx(model.thresholds, rel=1e-6)
 
 
-def test_single_precision_gives_the_same_flags():
-    """Inputs and states rounded to single precision after every sample change at most a tick."""
-    volts = (4.0 + noise(1.6)).astype(np.float32).astype(float)
-    volts[2400:] += band_noise(0.4, 0.01).astype(np.float32)
-    exact, rounded = FastDetector(SETTINGS), FastDetector(SETTINGS)
-    flags = []
-    for x in volts.tolist():
-        flags.append(rounded.step(x))
-        rounded._state = [float(np.float32(value)) for value in rounded._state]
-    on = exact.process(volts).on
-    assert on.any()
-    assert abs(int(np.flatnonzero(on)[0]) - flags.index(True)) <= 8
-    assert np.mean(on == np.array(flags)) > 0.98
+RATE_HZ = 2000.0
+LOUD = 10.0
+"""Ratio of the wide energy of 20 ms to its floor above which the tree finds slip."""
 
 
-def test_a_quiet_part_with_hum_gives_its_noise():
-    t = np.arange(4000) / 2000
-    volts = 4.0 + 1e-3 * np.sin(2 * math.pi * 50 * t) + noise(2.0)
-    assert equivalent_noise_v("fast", DESIGN, volts, "t") > 2 * NOISE_V
+def ask_one_question() -> FastModel:
+    """Model of one tree: a score of 10 where the wide energy of 20 ms is large, else -10."""
+    wide, leaves = FEATURES.index("wide energy, 20 ms"), [-10.0] * ((NODES + 1) // 2) + [10.0] * ((NODES + 1) // 2)
+    return FastModel(np.full(NODES, float(wide)), np.full(NODES, LOUD), np.array(leaves), 0.0, 0.0, 0.0, -1.0)
 
 
-@pytest.mark.skipif(not jit.available(), reason="numba is not installed")
-def test_features_have_the_same_bits_in_both_forms(monkeypatch):
-    volts = 4.0 + noise(1.0)
-    volts[1000:] += band_noise(0.5, 0.01)
-    with jit.compiled():
-        _, compiled = FastDetector(SETTINGS).compute_features(volts)
-    monkeypatch.setattr(jit, "available", lambda: False)
-    _, plain = FastDetector(SETTINGS).compute_features(volts)
-    assert compiled.tobytes() == plain.tobytes()
-    assert compiled[:, LOUD].max() > 10
+def white_noise(samples: int, seed: int = 2) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0, NOISE_V, samples)
+
+
+def make_one_question() -> FastDetector:
+    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V), ask_one_question())
+    detector.process(4.0 + white_noise(4000))
+    return detector
+
+
+def grasp(rise_s: float) -> np.ndarray:
+    x = np.clip((np.arange(1000) / RATE_HZ - 0.5 + rise_s) / rise_s, 0.0, 1.0)
+    volts: np.ndarray = 4.0 - 0.4 * x**3 * (10 - 15 * x + 6 * x * x) + white_noise(1000, 1)
+    return volts
+
+
+@pytest.mark.parametrize("steps", [[1, 2, 3, 4], [-1, -2, -3, -4], [0, -3, -5, -9], [2, 2, 1, 4]])
+def test_the_smallest_step_is_found_whichever_way_the_voltage_goes(steps: list[int]) -> None:
+    volts = 0.5 + 2.0**-10 * np.array([0, *steps])
+    detector = FastDetector(FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0)))
+    detector.process(volts, volts)
+    least = min(abs(b - a) for a, b in zip([0, *steps], steps, strict=False) if a != b)
+    assert detector.state[fast_loop.STEP] == least * 2.0**-10
+    assert detector.state[fast_loop.FILTERED_STEP] == pytest.approx(least * 2.0**-10 / 64.0)
+
+
+@pytest.mark.parametrize(("rise_s", "is_doubted"), [(0.2, True), (0.0, False)])
+def test_vibration_that_begins_with_the_grasp_holds_the_floor_for_a_third_of_a_second(
+    rise_s: float, is_doubted: bool
+) -> None:
+    """The floor rises in the first tick after 0.3 s, and without a change of force before it stands still."""
+    detector = make_one_question()
+    force = grasp(rise_s) if rise_s else 3.6 + white_noise(1000, 1)
+    detector.process(force)
+    assert (detector.state[fast_loop.MOVED] >= 50) == is_doubted
+    tone = 3.6 + white_noise(1200, 4) + 0.0015 * np.sin(math.tau * 130 * np.arange(1200) / RATE_HZ)
+    ticks = []
+    for tick in np.split(tone, 300):
+        detector.process(tick)
+        ticks.append([detector.state[i] for i in (fast_loop.ON_TICKS, fast_loop.FLOOR, fast_loop.IS_DOUBTED)])
+    held = {floor for count, floor, _ in ticks if 0 < count <= 150}
+    later = [floor for count, floor, _ in ticks if 150 < count <= 170]
+    assert len(held) == 1
+    assert {doubted for count, _, doubted in ticks if count} == {float(is_doubted)}
+    assert len(later) == 20
+    assert len(set(later) - held) == (20 if is_doubted else 0)
+
+
+def test_slip_stays_on_while_the_trees_say_so_though_its_vibration_has_ended() -> None:
+    """The energy of 20 ms falls by e in 20 ms: from 10^5 times the question's ratio within 0.23 s."""
+    detector = make_one_question()
+    burst = 4.0 + white_noise(600) + 0.5 * np.sin(math.tau * 130 * np.arange(600) / RATE_HZ)
+    assert detector.process(burst).on[-1]
+    lasts_s = np.count_nonzero(detector.process(4.0 + white_noise(2000, 3)).on) / RATE_HZ
+    assert 0.15 < lasts_s < 0.35

@@ -42,24 +42,6 @@ def test_ticks_are_labelled_by_the_slip_around_them():
     assert np.array_equal(rows.label(make_signal("burst above 60 Hz"), TICKS)[1], rows.BURST_FACTOR * weights)
 
 
-@pytest.mark.parametrize(
-    ("delay_s", "factor", "until_s"),
-    [(0.02, 1.0, None), (0.04, 7.0, 0.05), (0.2, 7.0, 0.078), (None, 7.0, 0.078)],
-)
-def test_slip_that_was_found_late_counts_more_until_then(delay_s, factor, until_s):
-    signal = make_signal()
-    labels, _ = rows.label(signal, TICKS)
-    on = np.zeros(TICKS, dtype=bool) if delay_s is None else ONSET_S + delay_s <= T_S
-    factors = rows.emphasise(signal, labels, np.full(TICKS, -9.0), on)
-    counted = T_S[factors > 1.0]
-    if until_s is None:
-        assert not len(counted)
-        return
-    assert set(factors.tolist()) == {1.0, factor}
-    assert counted[0] == pytest.approx(ONSET_S)
-    assert counted[-1] == pytest.approx(ONSET_S + until_s)
-
-
 def test_false_alarms_count_more_the_surer_they_were():
     signal = make_signal()
     labels, _ = rows.label(signal, TICKS)

@@ -96,33 +96,12 @@ def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
 
 
 @pytest.mark.full
-def test_a_logarithmic_slider_and_a_whole_number(opened: Any) -> None:
-    script = "return [...document.querySelectorAll('[data-log]')].map((e) => e.closest('.field').dataset.path)"
-    (path, *_) = opened.execute_script(script)
-    put(opened, path, 2, by_slider=True)
-    assert float(value_of(opened, path)) == 100.0
-    put(opened, "detector.adc_bits", 12, by_slider=True)
-    assert value_of(opened, "detector.adc_bits") == "12"
-
-
-@pytest.mark.full
 def test_a_choice_brings_other_parts(opened: Any) -> None:
     assert "core" not in opened.find_element("id", "boxes").text
     put(opened, "mold.method", "sleeve")
     assert "core" in opened.find_element("id", "boxes").text
     moved = opened.find_element("css selector", "[data-named='skin.width_mm']").get_attribute("data-moves")
     assert "core" in moved.split()
-
-
-@pytest.mark.full
-def test_what_is_hidden_stays_hidden(opened: Any) -> None:
-    boxes = opened.find_elements("css selector", "#boxes input")
-    for box in boxes:
-        opened.execute_script("arguments[0].click()", box)
-    assert (picture(opened)[..., 3] == 0).all()
-    put(opened, "skin.width_mm", 20)
-    assert (picture(opened)[..., 3] == 0).all()
-    assert not [box for box in opened.find_elements("css selector", "#boxes input") if box.is_selected()]
 
 
 @pytest.mark.full

@@ -1,23 +1,30 @@
-"""Whatever comes over the socket of the studio: a reply that blames the request, and a silent terminal."""
+"""Whatever comes over the socket of the studio gets a reply that blames the request; the worker; the way in."""
 
 from __future__ import annotations
 
 import http.client
 import json
 import random
+import re
 import socket
 import struct
 import threading
 import time
+import urllib.request
+import webbrowser
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
 from fingertip import Design
 from fingertip.studio import server as server_module
 from fingertip.studio.server import TOKEN_HEADER, StudioServer
-from fingertip.studio.worker import StillWanted
+from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
+from tests.conftest import run_fingertip
 
 TABLES = '{"client": "a", "tables": {"skin": %s}}'
 
@@ -165,3 +172,108 @@ def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeyp
     assert reply.headers["Content-Disposition"]
     wait_for_handlers()
     assert not server.worker._newest
+
+
+# Worker: one job at a time, and of each client the newest one
+
+
+class Gate:
+    """Job that runs until it is let go, and asks then whether it is still wanted."""
+
+    def __init__(self, result: str) -> None:
+        self.started, self.go, self.result = threading.Event(), threading.Event(), result
+
+    def __call__(self, still_wanted: StillWanted) -> str:
+        self.started.set()
+        assert self.go.wait(10)
+        still_wanted()
+        return self.result
+
+
+def start(pool: ThreadPoolExecutor, worker: NewestWinsWorker, client: str, gate: Gate) -> Future[str]:
+    newest = worker._newest.get(client)
+    future = pool.submit(worker.run, client, gate, never)
+    while worker._newest.get(client) is newest:  # until it has joined the queue
+        pass
+    return future
+
+
+def never() -> bool:
+    return False
+
+
+def test_newest_of_each_client_wins() -> None:
+    worker, gates = NewestWinsWorker(), {name: Gate(name) for name in ("a1", "b1", "a2", "a3")}
+    with ThreadPoolExecutor(8) as pool:
+        running = {}
+        for name in gates:
+            running[name] = start(pool, worker, name[0], gates[name])
+            if name == "a1":
+                assert gates[name].started.wait(10)
+        with pytest.raises(SupersededError):  # it never began
+            running["a2"].result(10)
+        assert not gates["a2"].started.is_set()
+        for gate in gates.values():
+            gate.go.set()
+        with pytest.raises(SupersededError):  # it learned so between two steps
+            running["a1"].result(10)
+        assert running["b1"].result(10) == "b1"
+        assert running["a3"].result(10) == "a3"
+    assert not worker._newest
+    worker.close()
+
+
+def test_an_error_goes_to_who_asked_and_the_worker_goes_on() -> None:
+    worker = NewestWinsWorker()
+
+    def fail(still_wanted: StillWanted) -> Any:
+        raise ZeroDivisionError("here")
+
+    with pytest.raises(ZeroDivisionError, match="here"):
+        worker.run("a", fail, never)
+    assert worker.run("a", lambda wanted: 2, never) == 2
+    worker.close()
+    with pytest.raises(SupersededError):
+        worker.run("a", lambda wanted: 2, never)
+
+
+# Way of the browser to the studio
+
+
+def test_the_browser_gets_the_token_from_a_private_file_that_is_gone_when_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    servers: list[server_module.StudioServer] = []
+    opened: dict[str, object] = {}
+
+    class Recorded(server_module.StudioServer):
+        def __init__(self, *arguments: object) -> None:
+            super().__init__(*arguments)  # type: ignore[arg-type]
+            servers.append(self)
+
+    def browse(address: str) -> bool:
+        path = Path(urlsplit(address).path)
+        opened.update(address=address, text=path.read_text(), folder=path.parent)
+        opened["modes"] = [oct(place.stat().st_mode & 0o777) for place in (path, path.parent)]
+
+        def follow() -> None:
+            found = re.search(r'http-equiv="refresh" content="0; url=(.*?)"', str(opened["text"]))
+            assert found
+            with urllib.request.urlopen(found[1], timeout=20) as page:
+                opened["page"] = page.read()
+            opened["left"] = path.exists()
+            servers[0].shutdown()
+
+        threading.Thread(target=follow).start()
+        return True
+
+    monkeypatch.setattr(server_module, "render_studio", lambda design, token: b"page")
+    monkeypatch.setattr(server_module, "StudioServer", Recorded)
+    monkeypatch.setattr(webbrowser, "open", browse)
+    done = run_fingertip("studio", "--port", "0")
+    assert done.returncode == 0
+    assert done.stdout == f"studio: {servers[0].url}\n"
+    assert str(opened["address"]).startswith("file:///")
+    assert servers[0].token not in str(opened["address"])
+    assert opened["modes"] == ["0o600", "0o700"]
+    assert '<meta name="referrer" content="no-referrer">' in str(opened["text"])
+    assert (opened["page"], opened["left"]) == (b"page", False)
+    assert not Path(str(opened["folder"])).exists()

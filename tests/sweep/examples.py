@@ -29,14 +29,12 @@ BOARD: dict[str, Any] = {
 
 
 def make_plan(**changes: Any) -> SweepPlan:
-    """Make the plan of `BOARD` with top-level entries replaced."""
     return SweepPlan.from_tables({**BOARD, **changes})
 
 
 def make_table(
     axes: dict[str, Any], outputs: dict[str, Any], status: ArrayLike, field: Sequence[str], reason: Sequence[str]
 ) -> SweepTable:
-    """Make a table of these columns, whose points count from 0."""
     axis_columns = {name: np.asarray(column) for name, column in axes.items()}
     output_columns = {name: np.asarray(column, dtype=float) for name, column in outputs.items()}
     points = np.arange(len(np.asarray(status)))

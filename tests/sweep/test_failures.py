@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.foundation.errors import SweepError
 from fingertip.sweep import run
 from fingertip.sweep.database import FILE, SweepDatabase, SweepRow
 from fingertip.sweep.engines import ProcessEngine
@@ -21,7 +19,6 @@ from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import run_sweep
 from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan
-from tests.tools import require_tool
 
 BOARD_POINTS = 72
 """Points of `examples.BOARD`."""
@@ -38,7 +35,6 @@ board.series = ["E12", "E24"]
 
 
 def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
-    """Run a sweep of 72 points on two processes, and give the rows by point."""
     plan = make_plan(time_limit_s=worker_functions.LIMIT_S)
     assert plan.size == BOARD_POINTS
     with SweepDatabase.create(folder, plan) as database:
@@ -98,18 +94,7 @@ def test_crash_or_hang_of_a_worker_fails_only_its_point(
             assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
 
 
-@pytest.mark.full
-def test_workers_that_die_before_any_point_end_the_run_with_an_error(tmp_path: Path) -> None:
-    plan = make_plan()
-    with SweepDatabase.create(tmp_path, plan) as database:
-        with pytest.raises(SweepError, match="without computing a point"):
-            run_sweep(plan, database, ProcessEngine(1), evaluate=worker_functions.exit_at_start)
-        assert list(database.rows()) == []
-        assert run_sweep(plan, database, ProcessEngine(1)).written == BOARD_POINTS
-
-
 def find_processes(group: int) -> list[int]:
-    """Find the living processes of a process group."""
     processes = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -160,7 +145,6 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 
 def resume(file: Path, out: Path) -> int:
-    """Resume a sweep in this process, and count the points that are computed."""
     plan = SweepPlan.load(file)
     with SweepDatabase.resume(out, plan) as database:
         return run_sweep(plan, database, InlineEngine()).written
@@ -196,52 +180,3 @@ def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     assert_processes_end(process.pid)
     assert [path.name for path in out.iterdir()] == [FILE]
     assert len(read_rows(out)) > 0
-
-
-@pytest.mark.full
-def test_file_size_limit_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
-    file, out = tmp_path / "sweep.toml", tmp_path / "out"
-    file.write_text(LARGE_SWEEP)
-
-    def limit_file_size() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
-
-    command = [sys.executable, "-m", "fingertip", "sweep", str(file), "--out", str(out)]
-    full = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit_file_size, timeout=120, check=False)
-    assert full.returncode == 2
-    assert "--resume" in full.stderr
-    assert "Traceback" not in full.stderr
-    before = read_rows(out)
-    assert 0 < len(before) < LARGE_POINTS
-    assert resume(file, out) == LARGE_POINTS - len(before)
-    assert read_rows(out) == uninterrupted
-
-
-@pytest.mark.full
-def test_full_disk_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
-    """The disk is a small file system, mounted in a mount namespace of the test."""
-    unshare = require_tool("unshare", "util-linux")
-    if subprocess.run([unshare, "-rm", "true"], capture_output=True, check=False).returncode:
-        pytest.skip("A MOUNT NAMESPACE IS NOT ALLOWED HERE, A REAL FULL DISK IS NOT TESTED")
-    file, disk = tmp_path / "sweep.toml", tmp_path / "disk"
-    file.write_text(LARGE_SWEEP)
-    disk.mkdir()
-    sweep = f"{sys.executable} -m fingertip sweep {file} --out {disk}/out"
-    script = f"""
-mount -t tmpfs -o size=200k none {disk} || exit 9
-{sweep} 2> {tmp_path}/errors
-echo $? > {tmp_path}/code
-mount -o remount,size=20m {disk} || exit 9
-{sweep} --resume -q || exit 8
-cp -r {disk}/out {tmp_path}/out
-"""
-    result = subprocess.run(
-        [unshare, "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert result.returncode == 0, result.stderr
-    errors = (tmp_path / "errors").read_text()
-    assert (tmp_path / "code").read_text() == "2\n"
-    assert "disk is full" in errors
-    assert "--resume" in errors
-    assert "Traceback" not in errors
-    assert read_rows(tmp_path / "out") == uninterrupted

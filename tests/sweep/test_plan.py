@@ -15,7 +15,6 @@ from tests.conftest import ROOT
 from tests.sweep.examples import BOARD, make_plan, run_sweep_command
 
 LATIN: dict[str, Any] = {"sampling": "latin_hypercube", "points": 50}
-SCENE: dict[str, Any] = {"slide": {"distance_m": 0.04}}
 
 
 def find_issues(**changes: Any) -> dict[str, str]:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip.board import board_values
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import Check
@@ -19,12 +18,11 @@ from fingertip.design.all_rules import PART_RULES, RULES
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.rules.ruleset import find_violations
-from fingertip.foundation.errors import SweepError
 from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
-from fingertip.sweep.designs import MAX_TRIANGLES, CachedEvaluator, DesignBuilder, LruCache
+from fingertip.sweep.designs import CachedEvaluator, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
 from fingertip.sweep.point_evaluator import PointEvaluator
 from tests.conftest import run_python
@@ -39,7 +37,6 @@ def run_checks(design: Design, evaluator: MeshEvaluator) -> tuple[Check, ...]:
 
 
 def find_imported_packages(outputs: str, axes: str) -> set[str]:
-    """Find the packages that a fresh process has imported after it computed one point."""
     program = f"""
 import sys
 from fingertip.sweep.plan import SweepPlan
@@ -60,35 +57,7 @@ def test_board_outputs_import_no_kernel_no_scipy_and_no_matplotlib() -> None:
     assert not loaded & {"manifold3d", "cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
-@pytest.mark.full
-def test_volume_outputs_import_only_the_mesh_kernel() -> None:
-    loaded = find_imported_packages('["skin_volume_mm3"]', '{"skin.width_mm": [17.0]}')
-    assert "manifold3d" in loaded
-    assert not loaded & {"cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
-
-
-@pytest.mark.full
-def test_mesh_kernel_of_a_worker_uses_one_thread() -> None:
-    program = """
-import os
-from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import PointEvaluator
-axes = {"skin.width_mm": [17.0, 17.5]}
-plan = SweepPlan.from_tables({"outputs": ["checks_failed"], "tolerance_mm": 0.02, "axes": axes})
-before = os.sched_getaffinity(0)
-PointEvaluator(plan).evaluate(0, plan.point(0))
-PointEvaluator(plan).evaluate(1, plan.point(1))
-print(len(os.listdir("/proc/self/task")), os.sched_getaffinity(0) == before)
-"""
-    result = run_python("-c", program, OPENBLAS_NUM_THREADS="1")
-    assert result.returncode == 0, result.stderr
-    threads, restored = result.stdout.split()
-    assert threads == "1"
-    assert restored == "True"
-
-
 def count_group_calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
-    """Count from now on how often each output group is computed."""
     calls = dict.fromkeys(compute.GROUP_FUNCTIONS, 0)
 
     def wrap(name: str, function: Any) -> Any:
@@ -114,19 +83,6 @@ def test_axes_of_the_board_cause_no_new_meshes(monkeypatch: pytest.MonkeyPatch) 
     rows = [evaluator.evaluate(int(p), plan.point(int(p))) for p in plan.computing_order(0, plan.size)]
     assert {row[1] for row in rows} == {"ok"}
     assert calls == dict.fromkeys(GROUPS, 0) | {"board": 3, "skin": 2}
-
-
-def test_volume_of_the_skin_meshes_only_the_skin() -> None:
-    design = Design()
-    evaluator = CachedEvaluator(COARSE_MM)
-    plan = make_plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
-    context = PointContext(design, None, plan.file, lambda: evaluator)
-    compute.compute_skin(context)
-    solids_of_skin = evaluator.evaluated
-    compute.compute_skin(context)
-    assert evaluator.evaluated == solids_of_skin
-    compute.compute_mold(context)
-    assert evaluator.evaluated > 3 * solids_of_skin  # so an evaluation of the mold above would have been noticed
 
 
 def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -193,22 +149,7 @@ def test_cache_evicts_the_least_recently_used_entries() -> None:
     assert (len(cache), cache.weight, made) == (1, 99, ["a", "b", "c", "b", "d"])
 
 
-@pytest.mark.full
-def test_cached_solids_stay_within_the_triangle_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    evaluator = CachedEvaluator(COARSE_MM)
-    evaluator._solids.max_weight = 20_000
-    assert MAX_TRIANGLES > 20_000
-    plan = make_plan(outputs=["skin_volume_mm3"], axes={"skin.width_mm": [17.0]})
-    for i in range(40):
-        design = Design.load(changes=[f"skin.width_mm={17 + i / 100}"])
-        compute.compute_skin(PointContext(design, None, plan.file, lambda: evaluator))
-    assert evaluator._solids.weight <= 20_000
-    assert evaluator.evaluated > len(evaluator._solids)
-
-
 class ForbiddenTable:
-    """Table that must not be read."""
-
     def __getattr__(self, name: str) -> Any:
         raise AssertionError(f"reads {name}")
 
@@ -219,40 +160,6 @@ def test_rules_of_the_parts_read_no_electronic_table() -> None:
     assert list(find_violations(PART_RULES, tables)) == []
     with pytest.raises(AssertionError, match="reads"):
         list(find_violations(RULES, tables))
-
-
-ELECTRONIC_AXES: dict[str, Any] = {
-    "board.cutoff_hz": {"low": 10.0, "high": 300.0, "spacing": "logarithmic"},
-    "board.capacitor_uf": [0.1, 0.22, 0.47, 1.0, 2.2],
-    "board.envelope_cutoff_hz": {"low": 5.0, "high": 900.0, "spacing": "logarithmic"},
-    "board.passband_gain": {"low": 10.0, "high": 200.0, "spacing": "logarithmic"},
-    "board.supply": ["split"],
-    "board.supply_v": {"low": 5.0, "high": 6.0},
-    "board.variant": ["article", "precision", "comparator"],
-    "detector.sample_rate_hz": {"low": 1000.0, "high": 20000.0},
-    "detector.window_samples": {"low": 1, "high": 10000},
-    "detector.threshold_v": {"low": 0.001, "high": 9.0, "spacing": "logarithmic"},
-}
-
-
-@pytest.mark.full
-def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
-    plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
-    fast, complete = DesignBuilder(plan), DesignBuilder(plan)
-    assert fast._only_electronics_vary
-    complete._only_electronics_vary = False
-    refused = 0
-    for number in range(plan.size):
-        changes = plan.point(number)
-        results = []
-        for builder in (fast, complete):
-            try:
-                results.append(builder.build(changes))
-            except Exception as error:
-                results.append(str(error))
-        refused += isinstance(results[0], str)
-        assert results[0] == results[1]
-    assert 40 < refused < 150
 
 
 def test_outputs_have_the_units_of_their_names() -> None:
@@ -298,36 +205,6 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
     values = compute.compute_detection(context)
     assert (values["delay_ms"], values["delay_p90_ms"], values["found_share"]) == (20.0, 90.0, 1.0)
     assert values["false_alarms_per_min"] == pytest.approx(6.0)
-
-
-@pytest.mark.full
-def test_board_outputs_equal_those_of_board_values() -> None:
-    names = ["board.r1_ohm", "board.r2_ohm", "board.r3_ohm", "board.r4_ohm", "board.r5_ohm", "board.r_lp_ohm"]
-    plan = make_plan(
-        sampling="latin_hypercube",
-        points=80,
-        seed=5,
-        outputs=[*names, "board.c_uf", "q", "gain", "cutoff_3db_hz", "envelope_decay_ms"],
-        axes={
-            "board.cutoff_hz": {"low": 30.0, "high": 150.0, "spacing": "logarithmic"},
-            "board.passband_gain": {"low": 20.0, "high": 100.0, "spacing": "logarithmic"},
-            "board.capacitor_uf": [0.22, 0.47, 1.0, 2.2],
-            "board.capacitor_series": ["given", "E12"],
-            "board.series": ["E12", "E24", "E96"],
-        },
-    )
-    evaluator, compared = PointEvaluator(plan), 0
-    for number in range(plan.size):
-        changes = plan.point(number)
-        _, status, _, _, outputs = evaluator.evaluate(number, changes)
-        if status == "ok":
-            values = board_values(Design.load(changes=[f"{name}={value}" for name, value in changes.items()]))
-            fitted, achieved = values.preferred, values.achieved_response
-            expected = [getattr(fitted, name.partition(".")[2]) for name in names]
-            expected += [1e6 * fitted.c_f, achieved.section_quality, achieved.passband_gain, achieved.cutoff_hz]
-            assert outputs == tuple(round(value, 6) for value in [*expected, 1e3 * achieved.envelope_decay_s])
-            compared += 1
-    assert compared > 60
 
 
 @pytest.mark.full
@@ -405,11 +282,6 @@ def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pyte
     assert shift <= 1.0
 
 
-def test_error_of_the_time_step_needs_a_scene() -> None:
-    with pytest.raises(SweepError, match=r"simulation\.force_error_mn"):
-        make_plan(outputs=["simulation.force_error_mn"])
-
-
 def list_outputs(group: str) -> list[str]:
     return [output.name for output in OUTPUTS.values() if output.group == group]
 
@@ -431,10 +303,6 @@ def test_output_group_reads_only_its_declared_tables(group: str) -> None:
     forbidden = base.model_copy(update={name: ForbiddenTable() for name in others})
     assert compute_outputs(forbidden) == first
     assert others
-
-
-def test_every_group_has_outputs_and_a_function() -> None:
-    assert {output.group for output in OUTPUTS.values()} == set(GROUPS) == set(compute.GROUP_FUNCTIONS)
 
 
 def test_computing_order_contains_every_point_and_varies_expensive_axes_slowest() -> None:

@@ -90,42 +90,6 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
     assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
 
 
-def test_first_order_indices_of_the_ishigami_function() -> None:
-    """Function of Homma and Saltelli 1996; its third axis acts only together with the first."""
-    from scipy.stats import qmc
-
-    x = np.pi * (2 * qmc.Sobol(3, rng=1).random(2**14) - 1)
-    y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    sensitivity = compute_sensitivity("y", y, dict(zip("abc", x.T, strict=True)))
-    assert sensitivity is not None
-    total = 0.5 + 7**2 / 8 + 0.1 * np.pi**4 / 5 + 0.1**2 * np.pi**8 / 18
-    first = {"a": 0.5 * (1 + 0.1 * np.pi**4 / 5) ** 2 / total, "b": 7**2 / 8 / total, "c": 0.0}
-    assert get_indices(sensitivity) == pytest.approx(first, abs=0.01)
-    assert sensitivity.unexplained == pytest.approx(1 - first["a"] - first["b"], abs=0.015)
-
-
-def test_rank_correlation_equals_spearmans_of_scipy() -> None:
-    from scipy import stats
-
-    rng = np.random.default_rng(5)
-    x, y = rng.integers(0, 9, 200).astype(float), rng.normal(size=200)
-    sensitivity = compute_sensitivity("y", y + 0.3 * x, {"x": x})
-    assert sensitivity is not None
-    assert sensitivity.axes[0].rank_correlation == pytest.approx(stats.spearmanr(x, y + 0.3 * x).statistic, abs=1e-12)
-
-
-def test_estimate_for_an_axis_without_effect_has_zero_mean_and_the_stated_deviation() -> None:
-    rng = np.random.default_rng(2)
-    estimates = [
-        estimate_explained_variance(rng.normal(size=400), bin_by_count(rng.random(400), 10)) for _ in range(600)
-    ]
-    assert np.mean(estimates) == pytest.approx(0.0, abs=4 * compute_null_deviation(10, 400) / math.sqrt(600))
-    assert np.std(estimates) == pytest.approx(compute_null_deviation(10, 400), rel=0.1)
-    unused = compute_sensitivity("y", rng.normal(size=400), {"x": rng.random(400)})
-    assert unused is not None
-    assert unused.axes[0].first_order_index == 0.0
-
-
 def test_categorical_axis_has_an_index_but_no_rank_correlation() -> None:
     words = np.array(["E12", "E24", "E96"] * 40)
     y = np.where(words == "E24", 1.0, 0.0)
@@ -376,14 +340,6 @@ def test_preferred_values_on_a_logarithmic_scale() -> None:
     assert density.max() / density.min() == pytest.approx(1.0)
 
 
-def test_continuous_values_have_bins_of_equal_width() -> None:
-    values = np.random.default_rng(0).uniform(0, 1, 5000)
-    edges = histogram_edges(values, make_scale("x", values, 24), 24)
-    assert len(edges) == 25
-    assert np.diff(edges) == pytest.approx(np.diff(edges)[0])
-    assert np.histogram(values, edges)[0].sum() == len(values)
-
-
 @pytest.mark.parametrize("width_in", [3.4, 5.8, 8.2, 15.0])
 def test_no_line_of_the_heading_is_cut_off(width_in: float) -> None:
     require_module("matplotlib")
@@ -402,3 +358,11 @@ def test_a_small_matrix_is_drawn() -> None:
     rows = np.arange(40.0)
     data = draw_scatter_matrix({"x": rows, "y": np.sqrt(rows)}, rows > 7, ["left"])
     assert data.startswith(b"\x89PNG")
+
+
+def test_continuous_values_have_bins_of_equal_width() -> None:
+    values = np.random.default_rng(0).uniform(0, 1, 5000)
+    edges = histogram_edges(values, make_scale("x", values, 24), 24)
+    assert len(edges) == 25
+    assert np.diff(edges) == pytest.approx(np.diff(edges)[0])
+    assert np.histogram(values, edges)[0].sum() == len(values)

@@ -10,7 +10,7 @@ import pytest
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from tests.sweep.examples import InlineEngine, read_rows, run_sweep_command
+from tests.sweep.examples import read_rows, run_sweep_command
 
 FILE = """
 name = "boards"
@@ -34,12 +34,6 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert (data["points"], data["rows"], data["ok"] + data["refused"]) == (24, 24, 24)
     assert data["refused"] > 0
     return folder
-
-
-@pytest.fixture
-def inline(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Makes the command compute in this process."""
-    monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
 
 
 @pytest.mark.full
@@ -75,48 +69,6 @@ def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> No
     assert "--resume" in result.stderr
     assert (finished / "out" / "sweep.sqlite").read_bytes() == before
     assert [path.name for path in (finished / "out").iterdir()] == ["sweep.sqlite"]
-
-
-@pytest.mark.full
-def test_resume_of_a_finished_sweep_computes_nothing(finished: Path, inline: None) -> None:
-    result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out", "--resume", "--json")
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["computed_now"] == 0
-
-
-@pytest.mark.full
-def test_resume_of_a_different_sweep_is_refused_with_the_lines_that_differ(finished: Path, tmp_path: Path) -> None:
-    (tmp_path / "other.toml").write_text(FILE.replace("0.0001, 1.0", "0.0001, 1.5"))
-    result = run_sweep_command(tmp_path / "other.toml", "--out", finished / "out", "--resume")
-    assert result.exit_code == 2
-    assert "  - board.capacitor_uf = [0.0001, 1.0]\n  + board.capacitor_uf = [0.0001, 1.5]" in result.stderr
-    assert result.stderr.count("\n") == 3
-    assert len(read_rows(finished / "out")) == 24
-
-
-@pytest.mark.full
-def test_finished_sweep_is_reported_on_and_exported(finished: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "copy"
-    folder.mkdir()
-    (folder / "sweep.sqlite").write_bytes((finished / "out" / "sweep.sqlite").read_bytes())
-    result = run_sweep_command("--show", "--out", folder, "--csv", tmp_path / "rows.csv", "--json", "--quiet")
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["points"] == 24
-    assert result.stderr == ""
-    lines = (tmp_path / "rows.csv").read_text().splitlines()
-    assert len(lines) == 25
-    assert lines[0].startswith("point,board.cutoff_hz,board.capacitor_uf,board.series,q,")
-    assert {path.name for path in folder.iterdir()} >= {"sweep.sqlite", "summary.json"}
-    assert (folder / "sweep.sqlite").read_bytes() == (finished / "out" / "sweep.sqlite").read_bytes()
-
-
-@pytest.mark.full
-def test_same_sweep_gives_the_same_rows(finished: Path, tmp_path: Path, inline: None) -> None:
-    result = run_sweep_command(
-        finished / "sweep.toml", "--out", tmp_path / "again", "--jobs", 1, "--csv", tmp_path / "rows.csv"
-    )
-    assert result.exit_code == 0, result.stderr
-    assert repr(read_rows(tmp_path / "again")) == repr(read_rows(finished / "out"))
 
 
 def test_outputs_are_listed_with_group_and_description() -> None:

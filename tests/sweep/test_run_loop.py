@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import concurrent.futures
 import itertools
 import math
 from collections import deque
@@ -242,14 +241,6 @@ def test_breakdowns_count_only_in_a_row(clock: Clock) -> None:
     assert engine.breakdowns == 2 * (run.MAX_CONSECUTIVE_FAILURES + 1)
 
 
-def test_workers_that_die_without_a_point_end_the_run(clock: Clock) -> None:
-    engine, database = Breaking(set(range(POINTS)), {}), Database()
-    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
-        compute(engine, database)
-    assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
-    assert database.rows == []
-
-
 def test_breakdowns_after_a_result_are_counted_from_the_first(clock: Clock) -> None:
     engine = Breaking(set(), {})
 
@@ -339,18 +330,6 @@ def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, mo
 
     run_sweep(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
     assert waiting[0] == max(waiting) == 6
-
-
-def test_progress_is_shown_as_often_as_rows_are_written(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
-    timeouts: list[float] = []
-
-    def wait(futures: Any, timeout: float, **options: Any) -> Any:
-        timeouts.append(timeout)
-        return concurrent.futures.wait(futures, timeout=timeout, **options)
-
-    monkeypatch.setattr(run, "wait", wait)
-    compute(Breaking({40}, {40: LIMIT_S}), Database())
-    assert set(timeouts) == {run.WRITE_INTERVAL_S}
 
 
 def test_only_commits_of_the_last_half_minute_count(clock: Clock) -> None:

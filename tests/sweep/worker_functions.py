@@ -22,7 +22,6 @@ FLAG_VARIABLE = "FINGERTIP_TEST_FLAG"
 
 
 def make_result(point: int) -> PointResult:
-    """Make the result of a point that does not fail."""
     return point, "ok", "", "", (float(point), 2.0 * point, 3.0)
 
 
@@ -38,18 +37,14 @@ def _evaluate(chunk: Chunk, fail: Callable[[], None]) -> ChunkResult:
 
 
 def succeed(chunk: Chunk) -> ChunkResult:
-    """Compute every point."""
     return _evaluate(chunk, lambda: None)
 
 
 def crash(chunk: Chunk) -> ChunkResult:
-    """Kill the worker at each failing point."""
     return _evaluate(chunk, lambda: os.kill(os.getpid(), signal.SIGKILL))
 
 
 def crash_once(chunk: Chunk) -> ChunkResult:
-    """Kill the worker at the first attempt of each failing point, not at the second."""
-
     def kill_at_first_attempt() -> None:
         flag = Path(os.environ[FLAG_VARIABLE])
         if len(flag.read_text()) < len(FAILING_POINTS):
@@ -89,15 +84,9 @@ def die_while_sending(chunk: Chunk) -> ChunkResult:
 
 
 def sleep(chunk: Chunk) -> ChunkResult:
-    """Sleep beyond the time limit at each failing point."""
     return _evaluate(chunk, lambda: time.sleep(60))
 
 
 def loop_in_c(chunk: Chunk) -> ChunkResult:
     """Loop for ever in C at each failing point, with Python's lock held and signals ignored, as a kernel might."""
     return _evaluate(chunk, lambda: collections.deque(itertools.repeat(0), maxlen=0))
-
-
-def exit_at_start(chunk: Chunk) -> ChunkResult:
-    """End the worker before it computes a point."""
-    os._exit(1)

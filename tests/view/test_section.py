@@ -16,7 +16,7 @@ from fingertip.cad.shapes.mold import openings
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
-from fingertip.pictures.section import Section, draw_section, is_near, list_sections, slice_solid, spread
+from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from fingertip.pictures.steps.scene import View
 
 DESIGNS = {
@@ -134,14 +134,6 @@ def test_a_free_place_is_free_and_near() -> None:
     assert abs(y + 11 - 100) < 45
     taken[:] = True
     assert find_free_place(taken, (0.0, 0.0, 10.0, 10.0), (1.0, 2.0, 3.0, 4.0)) == (1.0, 4.0)
-
-
-def test_a_feature_far_from_all_outlines_is_not_named() -> None:
-    square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
-    assert is_near((5.0, 5.0), [square])
-    assert is_near((11.0, 5.0), [square])
-    assert not is_near((14.0, 5.0), [square])
-    assert not is_near((-3.0, -3.0), [square])
 
 
 @pytest.mark.full

@@ -18,11 +18,10 @@ from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
-from fingertip.pictures.raster import Camera, Canvas
-from fingertip.pictures.steps import scene as drawing
+from fingertip.pictures.raster import Canvas
 from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.pictures import SCENES, draw_steps
-from fingertip.pictures.steps.scene import Arrow, Label, Scene, draw_scene
+from fingertip.pictures.steps.pictures import SCENES
+from fingertip.pictures.steps.scene import Scene, draw_scene
 from tests.conftest import design_file, run_fingertip, some_of
 
 DESIGNS = [
@@ -101,17 +100,6 @@ def test_labels_state_numbers_of_the_sheet(name: str, changes: tuple[str, ...]) 
     assert checked > 5
 
 
-@pytest.mark.full
-def test_pictures_are_reproducible_and_show_the_design() -> None:
-    design, data = load("fsr400")
-    again = Design.load(design_file("fsr400"))
-    chosen = ["hold", "fill"]
-    first, second = draw_steps(design, data, chosen), draw_steps(again, data, chosen)
-    assert first == second
-    wider = draw_steps(*load("fsr400", "skin.width_mm=18"), chosen)
-    assert all(wider[name] != png for name, png in first.items())
-
-
 def test_label_points_lie_on_what_is_drawn_or_close_to_it() -> None:
     """A leader that ends in empty space far from every part names nothing."""
     for name, changes in (("fsr400", ()), ("adult_finger", ()), ("fsr402", ("mold.method=sleeve",))):
@@ -130,27 +118,6 @@ def test_syringe_is_drawn_with_as_much_silicone_as_it_holds() -> None:
     assert most - half == pytest.approx(0.45 * 5000.0 * 0.99**2, rel=0.01)
     (level,) = re.findall(r"(\d+) mm high in this cup", " ".join(one.text for one in scenes("fsr400")["degas"].labels))
     assert float(level) == pytest.approx(11e3 / 1.07 / (math.pi * 22.0**2), abs=0.5)
-
-
-def test_crowded_labels_keep_their_order_and_their_distance() -> None:
-    entries = [((100.0, 50.0 + i), "two\nlines") for i in range(8)]
-    heights = drawing._spread(entries, 560)
-    assert heights == sorted(heights)
-    assert min(np.diff(heights)) >= 2 * drawing._FONT_PX
-    assert heights[-1] < 560
-
-
-def test_arrow_points_along_its_motion() -> None:
-    """The head of an arrow lies at its end: more of its colour there than at its beginning."""
-    bench = Bench(load("fsr400")[0])
-    bone = bench.part("bone")
-    arrow = Arrow((0.0, 0.0, -40.0), (0.0, 0.0, 40.0))
-    scene = Scene((bone,), Camera.from_angles(0, 0), Label("x", (0.0, 0.0, 0.0)), arrow)
-    picture = np.asarray(Image.open(io.BytesIO(draw_scene(scene))).convert("RGB")).astype(int)
-    red = (picture[..., 0] > 140) & (picture[..., 1] < 90) & (picture[..., 2] < 90)
-    columns = red.sum(axis=0)
-    (at,) = np.nonzero(columns)
-    assert columns[at[-15:]].max() > 1.5 * columns[at[:15]].max()
 
 
 @pytest.mark.full

@@ -179,7 +179,7 @@ def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
     return PART_FILES.writer(design, folder, force, adopted=adopted)
 
 
-def steps_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
+def steps_writer(design: Design, folder: Path, force: bool) -> SetWriter:
     """Writer of the pictures of the casting steps, in the folder of the casting sheet."""
     return STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
 

@@ -37,7 +37,7 @@ class Pad:
 
     @property
     def box(self) -> Box:
-        """Its edges as it is turned."""
+        """Edges as it is turned."""
         (x, y), width, height = self.centre, self.width, self.height
         if self.turned_deg % 180.0 == 90.0:
             width, height = height, width
@@ -45,7 +45,7 @@ class Pad:
 
     @property
     def is_plated(self) -> bool:
-        """Whether it has copper; a hole for a screw has none."""
+        """True if it has copper; a hole for a screw has none."""
         return self.kind != "np_thru_hole"
 
 

@@ -254,7 +254,7 @@ class BoardConfiguration:
 
     @property
     def project(self) -> StoredProject:
-        """Its KiCad project."""
+        """KiCad project."""
         return load_project(self.name)
 
     @property

@@ -84,7 +84,7 @@ class Node:
 
     @property
     def words(self) -> list[str]:
-        """Its words, from the first, which names the list."""
+        """Words in order; the first names the list."""
         return [item for item in self.items if isinstance(item, str)]
 
     @property

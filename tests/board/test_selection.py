@@ -1,0 +1,196 @@
+"""Selection of components: preferred values against the standard, and choices against brute force."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fingertip.board import board_values
+from fingertip.board.components.selection import (
+    DEVIATION_BAND,
+    choose_jointly,
+    compute_deviation_db,
+    filter_error,
+    mantissas,
+    nearest_value,
+    neighbouring_values,
+    select_filter_capacitor,
+    select_resistors,
+    values_in_range,
+)
+from fingertip.design.formulas.filter import FilterComponents, ideal_components
+from fingertip.design.parameters import Board
+from fingertip.foundation.errors import BoardError, DesignError
+from tests.designs import ARTICLE, load_article
+
+# Preferred values
+
+
+# IEC 60063, transcribed from the standard's tables.
+E6 = "10 15 22 33 47 68"
+E12 = "10 12 15 18 22 27 33 39 47 56 68 82"
+E24 = "10 11 12 13 15 16 18 20 22 24 27 30 33 36 39 43 47 51 56 62 68 75 82 91"
+E96 = """100 102 105 107 110 113 115 118 121 124 127 130 133 137 140 143 147 150 154 158 162 165 169 174 178 182 187
+191 196 200 205 210 215 221 226 232 237 243 249 255 261 267 274 280 287 294 301 309 316 324 332 340 348 357 365 374 383
+392 402 412 422 432 442 453 464 475 487 499 511 523 536 549 562 576 590 604 619 634 649 665 681 698 715 732 750 768 787
+806 825 845 866 887 909 931 953 976"""
+
+series = st.sampled_from(["E12", "E24", "E96"])
+resistances = st.floats(10.0, 10e6)
+
+
+@pytest.mark.parametrize(("name", "table"), [("E6", E6), ("E12", E12), ("E24", E24), ("E96", E96)])
+def test_mantissas_are_those_of_the_standard(name: str, table: str) -> None:
+    assert mantissas(name) == tuple(map(int, table.split()))
+
+
+def all_values(name: str) -> list[float]:
+    """All preferred resistances of a series from 10 ohm to 10 Mohm."""
+    scale = 10 if name == "E96" else 1
+    values = {m * 10**e / scale for m in mantissas(name) for e in range(7)}
+    return sorted(v for v in values if 10 <= v <= 10e6)
+
+
+@given(resistances, series)
+def test_nearest_value_is_the_nearest_of_all(value: float, name: str) -> None:
+    best = min(abs(math.log(v / value)) for v in all_values(name))
+    assert abs(math.log(nearest_value(value, name) / value)) == pytest.approx(best, abs=1e-12)
+    assert nearest_value(value, name) in all_values(name)
+
+
+@given(series, st.data())
+def test_nearest_value_of_a_preferred_value_is_itself(name: str, data: st.DataObject) -> None:
+    value = data.draw(st.sampled_from(all_values(name)))
+    assert nearest_value(value, name) == value
+    assert neighbouring_values(value, name) == (value,)
+
+
+def test_nearest_value_stays_within_the_range() -> None:
+    assert nearest_value(9.0, "E24") == 10.0
+    assert nearest_value(2e7, "E96") == 10e6
+    assert nearest_value(10.2, "E24") == 10.0
+
+
+def test_values_in_range_contains_at_least_one_value() -> None:
+    assert values_in_range(1e-6, 1e-5, "E6") == (1e-6, 1.5e-6, 2.2e-6, 3.3e-6, 4.7e-6, 6.8e-6, 1e-5)
+    assert values_in_range(1.1e-6, 1.2e-6, "E6") == (1e-6,)
+
+
+def test_nearest_value_refuses_what_has_none() -> None:
+    for value in (0.0, -1.0, math.inf, math.nan):
+        with pytest.raises(BoardError, match="positive finite"):
+            nearest_value(value, "E24")
+    with pytest.raises(BoardError, match="choose E6, E12, E24, E96"):
+        nearest_value(100.0, "E48")
+
+
+# Capacitors that the board selects itself
+
+
+capacitor_series = st.sampled_from(["E6", "E12"])
+
+
+def preferred_values(series: str, low: float, high: float) -> list[float]:
+    """All values of a series from `low` to `high`."""
+    digits = len(str(mantissas(series)[0])) - 1
+    values = (m * 10.0 ** (e - digits) for e in range(-13, 8) for m in mantissas(series))
+    return [v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9)]
+
+
+@settings(max_examples=25)
+@given(st.floats(5.0, 500.0), capacitor_series, st.sampled_from(["E12", "E24"]))
+def test_no_combination_of_components_is_better_than_the_selected_one(
+    cutoff: float, capacitors: str, resistors: str
+) -> None:
+    """Every C up to 10 uF with R1 from 2k to 20k is combined with every R1, R2, R3 near its ideal value."""
+    board = Board(cutoff_hz=cutoff, capacitor_series=capacitors, series=resistors, resistor_choice="apart")
+    omega, best = math.tau * cutoff, math.inf
+    for c in preferred_values(capacitors, 1 / (omega * 20e3), min(1 / (omega * 2e3), 10e-6)):
+        ideal = (1 / (omega * c), 1 / (2 * omega * c), 2 / (omega * c))
+        for r1, r2, r3 in itertools.product(*(preferred_values(resistors, 0.8 * r, 1.25 * r) for r in ideal)):
+            f1, f0 = 1 / (math.tau * r1 * c), 1 / (math.tau * c * math.sqrt(r2 * r3))
+            errors = (math.log(f0 / cutoff), math.log(math.sqrt(r3 / r2) / 2), math.log(f1 / cutoff))
+            best = min(best, math.sqrt(sum(e * e for e in errors)))
+    assert filter_error(select_filter_capacitor(board), board) == pytest.approx(best, abs=1e-12)
+
+
+def test_selecting_capacitors_reproduces_the_article_and_reduces_the_error_of_other_designs() -> None:
+    article = FilterComponents(2400.0, 1200.0, 4700.0, 1500.0, 100e3, 2000.0, 1e-6, 2.2e-6)
+    assert board_values(ARTICLE).preferred == article
+    # The article's own values are the best of E12 and E24 for 67 Hz and 36.17 Hz.
+    for series in ("E6", "E12"):
+        assert board_values(load_article([f"board.capacitor_series={series}"])).preferred == article
+    changes = ["board.cutoff_hz=80", "board.series=E96", "board.envelope_cutoff_hz=30"]
+    default, selected = (board_values(load_article([*changes, *more])) for more in ([], ["board.capacitor_series=E12"]))
+    apart = Board(cutoff_hz=80, series="E96", resistor_choice="apart")
+    assert filter_error(selected.preferred.c_f, apart) < 0.2 * filter_error(default.preferred.c_f, apart)
+    board = Board(cutoff_hz=80, capacitor_series="E12", series="E96")
+    assert selected.preferred.c_f == select_filter_capacitor(board) == 390e-9
+    selected_error, default_error = (
+        abs(values.achieved_response.envelope_pole_hz / 30 - 1) for values in (selected, default)
+    )
+    assert selected_error <= default_error
+
+
+def test_given_capacitors_are_ignored_where_the_board_selects_its_own() -> None:
+    changes = ["board.capacitor_series=E12", "board.capacitor_uf=1000", "board.envelope_capacitor_uf=1e-6"]
+    assert board_values(load_article(changes)) == board_values(load_article(changes[:1]))
+    with pytest.raises(DesignError, match=r"board\.capacitor_uf"):
+        load_article(changes[1:])
+
+
+# R1, R2 and R3 chosen together
+
+
+def ideal_ohm(cutoff_hz: float, capacitor_uf: float = 1.0) -> tuple[tuple[float, float, float], FilterComponents]:
+    ideal = ideal_components(Board(cutoff_hz=cutoff_hz, capacitor_uf=capacitor_uf))
+    return first_three(ideal), ideal
+
+
+def first_three(values: FilterComponents) -> tuple[float, float, float]:
+    return values.r1_ohm, values.r2_ohm, values.r3_ohm
+
+
+def deviation_db(ohm: tuple[float, ...], ideal: tuple[float, float, float]) -> float:
+    """Oracle: complex transfer functions of both stages over w = f / f_c, C omega_c = 1 / R1."""
+    r1, r2, r3 = (value / ideal[0] for value in ohm)
+    s = 1j * np.geomspace(*DEVIATION_BAND, 37)
+    filter_ = s * r1 / (1 + s * r1) * s**2 * r2 * r3 / (1 + 2 * s * r2 + s**2 * r2 * r3)
+    butterworth = s**3 / (1 + 2 * s + 2 * s**2 + s**3)
+    return float(np.abs(20 * np.log10(np.abs(filter_ / butterworth))).max())
+
+
+@pytest.mark.parametrize(("series", "ratio"), [("E12", 2.2), ("E24", 1.8), ("E96", 1.1)])
+@pytest.mark.parametrize("cutoff", [30.0, 41.7, 67.0, 88.8, 123.0])
+def test_no_combination_of_a_wide_search_is_better(series: str, ratio: float, cutoff: float) -> None:
+    ideal, _ = ideal_ohm(cutoff)
+    candidates = (values_in_range(ohm / ratio, ohm * ratio, series) for ohm in ideal)
+    best = min(deviation_db(ohm, ideal) for ohm in itertools.product(*candidates))
+    chosen, found = choose_jointly(ideal, series)
+    assert found == pytest.approx(best, abs=1e-6)
+    assert deviation_db(chosen, ideal) == pytest.approx(found, abs=1e-6)
+    assert compute_deviation_db(chosen, ideal) == pytest.approx(found, abs=1e-6)
+
+
+@settings(max_examples=100)
+@given(st.floats(1.0, 1000.0), st.sampled_from(["E12", "E24", "E96"]))
+def test_resistors_chosen_together_are_never_worse_than_apart(cutoff: float, series: str) -> None:
+    ohm, ideal = ideal_ohm(cutoff)
+    together, apart = (first_three(select_resistors(ideal, series, jointly=jointly)) for jointly in (True, False))
+    assert deviation_db(together, ohm) <= deviation_db(apart, ohm) + 1e-6
+
+
+@pytest.mark.parametrize("cutoff", [33.0, 80.0, 140.0])
+def test_no_capacitor_and_resistors_together_are_better(cutoff: float) -> None:
+    board = Board(cutoff_hz=cutoff, capacitor_series="E6", series="E24")
+    omega, best = math.tau * cutoff, math.inf
+    for c_f in values_in_range(1 / (omega * 20e3), 1 / (omega * 2e3), "E6"):
+        ohm, _ = ideal_ohm(cutoff, 1e6 * c_f)
+        best = min(best, choose_jointly(ohm, "E24")[1])
+    ohm, _ = ideal_ohm(cutoff, 1e6 * select_filter_capacitor(board))
+    assert choose_jointly(ohm, "E24")[1] == pytest.approx(best, abs=1e-6)

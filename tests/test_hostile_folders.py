@@ -245,7 +245,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
     parts = {f"{name}.stl": name.encode() for name in parts_by_name(design)} | {REPORT: b"{}", SHEET: b"# Casting\n"}
     parts_writer(design, top).write(parts)
     prints_writer(design, top).write({"bone.stl": b"bone"})
-    steps_writer(design, top).write({"1.png": b"picture"})
+    steps_writer(design, top, False).write({"1.png": b"picture"})
     SIGNAL.writer(design, top / "signal").write({"trace.csv": TRACE.encode(), "detection.json": b'{"motion_s": 0.3}'})
     write_board(design, top / "board")
     fab = {"slip_filter_gerbers.zip": b"gerbers"}

@@ -75,6 +75,8 @@ def _to_json_object(
     """Convert the fields of a record; `limiting_ranges` keep every digit of the axis."""
     data = {field.name: getattr(record, field.name) for field in fields(record)}
     data |= {name: _to_json_number(value) for name, value in data.items() if isinstance(value, float)}
+    if "limiting_ranges" in data:
+        data["limiting_ranges"] = [list(ends) for ends in data["limiting_ranges"]]
     return data | {"axes": [_to_json_object(axis) for axis in data["axes"]]} if "axes" in data else data
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 from dataclasses import replace
@@ -29,7 +30,7 @@ from fingertip.catalogues.output_files import LAYOUT, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import BoardError
 from tests.board.kicad import HOW_TO_INSTALL_KICAD
 from tests.designs import load_article
-from tests.oracles.sexpressions import Expression, children, parse
+from tests.oracles.sexpressions import Expression, children, parse, word
 from tests.tools import require_tool
 from tools import boards
 
@@ -37,6 +38,7 @@ LIMIT = 1_000_000
 """Greatest size of all archives [byte]."""
 AMPLIFIERS = {"split": ("OPA2197", "TL082"), "single": ("MCP6022",), "single_3v3": ("OPA2376", "MCP6022")}
 """Amplifiers for each supply: at least one is not the default of a board."""
+SUPPLY_NETS = ("GND", "POWER_IN", "VCC", "VEE", "VMID", "VREF")
 
 
 def load_circuit(name: str, *changes: str) -> Circuit:
@@ -51,6 +53,19 @@ def fields_of(tree: Expression, kind: str) -> list[tuple[Expression, dict[str, s
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_project_is_that_of_its_circuit(name: str) -> None:
     assert list(BOARD_CONFIGURATIONS[name].project.find_differences(load_circuit(name))) == []
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_most_of_the_supply_tracks_is_wide(name: str) -> None:
+    """Half of their length is 0.5 mm wide or more; they are narrow only where other copper is near."""
+    board = parse(read_archive(name)[LAYOUT].decode())
+    nets = {net[1] for net in children(board, "net") if str(net[2]).lstrip("/") in SUPPLY_NETS}
+    lengths: dict[bool, float] = {True: 0.0, False: 0.0}
+    for track in children(board, "segment"):
+        if word(track, "net") in nets:
+            start, end = ([float(each) for each in next(children(track, key))[1:]] for key in ("start", "end"))
+            lengths[float(word(track, "width")) >= 0.5] += math.dist(start, end)
+    assert lengths[True] > lengths[False]
 
 
 def test_dual_amplifiers_have_the_same_pins() -> None:

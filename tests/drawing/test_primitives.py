@@ -23,6 +23,7 @@ from fingertip.pictures.drawing.primitives import (
     Arc,
     Arrow,
     Hatch,
+    Polyline,
     Primitive,
     Sheet,
     Styles,
@@ -139,6 +140,15 @@ def test_dimension_lines_lie_in_lanes_and_texts_apart(side: str) -> None:
     assert min(distances) >= 8.0
 
 
+def test_arrows_stand_outside_a_narrow_dimension() -> None:
+    def directions(span: float) -> list[float]:
+        drawn = place_lengths([make_length(span, "size")], Occupancy(200.0, 150.0))
+        return [arrow.direction_deg % 360.0 for arrow in drawn if isinstance(arrow, Arrow)]
+
+    assert directions(40.0) == [180.0, 0.0]  # from inside, outwards
+    assert directions(2.0) == [0.0, 180.0]
+
+
 def test_size_without_room_is_refused() -> None:
     occupancy = Occupancy(200.0, 150.0)
     occupancy.block((0.0, 0.0, 200.0, 150.0))
@@ -159,3 +169,15 @@ def test_leader_ends_on_its_circle_and_keeps_off_edges() -> None:
     texts = [primitive for primitive in drawn if isinstance(primitive, Text)]
     assert [text.text for text in texts] == ["3", "4× Ø4"]
     assert all(text.box()[2] < 60.0 or text.box()[0] > 100.0 for text in texts)
+
+
+def test_occupancy_finds_what_a_line_crosses() -> None:
+    occupancy = Occupancy(100.0, 100.0)
+    occupancy.add((Polyline(((10.0, 50.0), (90.0, 50.0)), Styles.EDGE),), is_view=True)
+    occupancy.add((Text("word", (40.0, 70.0), 3.0),))
+    assert occupancy.crossings(((50.0, 40.0), (50.0, 60.0)))[0] in (1, 2)
+    assert occupancy.crosses_text(((42.0, 65.0), (42.0, 80.0)))
+    assert not occupancy.crosses_text(((20.0, 65.0), (20.0, 80.0)))
+    assert not occupancy.is_free((20.0, 49.0, 30.0, 49.5), 0.6)
+    assert occupancy.is_free((20.0, 45.0, 30.0, 48.0), 0.6)
+    assert not occupancy.is_free((95.0, 10.0, 101.0, 12.0), 0.6)

@@ -20,7 +20,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.page import markdown
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
-from fingertip.page.layout_svg import list_pads, render_back, render_copper, render_placement
+from fingertip.page.layout_svg import list_pads, name_part, render_back, render_copper, render_placement
 from fingertip.page.model_section import Item, scene_json
 from fingertip.page.parameters_and_checks import shapes_of_parameters
 from fingertip.page.schematic_svg import find_way, first, list_bodies, numbers, points, render_schematic, turn
@@ -207,6 +207,27 @@ def test_every_part_is_named_on_each_picture_and_in_the_table(folder: Path, page
     assert set(listed) <= set(back.words)
     assert [attribute for attribute in page.attributes("data-parts")] == [row["References"] for row in rows]
     assert sum(name in bought for name in page.attributes("data-part")) > 3 * len(bought)
+
+
+@pytest.mark.full
+def test_back_is_the_mirror_image_of_the_front(folder: Path) -> None:
+    """A part's frame encloses its pads, mirrored; seen from the back, the connector of the sensor is on the right."""
+    layout = read_expression((folder / "board" / "slip_filter.kicad_pcb").read_text())
+    back = Page(render_back(layout, "b"))
+    frames = [a for tag, a in back.elements if tag == "rect" and a.get("class") == "place"]
+    footprints = [f for f in layout.children("footprint") if any(f.children("pad"))]
+    assert len(frames) == len(footprints)
+    for frame, footprint in zip(frames, footprints, strict=True):
+        left, top, width, height = (float(frame[key] or 0) for key in ("x", "y", "width", "height"))
+        x, y, *angle = numbers(first(footprint, "at"))
+        for pad in footprint.children("pad"):
+            px, py = numbers(first(pad, "at"))[:2]
+            dx, dy = turn(px, py, angle[0] if angle else 0.0)
+            assert left < -(x + dx) < left + width
+            assert top < y + dy < top + height
+    view = next(a for tag, a in back.elements if tag == "svg")["viewbox"]
+    middle = float((view or "").split()[0]) + float((view or "").split()[2]) / 2
+    assert float(frames[[name_part(f) for f in footprints].index("J1")]["x"] or 0) > middle
 
 
 @pytest.mark.full

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import random
+import tracemalloc
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -19,7 +20,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, 
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.report import encode_trace, open_trace
-from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.runs.scene import SceneRun, stream_scene
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
@@ -134,6 +135,23 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
     for other in points[1:]:  # the same bits wherever both are sampled at a point of the grid
         shared = min(len(other), len(points[0]))
         assert np.array_equal(other[:shared], points[0][:shared])
+
+
+@pytest.mark.full
+def test_stream_needs_no_more_memory_for_a_longer_scene():
+    def peak_mb(seconds: float) -> float:
+        scene = SceneFile(hold={"min_s": seconds}, outputs=["voltage_v", "force_n", "slip"])
+        tracemalloc.start()
+        record = stream_scene(Design(), scene, lambda chunk: None, 1)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert record.duration_s > seconds
+        return peak / 1e6
+
+    with compiled():
+        peak_mb(5.0)
+        short, long = peak_mb(5.0), peak_mb(30.0)
+    assert long < 1.1 * short
 
 
 @pytest.mark.parametrize("suffix", ["csv", "npz"])

@@ -13,7 +13,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s, drag
 from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
@@ -91,6 +91,8 @@ def test_bristles_relax_and_friction_vanishes_without_contact():
     assert motion.bristle_m[2990] > 1e-6
     assert abs(motion.bristle_m[-1]) < 1e-9
     assert motion.position_m[-1] == pytest.approx(1e-4, rel=1e-4)
+    decay = motion.bristle_m[3100:3200] / motion.bristle_m[3099:3199]
+    assert decay == pytest.approx(math.exp(-RELAX_PER_S * h), rel=1e-4)
 
 
 @pytest.mark.parametrize("sigma0", [1e6, 1e7, 1e8, 1e9])
@@ -144,3 +146,18 @@ def test_chunks_give_the_bits_of_the_whole():
     parts = [pad.process(*(column[a:b] for column in columns)) for a, b in pairwise(cuts)]
     for name in ("position_m", "velocity_m_s", "bristle_m"):
         assert np.array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name)), name
+
+
+@pytest.mark.parametrize("ratio", [1, 2, 3])
+def test_friction_is_passive_while_load_and_velocity_both_move(ratio):
+    """With the mean deflection as state, as usual, friction would drive the pad at twice the frequency in the load."""
+    h, mount = 1e-4, Mount(0.01, 1e5, 2 * DAMPING_RATIO * math.sqrt(1e5 * 0.01))  # so stiff that the pad follows
+    angle = 2 * math.pi * 10 * np.arange(10_000) * h
+    for phase in (0.0, 1.0, 2.0, 3.0):
+        load = FORCE_N * (1 + 0.8 * np.sin(ratio * angle + phase))
+        x, v = 1e-5 * (np.cos(angle) - 1), -1e-5 * 2 * math.pi * 10 * np.sin(angle)
+        motion = drag(FRICTION, mount, h, x, v, load)
+        pull_n = mount.stiffness_n_per_m * (x - motion.position_m) + mount.damping_n_s_per_m * (v - motion.velocity_m_s)
+        work = np.cumsum(h * pull_n * motion.velocity_m_s) - mount.mass_kg * motion.velocity_m_s**2 / 2
+        stored = FRICTION.sigma0 * motion.bristle_m**2 * (load + LOAD_SCALE_N) / 2
+        assert (work - stored).min() > -1e-8

@@ -19,6 +19,7 @@ import numpy
 import pytest
 
 from fingertip import __version__
+from fingertip.cli.console import format_state
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep import engines
 from fingertip.sweep.database import SweepDatabase
@@ -157,6 +158,31 @@ def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: P
     assert_rows_complete(tmp_path / "out", plan.size)
 
 
+@pytest.mark.full
+def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
+    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    dask.start_all(1)
+    monkeypatch.setattr("fingertip.sweep.engines._RECONNECT_TIMEOUT_S", 1.0)
+    engine = DaskEngine(dask.address)
+    plan = make_plan(**LONG_SWEEP)
+
+    def kill_scheduler(state: RunState) -> None:
+        if state.written:
+            dask.kill(0)
+
+    is_lost = pytest.raises(SweepError, match=r"--cluster: is lost.*--resume")
+    with SweepDatabase.create(tmp_path / "out", plan) as database, is_lost:
+        run_sweep(plan, database, engine, kill_scheduler, worker_functions.succeed)
+    assert capfd.readouterr() == ("", "")
+    before = read_rows(tmp_path / "out")
+    assert 0 < len(before) < plan.size
+    with SweepDatabase.resume(tmp_path / "out", plan) as database:
+        state = run_sweep(plan, database, InlineEngine(), evaluate=worker_functions.succeed)
+    assert state.written == plan.size - len(before)
+    assert_rows_complete(tmp_path / "out", plan.size)
+
+
 def find_free_port() -> int:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
@@ -221,3 +247,44 @@ def test_worker_with_another_python_or_numpy_is_refused(
 ) -> None:
     with pytest.raises(SweepError, match=f"worker tcp://w:1 {message}.*install the same version everywhere"):
         engines._compare_versions("tcp://w:1", {"host": host, "packages": packages})
+
+
+@pytest.mark.full
+def test_worker_that_hangs_is_refused_before_anything_is_written(
+    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dask.start_all(1)
+    DaskEngine(dask.address).close()  # the worker is ready
+    group = dask.processes[1].pid
+    os.killpg(group, signal.SIGSTOP)
+    try:
+        monkeypatch.setattr(engines, "_ANSWER_TIMEOUT_S", 1.0)
+        message = run_refused(tmp_path, dask.address)
+        assert "a worker has not answered for 1 s; end the workers that hang, or start them again" in message
+    finally:
+        os.killpg(group, signal.SIGCONT)
+
+
+@pytest.mark.full
+def test_worker_that_hangs_later_is_reported_and_its_rows_come_in_the_end(
+    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dask.start_all(1)
+    engine = DaskEngine(dask.address)
+    monkeypatch.setattr("fingertip.sweep.run.HANG_LIMITS", 1.0)
+    plan = make_plan(**LONG_SWEEP, time_limit_s=1.0)
+    lines: list[str] = []
+    group = dask.processes[1].pid
+
+    def hang_once(state: RunState) -> None:
+        if state.written and not lines:
+            os.killpg(group, signal.SIGSTOP)
+        if state.written:
+            lines.append(format_state(state))
+            if "no worker has answered for" in lines[-1]:
+                os.killpg(group, signal.SIGCONT)
+
+    with SweepDatabase.create(tmp_path / "out", plan) as database:
+        run_sweep(plan, database, engine, hang_once, worker_functions.succeed)
+    assert any("one may hang; Ctrl-C keeps the rows, and --resume continues" in line for line in lines)
+    assert_rows_complete(tmp_path / "out", plan.size)

@@ -19,6 +19,7 @@ from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import run_sweep
 from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan
+from tests.tools import require_tool
 
 BOARD_POINTS = 72
 """Points of `examples.BOARD`."""
@@ -180,3 +181,35 @@ def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     assert_processes_end(process.pid)
     assert [path.name for path in out.iterdir()] == [FILE]
     assert len(read_rows(out)) > 0
+
+
+@pytest.mark.full
+def test_full_disk_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
+    """The disk is a small file system, mounted in a mount namespace of the test."""
+    unshare = require_tool("unshare", "util-linux")
+    if subprocess.run([unshare, "-rm", "true"], capture_output=True, check=False).returncode:
+        pytest.skip("A MOUNT NAMESPACE IS NOT ALLOWED HERE, A REAL FULL DISK IS NOT TESTED")
+    file, disk = tmp_path / "sweep.toml", tmp_path / "disk"
+    file.write_text(LARGE_SWEEP)
+    disk.mkdir()
+    sweep = f"{sys.executable} -m fingertip sweep {file} --out {disk}/out"
+    script = f"""
+mount -t tmpfs -o size=200k none {disk} || exit 9
+{sweep} 2> {tmp_path}/errors
+echo $? > {tmp_path}/code
+mount -o remount,size=20m {disk} || exit 9
+{sweep} --resume -q || exit 8
+cp -r {disk}/out {tmp_path}/out
+"""
+    result = subprocess.run(
+        [unshare, "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    errors = (tmp_path / "errors").read_text()
+    assert (tmp_path / "code").read_text() == "2\n"
+    assert "Traceback" not in errors
+    assert (
+        f"error: {disk}/out: cannot be written any further (database or disk is full); free some space, then continue "
+        "with --resume. The rows written so far are safe.\n"
+    ) in errors
+    assert read_rows(tmp_path / "out") == uninterrupted

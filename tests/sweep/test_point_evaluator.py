@@ -22,7 +22,7 @@ from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
-from fingertip.sweep.designs import CachedEvaluator, LruCache
+from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
 from fingertip.sweep.point_evaluator import PointEvaluator
 from tests.conftest import run_python
@@ -160,6 +160,40 @@ def test_rules_of_the_parts_read_no_electronic_table() -> None:
     assert list(find_violations(PART_RULES, tables)) == []
     with pytest.raises(AssertionError, match="reads"):
         list(find_violations(RULES, tables))
+
+
+ELECTRONIC_AXES: dict[str, Any] = {
+    "board.cutoff_hz": {"low": 10.0, "high": 300.0, "spacing": "logarithmic"},
+    "board.capacitor_uf": [0.1, 0.22, 0.47, 1.0, 2.2],
+    "board.envelope_cutoff_hz": {"low": 5.0, "high": 900.0, "spacing": "logarithmic"},
+    "board.passband_gain": {"low": 10.0, "high": 200.0, "spacing": "logarithmic"},
+    "board.supply": ["split"],
+    "board.supply_v": {"low": 5.0, "high": 6.0},
+    "board.variant": ["article", "precision", "comparator"],
+    "detector.sample_rate_hz": {"low": 1000.0, "high": 20000.0},
+    "detector.window_samples": {"low": 1, "high": 10000},
+    "detector.threshold_v": {"low": 0.001, "high": 9.0, "spacing": "logarithmic"},
+}
+
+
+@pytest.mark.full
+def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
+    plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
+    fast, complete = DesignBuilder(plan), DesignBuilder(plan)
+    assert fast._only_electronics_vary
+    complete._only_electronics_vary = False
+    refused = 0
+    for number in range(plan.size):
+        changes = plan.point(number)
+        results = []
+        for builder in (fast, complete):
+            try:
+                results.append(builder.build(changes))
+            except Exception as error:
+                results.append(str(error))
+        refused += isinstance(results[0], str)
+        assert results[0] == results[1]
+    assert 40 < refused < 150
 
 
 def test_outputs_have_the_units_of_their_names() -> None:

@@ -1,4 +1,4 @@
-"""README and user pages: every command they show runs, and every picture and file they name exists."""
+"""README, user pages and examples: every command they show runs, and every picture and file they name exists."""
 
 from __future__ import annotations
 
@@ -133,3 +133,18 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     done = run_fingertip("build", "params/fsr400.toml", "--set", "skin.width_mm=15", PWD=str(clone))
     assert done.returncode == 2
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
+
+
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_example_runs(example: Path, tmp_path: Path) -> None:
+    """As its docstring says, and prints a result."""
+    assert len(EXAMPLES) >= 3
+    (tmp_path / "params").symlink_to(ROOT / "params")
+    done = run_python(str(example), PWD=str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert f"examples/{example.name}" in example.read_text(encoding="utf-8")

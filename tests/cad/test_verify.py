@@ -1,4 +1,4 @@
-"""Checks of all parts together: which are made, their causes, and builds of some parts or formats."""
+"""Checks of all parts together: which are made, their causes, and builds of every option, of some parts or formats."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pytest
 
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.insert import cavity_outline
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import check as causes
 from fingertip.cad.verification.check import Check
@@ -19,7 +20,7 @@ from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.parameters import PARAMETERS
 from fingertip.foundation.errors import DesignError
 from fingertip.tasks.build import build
-from tests.conftest import design_file, run_python
+from tests.conftest import design_file, run_python, some_of
 
 TOLERANCE = 0.05
 
@@ -51,7 +52,7 @@ def test_tolerance_out_of_bounds_is_rejected(tolerance: float) -> None:
         validate_tolerance(tolerance)
 
 
-VARIANTS = [
+CHECKED = [
     ("fsr400", ["mold.filling=gravity"]),
     ("fsr400", ["mold.method=sleeve"]),
     ("fsr402", []),
@@ -62,7 +63,7 @@ VARIANTS = [
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("name", "changes"), VARIANTS, ids=str)
+@pytest.mark.parametrize(("name", "changes"), CHECKED, ids=str)
 def test_every_check_has_causes(name: str, changes: list[str]) -> None:
     design = Design.load(design_file(name), changes=changes)
     for check in verify(design, list(parts_by_name(design)), ("stl", "3mf"), MeshEvaluator(0.05)).checks:
@@ -127,3 +128,58 @@ print(sorted({{name.split(".")[0] for name in sys.modules}} & set({HEAVY!r})))
 def test_importing_fingertip_imports_no_heavy_package() -> None:
     done = run_python("-c", "import fingertip, sys; print(len({'numpy','pydantic','typer'} & set(sys.modules)))")
     assert done.stdout.strip() == "0", done.stderr
+
+
+UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
+VARIANTS = {
+    "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
+    "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
+    "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],
+    "flange": ["bone.interface=flange", "bone.base_length_mm=26"],
+    "flange with four bolts": [
+        "bone.interface=flange", "bone.base_length_mm=26", "bone.flange_spacing_y_mm=12", "bone.flange_height_mm=18",
+    ],
+    "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
+    "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
+    "custom sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],
+    "no draft": ["mold.draft_deg=0"],
+    "compensated": ["printer.scale_percent=100.4"],
+    "long name": ["name=A_very-long_name_with-forty_characters_1"],
+}  # fmt: skip
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", some_of(VARIANTS, "sleeve", "flange with four bolts", "short tail", "custom sensor"))
+def test_variant_builds_and_passes_all_checks(name: str, tmp_path: Path) -> None:
+    result = build(Design.load(changes=VARIANTS[name]), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)
+    assert [check for check in result.checks if not check.passed] == []
+    assert any(check.name.endswith("step.genus") for check in result.checks)
+
+
+def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match=r"this design has no 'core'.*mold\.method=sleeve"):
+        build(Design(), tmp_path, parts=["core"], formats=["stl"])
+    build(Design.load(changes=["mold.method=sleeve"]), tmp_path, parts=["core"], formats=["stl"])
+    assert (tmp_path / "core.stl").exists()
+
+
+@pytest.mark.full
+def test_printer_compensation_scales_printed_parts_only(tmp_path: Path) -> None:
+    nominal = build(Design(), tmp_path / "a", formats=["stl"])
+    scaled = build(Design.load(changes=["printer.scale_percent=101"]), tmp_path / "b", formats=["stl"])
+    for before, after in zip(nominal.parts, scaled.parts, strict=True):
+        growth = 1.01**3 if before.part.is_printed else 1.0
+        assert after.mesh.volume() == pytest.approx(growth * before.mesh.volume(), rel=1e-3)
+
+
+@pytest.mark.full
+def test_shrinkage_enlarges_the_cavity_but_not_the_skin(tmp_path: Path) -> None:
+    """At 1 % linear shrinkage the cavity has 1 / 0.99^3 times the volume of the design; the skin keeps its size."""
+    plain = Design.load(changes=["mold.silicone_shrinkage_percent=0"])
+    shrinking = Design.load(changes=["mold.silicone_shrinkage_percent=1"])
+    evaluator = MeshEvaluator(0.02)
+    outer = evaluator.manifold(SuperconicSolid(plain.dimensions.outer)).volume()
+    assert evaluator.manifold(cavity_outline(shrinking)).volume() == pytest.approx(outer / 0.99**3, rel=1e-9)
+    a = build(plain, tmp_path / "a", parts=["skin"], formats=["stl"]).parts[0]
+    b = build(shrinking, tmp_path / "b", parts=["skin"], formats=["stl"]).parts[0]
+    assert a.mesh.volume() == b.mesh.volume()

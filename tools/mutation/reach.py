@@ -1,7 +1,8 @@
 """Command `python -m tools.mutation.reach`: record which blocks of src each test enters, and its CPU time.
 
 Every other argument goes to pytest. A block is the body of a function, of a loop or of a branch. What a fixture of a
-module or session enters counts for every test that asks for it. The result is out/mutation/reach.pickle.
+module or session enters counts for every test that asks for it. The result is out/mutation/reach.pickle. Exit code 1:
+a test failed, or less than `MIN_PERCENT` of the blocks of a package were entered.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import struct
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,8 @@ from typing import Any
 import pytest
 
 from tools.mutation.mutants import REACH, ROOT, list_modules
+
+MIN_PERCENT = 90.0
 
 START = Path(__file__).resolve().parent / "start"
 sys.path.insert(0, str(START))
@@ -154,6 +158,25 @@ def main() -> None:
     plain = {key: (one.cpu_s, sorted(one.blocks), sorted(one.fixtures)) for key, one in records.items()}
     REACH.write_bytes(pickle.dumps((blocks, plain)))
     print(f"{len(records)} tests and fixtures, {len(blocks)} blocks; exit status of pytest {status}")
+    poor = print_entered(blocks, set.union(set(), *(one.blocks for one in records.values())))
+    sys.exit(bool(status or poor))
+
+
+def print_entered(blocks: Sequence[tuple[str, int, int]], entered: Collection[int]) -> list[str]:
+    """Print the share of blocks that were entered, by package, and return the packages that have too few.
+
+    The modules beside the packages count with the command line, which they start.
+    """
+    totals, found = Counter[str](), Counter[str]()
+    for number, (name, _, _) in enumerate(blocks):
+        package = (*name.split("."), "cli")[1].replace("__main__", "cli")
+        totals[package] += 1
+        found[package] += number in entered
+    shares = {package: 100.0 * found[package] / total for package, total in sorted(totals.items())}
+    for package, percent in shares.items():
+        print(f"{package:14}{totals[package]:6} blocks{percent:7.1f} % entered")
+    print(f"{'all':14}{len(blocks):6} blocks{100.0 * found.total() / len(blocks):7.1f} % entered")
+    return [package for package, percent in shares.items() if percent < MIN_PERCENT]
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import json
 import os
 import struct
@@ -86,9 +87,10 @@ def _reach(number: int) -> None:
     SEEN.add(number)
     name = os.environ.get("FINGERTIP_REACH_FILE")
     if name and str(os.getpid()) != os.environ.get("FINGERTIP_REACH_HOME"):
-        handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
-        os.write(handle, struct.pack("<I", number))
-        os.close(handle)
+        with contextlib.suppress(OSError):  # a test may take away the right to write, or all room
+            handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+            os.write(handle, struct.pack("<I", number))
+            os.close(handle)
 
 
 def change_module(name: str, code: str) -> None:

@@ -28,7 +28,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, hexagon, scaled, union
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from tests.conftest import DESIGNS, design_file, some_of
+from tests.conftest import design_file, some_of
 
 TOLERANCE, FINE = 0.02, 0.0005
 WIDTH = 6.0
@@ -136,19 +136,6 @@ def test_steps_of_a_ceiling_have_their_volume_in_closed_form() -> None:
         added = steps - evaluator.manifold(plain).volume()
         bored = 3.0 * BRIDGE_STEP_MM * math.pi * hole**2
         assert added - bored == pytest.approx(ceiling_steps_volume_mm3(slot, hole), rel=1e-3)
-
-
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
-@pytest.mark.parametrize("name", DESIGNS)
-def test_both_kernels_build_the_same_steps(name: str, method: str) -> None:
-    from fingertip.cad.kernel import brep
-
-    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
-    mesh, exact = MeshEvaluator(FINE), brep.BrepEvaluator()
-    for solid in (mold.nut_traps(design)[0], chaplet.screw_hole(design)[1]):
-        measured = exact.solid(solid)
-        assert brep.genus(measured) == 0
-        assert brep.volume(measured) == pytest.approx(mesh.manifold(solid).volume(), rel=1e-3)
 
 
 def overhang(part: str, *changes: str, added: Solid | None = None) -> float:

@@ -53,7 +53,7 @@ def check_rules(tables: DesignTables) -> list[BrokenRule]:
 @cache
 def find_broken() -> Mapping[Rule, BrokenRule]:
     """Each rule with a design that breaks it, and as little else as any that was tried."""
-    designs = [DesignTables(**load_tables([], case.split()).tables) for case in CASES]
+    designs = [DesignTables(**load_tables([], case.split()).tables) for case in CASES if "=" in case.split()[0]]
     electronic = {name: levels for name, levels in list_levels().items() if name.startswith(("board.", "detector."))}
     designs += (DEFAULTS.with_values({name: end}) for name in NUMERIC for end in find_ends(name))
     designs += (DEFAULTS.with_values(row) for row in make_covering_array(electronic))
@@ -128,8 +128,8 @@ def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: 
 
 @pytest.mark.full
 def test_equal_parameters_raise_no_exception() -> None:
-    """Each parameter that may have the default of another one has it."""
-    for one, other in itertools.permutations(NUMERIC, 2):
+    """Each parameter that may have the default of another one has it: a quarter of the pairs."""
+    for one, other in itertools.islice(itertools.permutations(NUMERIC, 2), 0, None, 4):
         value = DEFAULTS.value(other)
         if PARAMETERS[one].annotation is float and find_bounds(PARAMETERS[one]).contain(value):
             check_rules(DEFAULTS.with_values({one: float(value)}))
@@ -149,14 +149,8 @@ def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
 def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
     """The rows begin from a design that reaches the rule, so that its prerequisites pass in many of them."""
     base = find_broken()[rule].design
-    for row in itertools.islice(list_rule_rows(rule), 12):
+    for row in itertools.islice(list_rule_rows(rule), 6):
         check_typed_remedies(base.with_values(row))
-
-
-@pytest.mark.full
-def test_bounds_of_all_parameters_in_pairs_have_remedies_that_pass() -> None:
-    for row in make_covering_array(list_levels()):
-        check_typed_remedies(DEFAULTS.with_values(row))
 
 
 def check_typed_remedies(tables: DesignTables) -> None:

@@ -23,7 +23,13 @@ CLEVIS = (
 )
 FLANGE = "bone.interface=flange bone.base_length_mm=26"
 SOCKET = "bone.interface=socket bone.base_length_mm=35"
-CASES = [  # changes of the default design
+CASES = [  # changes of the default design, or of the bundled one that is named first
+    "fsr402 skin.width_mm=20",
+    "adult_finger hand.travel_deg=90",
+    "adult_finger hand.axis_height_mm=9 hand.clearance_radius_mm=2.6 bone.base_length_mm=15.2",
+    "adult_finger hand.clearance_radius_mm=6.5 hand.axis_height_mm=5 bone.base_length_mm=13",
+    "adult_finger hand.tendon_diameter_mm=2",
+    "mold.filling=gravity skin.width_mm=34 mold.fit_clearance_mm=0.05 mold.funnel_diameter_mm=24",
     f"{CLEVIS} hand.length_limit_mm=34.5",
     f"{CLEVIS} hand.pin_diameter_mm=6.5",
     f"{CLEVIS} hand.axis_height_mm=4",
@@ -157,10 +163,11 @@ CASES = [  # changes of the default design
 ]
 
 
-def find_issues(changes: list[str]) -> tuple[Issue, ...]:
+def find_issues(words: list[str]) -> tuple[Issue, ...]:
     """Issues of a design; none if it passes."""
+    files, changes = ([word for word in words if ("=" in word) == is_change] for is_change in (False, True))
     try:
-        Design.load(changes=changes)
+        Design.load(*files, changes=changes)
     except DesignError as error:
         return error.issues
     return ()

@@ -11,7 +11,7 @@ from fingertip.cad.shapes.insert import cavity
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid, cylinder
+from fingertip.design.geometry.solids import Solid
 from tests.conftest import ROOT, design_file
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
@@ -64,19 +64,3 @@ def test_parts_that_are_not_built_bring_no_hardware() -> None:
     design = Design.load(design_file("adult_finger"))
     assert [item.name for item in hardware(design, ("bone",))] == ["sensor", "joint_pin"]
     assert [item.name for item in hardware(design, ("mold_palmar",))] == []
-
-
-@pytest.mark.full
-def test_assembly_with_shared_colours_has_the_same_bytes_every_time() -> None:
-    """Bolts share a colour, and the kernel writes it where memory addresses put it."""
-    from fingertip.cad.files.step_process import StepJob, StepProcess
-
-    design = Design.load(design_file("fsr400"))
-    bought = hardware(design, ("mold_palmar", "mold_dorsal"))
-    plate = cylinder("y", (0.0, 0.0), 0.0, 1.0, 3.0)
-    job = StepJob("test", (("plate", plate, (0.5, 0.5, 0.5)),), (), tuple((b.name, b.solid, b.colour) for b in bought))
-    written = set()
-    for _ in range(3):
-        with StepProcess(job) as process:
-            written.add(process.result().contents["assembly.step"])
-    assert len(written) == 1

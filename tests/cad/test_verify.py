@@ -110,7 +110,6 @@ VARIANTS = {
     "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
     "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],
-    "flange": ["bone.interface=flange", "bone.base_length_mm=26"],
     "flange with four bolts": [
         "bone.interface=flange", "bone.base_length_mm=26", "bone.flange_spacing_y_mm=12", "bone.flange_height_mm=18",
     ],
@@ -118,8 +117,7 @@ VARIANTS = {
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
     "custom sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],
     "no draft": ["mold.draft_deg=0"],
-    "compensated": ["printer.scale_percent=100.4"],
-    "long name": ["name=A_very-long_name_with-forty_characters_1"],
+    "compensated": ["printer.scale_percent=100.4", "name=A_very-long_name_with-forty_characters_1"],
 }  # fmt: skip
 
 

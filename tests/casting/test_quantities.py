@@ -1,15 +1,19 @@
-"""Silicone volumes, hardware and retention of a mold, compared with closed forms and identities."""
+"""Silicone volumes, hardware, wires and retention of a mold, compared with closed forms and identities."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
+from fingertip.board import board_circuit, board_values
+from fingertip.board.parts.table import PlugWire, find_plug_wire
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import cavity, mold_insert
 from fingertip.cad.shapes.mold import runners
+from fingertip.casting.hardware import describe_plug_wires, size_wires
 from fingertip.casting.quantities import (
     FRICTION,
     SiliconeVolumes,
@@ -23,14 +27,17 @@ from fingertip.casting.quantities import (
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.silicones import SILICONES
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.solids import difference, intersection, union
 from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling
 from tests.conftest import design_file
 
 
+def load(name: str, *changes: str) -> Design:
+    return Design.load(design_file(name), changes=changes)
+
+
 def fsr400(*changes: str) -> Design:
-    return Design.load(design_file("fsr400"), changes=changes)
+    return load("fsr400", *changes)
 
 
 def test_volumes_add_up_to_the_hollow_without_the_insert() -> None:
@@ -86,22 +93,6 @@ def test_largest_thread_that_passes_a_hole_is_selected(hole: float, thread: floa
     assert select_thread(hole).diameter_mm == thread
 
 
-@pytest.mark.parametrize(
-    ("change", "thread", "length"),
-    [
-        ("mold.wall_mm=4", 3.0, 25.0),  # 10.01 + 11.01 mm of mold, less a trap of 2.6, and a nut of 2.4: 20.8 mm
-        ("mold.nut_depth_mm=4", 3.0, 20.0),  # 19.4 mm
-        ("mold.wall_mm=9", 3.0, 35.0),  # 30.8 mm
-        ("mold.bolt_diameter_mm=4.5 mold.nut_width_mm=7.3", 4.0, 25.0),  # 21.6 mm with a nut of 3.2
-    ],
-)
-def test_clamp_bolts_have_the_shortest_standard_length_that_passes_the_nut(
-    change: str, thread: float, length: float
-) -> None:
-    bolts = size_clamp_bolts(fsr400(*change.split()).mold, fsr400(*change.split()).mold_layout)
-    assert (bolts.count, bolts.thread.diameter_mm, bolts.length_mm) == (4, thread, length)
-
-
 # Pull-off force of the skin
 
 
@@ -142,3 +133,54 @@ def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, metho
     assert ("the groove" in held) == (depth_mm > 0.0)
     assert ("the tightness of the sleeve" in held) == (method == "sleeve" and interference_mm > 0.0)
     assert bool(held) == (pull(*changes, f"bone.groove_depth_mm={depth_mm}") > 0.0)
+
+
+@pytest.mark.parametrize(("awg", "conductor_mm"), [(28, 0.3211), (30, 0.2546), (31, 0.2268), (32, 0.2019)])
+def test_conductor_is_the_thickest_that_fills_half_of_the_wire(awg: int, conductor_mm: float) -> None:
+    """Diameters of the published table (ASTM B258); the other half of the wire is insulation."""
+    fits, jams = (f"sensor.wire_diameter_mm={2 * conductor_mm + room:.4f}" for room in (0.001, -0.001))
+    assert size_wires(load("adult_finger", fits)).conductor_awg == awg
+    assert size_wires(load("adult_finger", jams)).conductor_awg == awg + 1
+
+
+def test_gauges_are_those_of_the_plug_and_two_wires_pass_the_channel() -> None:
+    """JST SH takes AWG 28 to 32. Two wires side by side span a channel of 2.4 mm, in which thicker ones have room."""
+    wires = size_wires(load("fsr400", "bone.channel_diameter_mm=2.4"))
+    assert (wires.max_diameter_mm, wires.conductor_awg, wires.thinnest_awg) == (1.2, 28, 32)
+    assert size_wires(load("adult_finger", "sensor.wire_diameter_mm=0.5")).max_diameter_mm == 0.5
+
+
+def test_loop_is_the_arc_over_the_joint_and_a_centimetre() -> None:
+    """The adult's joint turns by 55 degrees about an axis 6.4 mm below the back of the bone: an arc of 6.14 mm."""
+    assert size_wires(load("fsr400")).slack_mm == 10.0
+    assert size_wires(load("adult_finger")).slack_mm == pytest.approx(16.14, abs=0.01)
+
+
+SH = PlugWire("JST SH", 28, 32, 0.4, 0.8, "")
+
+
+@pytest.mark.parametrize(
+    ("max_diameter_mm", "thickest_awg", "expected"),
+    [
+        (1.2, 23, "all of them fit the finger"),
+        (0.5, 31, "of them, AWG 31 to 32 with at most 0.5 mm fit the finger"),
+        (0.8, 32, "of them, AWG 32 with at most 0.8 mm fit the finger"),
+        (0.39, 30, "none of them fits the finger"),
+        (0.8, 33, "none of them fits the finger"),
+    ],
+)
+def test_wires_that_fit_plug_and_finger(max_diameter_mm: float, thickest_awg: int, expected: str) -> None:
+    assert SH.describe_common(max_diameter_mm, thickest_awg).startswith(expected)
+
+
+@pytest.mark.full
+def test_wires_of_the_bundled_designs_fit_their_boards_plug() -> None:
+    for name in ("fsr400", "fsr402", "adult_finger", "child_thumb"):
+        design = Design.load(name)
+        plug = find_plug_wire(board_circuit(board_values(design)).component("J1"))
+        assert plug == replace(SH, source="jst_sh")
+        said = describe_plug_wires(design, size_wires(design))
+        assert "fit the finger" in said
+        assert "none" not in said
+    article = Design.load("article")
+    assert describe_plug_wires(article, size_wires(article)) == ""

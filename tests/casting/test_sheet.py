@@ -42,10 +42,6 @@ def fsr400(*changes: str) -> Design:
     return Design.load(FSR400, changes=changes)
 
 
-def sheet_data(*changes: str, material: str = "addition_40a") -> dict[str, Any]:
-    return casting_sheet_data(fsr400(*changes), VOLUMES, SILICONES[material])
-
-
 def leaf_values(data: Any) -> Iterator[Any]:
     if isinstance(data, dict):
         for value in data.values():

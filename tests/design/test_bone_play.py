@@ -12,8 +12,6 @@ from fingertip.design.geometry.seat import (
     Loss,
     SkinPoint,
     list_contacts,
-    list_skin_points,
-    sleeve_inset_mm,
     worst,
 )
 from fingertip.design.new_design import PRESETS
@@ -95,23 +93,3 @@ def test_gaps_are_clearance_less_growth_of_the_print_and_two_errors() -> None:
 
 DESIGN = Design.load(design_file("fsr400"))
 SLEEVE = Design.load(design_file("fsr400"), changes=["mold.method=sleeve", "mold.sleeve_interference_mm=0.2"])
-
-
-def test_skin_is_measured_at_its_apex_and_over_middle_and_rim_of_the_sensor() -> None:
-    for design, inset in ((DESIGN, 0.0), (SLEEVE, 0.2)):
-        assert sleeve_inset_mm(design) == inset
-        dims, radius = design.dimensions, design.dimensions.sensor.active_diameter_mm / 2
-        flat, z, tip = dims.flat_depth, dims.sensor_z, dims.bone_outline.tip
-        found = list_skin_points(design, design.dimensions)
-        points = [p for p in found if p.over_sensor]
-        places = [(0.0, z), (radius, z), (0.0, z + radius), (0.0, z - radius)]
-        assert [p.point_mm for p in points] == [(x, -flat, height) for x, height in places]
-        assert {p.normal for p in points} == {(0.0, -1.0, 0.0)}
-        assert points[0].thickness_mm == pytest.approx(design.skin.thickness_palmar_mm + inset)
-        for point, (x, height) in zip(points, places, strict=True):
-            depth = point.thickness_mm - inset + flat
-            assert dims.outer.half_width_at(-depth + 1e-9, height) == pytest.approx(x, abs=1e-3)
-            assert dims.outer.half_width_at(-depth - 1e-6, height) <= x + 1e-9
-        (apex,) = (p for p in found if p.point_mm[2] == tip.z)
-        assert apex == SkinPoint((0.0, 0.0, tip.z), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset)
-    assert sleeve_inset_mm(Design.load(changes=["mold.sleeve_interference_mm=0.2"])) == 0.0

@@ -115,16 +115,20 @@ def test_failed_check_is_reported_and_files_are_written(tmp_path, monkeypatch: p
     assert (tmp_path / "skin.stl").exists()
 
 
-def test_kernels_agree_on_the_volume_of_every_primitive(design: Design) -> None:
-    """The kernels share no geometry code, so an error in either one shows as a difference in volume."""
+def test_kernels_agree_on_volume_and_place_of_every_primitive(design: Design) -> None:
+    """The kernels share no geometry code, so an error in either one shows as a difference."""
     from fingertip.cad.kernel import brep
 
     exact, meshes = brep.BrepEvaluator(), MeshEvaluator(0.001)
     for solid in sorted(
         {s for part in parts_by_name(design).values() for s in primitives(part.solid(design))}, key=repr
     ):
-        mesh = meshes.manifold(solid)
-        assert abs(brep.volume(exact.shape(solid)) - mesh.volume()) <= 0.001 * mesh.surface_area(), solid
+        mesh, shape = meshes.manifold(solid), exact.shape(solid)
+        assert abs(brep.volume(shape) - mesh.volume()) <= 0.001 * mesh.surface_area(), solid
+        box = shape.BoundingBox()
+        assert (box.xmin, box.ymin, box.zmin, box.xmax, box.ymax, box.zmax) == pytest.approx(
+            mesh.bounding_box(), abs=0.01
+        ), solid
 
 
 def test_brep_volume_equals_the_closed_form() -> None:

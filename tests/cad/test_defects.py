@@ -297,12 +297,6 @@ def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.full
-def test_the_core_of_a_sleeve_has_no_cables_in_the_mold(monkeypatch: pytest.MonkeyPatch) -> None:
-    replace_function(monkeypatch, DEFECTS["cables that leave the bone inside the mold"])
-    assert "mold.cable_channel_overlap" not in failed_checks(*SLEEVE)
-
-
-@pytest.mark.full
 @pytest.mark.parametrize("fullness", [0.0, 0.9721, 0.9784, 0.9815])
 def test_min_skin_thickness_agrees_with_the_design_rule(fullness: float) -> None:
     """The squarer edges of the bone are closer to the surface than its sides; meshes and sections agree.

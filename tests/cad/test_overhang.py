@@ -80,13 +80,6 @@ def test_slope_counts_above_45_degrees(run: float, overhangs: bool) -> None:
     assert area == pytest.approx(ring if overhangs else 0.0, rel=0.02)
 
 
-def test_ball_on_a_foot_is_held_by_the_foot_only() -> None:
-    """The cap of a ball that hangs over air is not held by what rises beside it."""
-    lamp = union(Box((-5.0, -5.0, 0.0), (-4.0, 5.0, 20.0)), Box((-5.0, -1.0, 18.0), (1.0, 1.0, 20.0)))
-    hanging = union(lamp, Cone("z", (0.0, 0.0), 12.0, 19.0, 0.2, 4.0))
-    assert unsupported_mm2(hanging) > 0.0
-
-
 def test_small_horizontal_bore_needs_no_supports() -> None:
     block = Box((-8.0, -8.0, 0.0), (8.0, 8.0, 16.0))
     across = MAX_BRIDGE_MM * math.sqrt(2.0)  # of a bore whose overhanging arc is as wide as the longest bridge

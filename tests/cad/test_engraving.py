@@ -77,18 +77,6 @@ def test_text_stays_on_the_block_and_clear_of_the_nut_traps(changes: list[str]) 
     assert evaluator.manifold(intersection(letters, fasteners)).volume() == 0.0
 
 
-def test_illegible_lines_are_omitted_and_listed() -> None:
-    def engraved(*changes: str) -> tuple[list[str], list[str]]:
-        design = Design.load(changes=changes)
-        lines = engraving.engraved_lines(design, "palmar")
-        return [line.text for line in lines], engraving.omitted_lines(design)
-
-    assert engraved() == (["fsr400", "palmar"], [])
-    long = "abcdefghij" * 4
-    assert engraved(f"name={long}") == (["palmar"], [long])
-    assert engraved(f"name={long}", "mold.engraving_depth_mm=0") == ([], [])
-
-
 def test_min_height_in_the_parameters_corresponds_to_the_min_stroke() -> None:
     (bounds,) = (p.bounds for p in list_parameters() if p.path == "mold.engraving_height_mm")
     minimum = engraving.MIN_STROKE_MM / STROKE_WIDTH * engraving.HEIGHT

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from itertools import combinations
 
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.insert import cavity
-from fingertip.cad.shapes.parts import hardware, parts_by_name, screw
+from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.casting.hardware import bill_of_materials
-from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Solid, cylinder
+from fingertip.design.geometry.solids import Solid
 from tests.conftest import ROOT, design_file
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
@@ -62,42 +60,7 @@ def test_hardware_agrees_with_the_bill_of_materials(name: str) -> None:
     assert found.count("sensor") == 1
 
 
-def test_screw_has_the_volume_of_head_and_shank() -> None:
-    thread, length = THREADS[3], 16.0
-    head = math.pi / 4 * thread.nut_flats_mm**2 * thread.diameter_mm
-    shank = math.pi / 4 * thread.diameter_mm**2 * length
-    volume = MeshEvaluator(0.001).manifold(screw(thread, 3.0, 5.0, 7.0, length)).volume()
-    assert volume == pytest.approx(head + shank, rel=2e-3)
-
-
-def test_thread_overlaps_the_wall_of_the_pilot_hole_alone() -> None:
-    """The thread's cylinder less the pilot hole, over the engaged length."""
-    design = Design.load(design_file("fsr400"))
-    chaplet = design.dimensions.chaplet
-    assert chaplet
-    found = next(item for item in hardware(design, ("bone", "mold_dorsal")) if item.name == "chaplet_screw")
-    shared = overlap_mm3(found.solid, parts_by_name(design)["bone"].solid(design))
-    ring = math.pi * ((chaplet.thread.diameter_mm / 2) ** 2 - chaplet.pilot_radius**2) * chaplet.engaged
-    assert shared == pytest.approx(ring, rel=0.02)
-
-
 def test_parts_that_are_not_built_bring_no_hardware() -> None:
     design = Design.load(design_file("adult_finger"))
     assert [item.name for item in hardware(design, ("bone",))] == ["sensor", "joint_pin"]
     assert [item.name for item in hardware(design, ("mold_palmar",))] == []
-
-
-@pytest.mark.full
-def test_assembly_with_shared_colours_has_the_same_bytes_every_time() -> None:
-    """Bolts share a colour, and the kernel writes it where memory addresses put it."""
-    from fingertip.cad.files.step_process import StepJob, StepProcess
-
-    design = Design.load(design_file("fsr400"))
-    bought = hardware(design, ("mold_palmar", "mold_dorsal"))
-    plate = cylinder("y", (0.0, 0.0), 0.0, 1.0, 3.0)
-    job = StepJob("test", (("plate", plate, (0.5, 0.5, 0.5)),), (), tuple((b.name, b.solid, b.colour) for b in bought))
-    written = set()
-    for _ in range(3):
-        with StepProcess(job) as process:
-            written.add(process.result().contents["assembly.step"])
-    assert len(written) == 1

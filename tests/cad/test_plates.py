@@ -33,7 +33,7 @@ from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import OutputError
 from fingertip.tasks.build import build
 from fingertip.tasks.verification import verify_sets
-from tests.conftest import DESIGNS, design_file, run_fingertip
+from tests.conftest import DESIGNS, design_file
 
 if TYPE_CHECKING:
     import trimesh
@@ -238,26 +238,3 @@ def test_folder_for_the_printer_is_a_set_with_the_parts(tmp_path: Path) -> None:
     assert "print/plate_fdm.3mf" in built.removed
     assert [path.name for path in folder.iterdir()] == ["manifest.json"]
     assert verify_sets(tmp_path)[1] == []
-
-
-def test_build_of_some_parts_makes_no_plate(tmp_path: Path) -> None:
-    done = run_fingertip(
-        "build", design_file("fsr400"), "--parts", "bone,skin", "--formats", "stl,3mf", "--tolerance-mm", "0.1",
-        "--out", tmp_path, "-q",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert {path.name for path in (tmp_path / PRINT_FOLDER).iterdir()} == {"bone.stl", "manifest.json"}
-    assert "print/                      bone.stl" in done.stdout
-
-
-@pytest.mark.full
-def test_one_plate_replaces_several_of_the_same_design(tmp_path: Path) -> None:
-    """The number of plates follows from the design alone, but an older version may have needed more."""
-    build(Design(), tmp_path, formats=["3mf"], tolerance_mm=TOLERANCE)
-    manifest = tmp_path / PRINT_FOLDER / "manifest.json"
-    data = json.loads(manifest.read_text())
-    (tmp_path / PRINT_FOLDER / "plate_fdm_2.3mf").write_bytes(b"old")
-    data["files"]["plate_fdm_2.3mf"] = hashlib.sha256(b"old").hexdigest()
-    manifest.write_text(json.dumps(data))
-    again = build(Design(), tmp_path, formats=["3mf"], tolerance_mm=TOLERANCE)
-    assert again.removed == ("print/plate_fdm_2.3mf",)

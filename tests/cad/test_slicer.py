@@ -21,7 +21,6 @@ from fingertip.cad.printing.slicer import parse_gcode, slice_to_gcode
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.new_design import PRESETS
 from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, some_of
 from tests.tools import require_tool
@@ -82,8 +81,8 @@ def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) 
 @pytest.mark.parametrize(
     ("name", "method", "kind"),
     [
-        *((name, "overmold", "fdm") for name in (*DESIGNS, *PRESETS)),
-        *((name, "sleeve", "fdm") for name in ("fsr400", "fsr402", "adult_finger")),
+        *((name, "overmold", "fdm") for name in (*DESIGNS, "adult_thumb", "child_finger", "youth_thumb")),
+        *((name, "sleeve", "fdm") for name in ("fsr402", "adult_finger")),
         ("fsr402", "overmold", "sla"),
         ("adult_finger", "sleeve", "sla"),
     ],

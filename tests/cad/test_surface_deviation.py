@@ -63,15 +63,6 @@ def test_facets_stay_within_their_tolerance_without_wasting_it() -> None:
         assert 2.8 < coarse / fine < 5.6
 
 
-def test_only_facets_on_the_outer_surface_are_measured() -> None:
-    """The interior and the cut end of the skin do not belong to its outer surface."""
-    from fingertip.cad.shapes.insert import skin
-
-    design = Design()
-    mesh = MeshEvaluator(0.02).mesh(skin(design))
-    assert 0.002 < max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles) <= 0.02
-
-
 def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
     """Centres of coarse facets have the same distance from the patches beside them as from all patches."""
     body = Design().dimensions.outer

@@ -1,16 +1,19 @@
-"""Silicone volumes, hardware and retention of a mold, compared with closed forms and identities."""
+"""Silicone volumes, hardware, wires and retention of a mold, compared with closed forms and identities."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
+from fingertip.board import board_circuit, board_values
+from fingertip.board.parts.table import PlugWire, find_plug_wire
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import cavity, mold_insert
 from fingertip.cad.shapes.mold import runners
-from fingertip.casting.hardware import bill_of_materials
+from fingertip.casting.hardware import describe_plug_wires, size_wires
 from fingertip.casting.quantities import (
     FRICTION,
     SiliconeVolumes,
@@ -21,46 +24,20 @@ from fingertip.casting.quantities import (
     skin_pull_off_n,
     volumes_data,
 )
-from fingertip.catalogues.hardware import THREADS, select_thread
+from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.silicones import SILICONES
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.solids import difference, intersection, union
 from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling
-from fingertip.filling.vents import place_vents
-from fingertip.foundation.errors import DesignError
 from tests.conftest import design_file
 
-TOLERANCE_MM = 0.005
+
+def load(name: str, *changes: str) -> Design:
+    return Design.load(design_file(name), changes=changes)
 
 
 def fsr400(*changes: str) -> Design:
-    return Design.load(design_file("fsr400"), changes=changes)
-
-
-def measure(design: Design) -> SiliconeVolumes:
-    return measure_volumes(design, MeshEvaluator(TOLERANCE_MM))
-
-
-@pytest.mark.full
-def test_deeper_funnel_adds_a_frustum_and_longer_vents() -> None:
-    shallow, deep = (fsr400("mold.filling=gravity", f"mold.funnel_depth_mm={depth}") for depth in (4.0, 6.0))
-    mold, vents = deep.mold, len(place_vents(deep))
-    throat, mouth = mold.gate_diameter_mm / 2, mold.funnel_diameter_mm / 2
-    frustum = math.pi / 3 * (throat**2 + throat * mouth + mouth**2) * 2.0
-    longer_vents = vents * math.pi * (mold.vent_diameter_mm / 2) ** 2 * 2.0
-    added = 1000 * (measure(deep).runners_cm3 - measure(shallow).runners_cm3)
-    assert added == pytest.approx(frustum + longer_vents, rel=4 * TOLERANCE_MM / (mold.vent_diameter_mm / 2))
-
-
-@pytest.mark.full
-def test_sleeve_cavity_is_larger_by_the_cube_of_the_shrinkage_factor() -> None:
-    unshrunk, shrinking = (
-        fsr400("mold.method=sleeve", f"mold.silicone_shrinkage_percent={percent}") for percent in (0.0, 1.0)
-    )
-    ratio = measure(shrinking).skin_cm3 / measure(unshrunk).skin_cm3
-    assert ratio == pytest.approx(shrinking.dimensions.shrinkage**3, rel=1e-3)
-    assert shrinking.dimensions.shrinkage == pytest.approx(1.01, abs=2e-4)
+    return load("fsr400", *changes)
 
 
 def test_volumes_add_up_to_the_hollow_without_the_insert() -> None:
@@ -95,17 +72,6 @@ def test_rounded_volumes_add_up(volumes: tuple[float, float, float], rounded: tu
     assert volumes_data(SiliconeVolumes(*volumes)) == {"skin": skin, "runners": runners, "gap": gap, "total": total}
 
 
-def test_the_default_mold_takes_a_few_grams() -> None:
-    """Absolute figures: a factor of 1000 between units would pass every test of ratios."""
-    volumes = measure(fsr400())
-    assert volumes.skin_cm3 == pytest.approx(2.6, abs=0.2)
-    assert 0.05 < volumes.runners_cm3 < 0.5
-    assert 0.0 < volumes.gap_cm3 < 0.3
-    batch = compute_batch(SILICONES["addition_40a"], volumes.total_cm3, load_cm3(fsr400()))
-    assert 2.5 < batch.in_mold_g < 4.0
-    assert 9.0 < batch.total_g < 12.0
-
-
 def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
     design, small = fsr400(), fsr400("mold.syringe=3ml")
     assert load_cm3(design) == pytest.approx(1.5 * injected_cm3(predict_mold_filling(design)), rel=1e-12)
@@ -125,44 +91,6 @@ def test_only_a_load_of_more_than_the_mold_holds_changes_the_batch() -> None:
 @pytest.mark.parametrize(("hole", "thread"), [(3.4, 3.0), (3.2, 3.0), (3.19, 2.5), (2.2, 2.0), (9.0, 8.0), (1.7, 1.6)])
 def test_largest_thread_that_passes_a_hole_is_selected(hole: float, thread: float) -> None:
     assert select_thread(hole).diameter_mm == thread
-
-
-@pytest.mark.parametrize(
-    ("change", "thread", "length"),
-    [
-        ("mold.wall_mm=4", 3.0, 25.0),  # 10.01 + 11.01 mm of mold, less a trap of 2.6, and a nut of 2.4: 20.8 mm
-        ("mold.nut_depth_mm=4", 3.0, 20.0),  # 19.4 mm
-        ("mold.wall_mm=9", 3.0, 35.0),  # 30.8 mm
-        ("mold.bolt_diameter_mm=4.5 mold.nut_width_mm=7.3", 4.0, 25.0),  # 21.6 mm with a nut of 3.2
-    ],
-)
-def test_clamp_bolts_have_the_shortest_standard_length_that_passes_the_nut(
-    change: str, thread: float, length: float
-) -> None:
-    bolts = size_clamp_bolts(fsr400(*change.split()).mold, fsr400(*change.split()).mold_layout)
-    assert (bolts.count, bolts.thread.diameter_mm, bolts.length_mm) == (4, thread, length)
-
-
-def test_hole_too_small_for_any_bolt_is_refused_with_the_minimum_diameter() -> None:
-    for field in ("mold.bolt_diameter_mm", "bone.cross_bolt_diameter_mm"):
-        with pytest.raises(DesignError, match=rf"{field}: 1.5 mm is too small; at least 1.7 mm"):
-            fsr400(f"{field}=1.5")
-    fsr400("mold.bolt_diameter_mm=1.7", "mold.nut_width_mm=3.45", "mold.pry_depth_mm=2")
-    fsr400("bone.cross_bolt_diameter_mm=1.7")
-
-
-@pytest.mark.full
-def test_bolts_and_nuts_fit_the_printed_holes_and_traps() -> None:
-    """Bolts pass their holes, nuts enter their traps, and no trap is so wide that its nut turns."""
-    for thread in THREADS:
-        width = thread.nut_flats_mm + 0.25
-        changes = [f"mold.bolt_diameter_mm={thread.hole_mm}", f"mold.nut_width_mm={width}"]
-        design = fsr400(*changes, "skin.length_mm=40", "mold.pry_depth_mm=0.5")
-        bill = {entry["item"]: entry for entry in bill_of_materials(design)}
-        bolt, nut = bill["mold bolt (machine screw)"], bill["mold nut (hexagon nut)"]
-        assert bolt["thread_mm"] == nut["thread_mm"] == thread.diameter_mm
-        assert thread.diameter_mm < design.mold.bolt_diameter_mm
-        assert thread.nut_flats_mm == nut["across_flats_mm"] < width < 1.1 * thread.nut_flats_mm
 
 
 # Pull-off force of the skin
@@ -205,3 +133,54 @@ def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, metho
     assert ("the groove" in held) == (depth_mm > 0.0)
     assert ("the tightness of the sleeve" in held) == (method == "sleeve" and interference_mm > 0.0)
     assert bool(held) == (pull(*changes, f"bone.groove_depth_mm={depth_mm}") > 0.0)
+
+
+@pytest.mark.parametrize(("awg", "conductor_mm"), [(28, 0.3211), (30, 0.2546), (31, 0.2268), (32, 0.2019)])
+def test_conductor_is_the_thickest_that_fills_half_of_the_wire(awg: int, conductor_mm: float) -> None:
+    """Diameters of the published table (ASTM B258); the other half of the wire is insulation."""
+    fits, jams = (f"sensor.wire_diameter_mm={2 * conductor_mm + room:.4f}" for room in (0.001, -0.001))
+    assert size_wires(load("adult_finger", fits)).conductor_awg == awg
+    assert size_wires(load("adult_finger", jams)).conductor_awg == awg + 1
+
+
+def test_gauges_are_those_of_the_plug_and_two_wires_pass_the_channel() -> None:
+    """JST SH takes AWG 28 to 32. Two wires side by side span a channel of 2.4 mm, in which thicker ones have room."""
+    wires = size_wires(load("fsr400", "bone.channel_diameter_mm=2.4"))
+    assert (wires.max_diameter_mm, wires.conductor_awg, wires.thinnest_awg) == (1.2, 28, 32)
+    assert size_wires(load("adult_finger", "sensor.wire_diameter_mm=0.5")).max_diameter_mm == 0.5
+
+
+def test_loop_is_the_arc_over_the_joint_and_a_centimetre() -> None:
+    """The adult's joint turns by 55 degrees about an axis 6.4 mm below the back of the bone: an arc of 6.14 mm."""
+    assert size_wires(load("fsr400")).slack_mm == 10.0
+    assert size_wires(load("adult_finger")).slack_mm == pytest.approx(16.14, abs=0.01)
+
+
+SH = PlugWire("JST SH", 28, 32, 0.4, 0.8, "")
+
+
+@pytest.mark.parametrize(
+    ("max_diameter_mm", "thickest_awg", "expected"),
+    [
+        (1.2, 23, "all of them fit the finger"),
+        (0.5, 31, "of them, AWG 31 to 32 with at most 0.5 mm fit the finger"),
+        (0.8, 32, "of them, AWG 32 with at most 0.8 mm fit the finger"),
+        (0.39, 30, "none of them fits the finger"),
+        (0.8, 33, "none of them fits the finger"),
+    ],
+)
+def test_wires_that_fit_plug_and_finger(max_diameter_mm: float, thickest_awg: int, expected: str) -> None:
+    assert SH.describe_common(max_diameter_mm, thickest_awg).startswith(expected)
+
+
+@pytest.mark.full
+def test_wires_of_the_bundled_designs_fit_their_boards_plug() -> None:
+    for name in ("fsr400", "fsr402", "adult_finger", "child_thumb"):
+        design = Design.load(name)
+        plug = find_plug_wire(board_circuit(board_values(design)).component("J1"))
+        assert plug == replace(SH, source="jst_sh")
+        said = describe_plug_wires(design, size_wires(design))
+        assert "fit the finger" in said
+        assert "none" not in said
+    article = Design.load("article")
+    assert describe_plug_wires(article, size_wires(article)) == ""

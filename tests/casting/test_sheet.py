@@ -6,7 +6,6 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import reduce
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,24 +14,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.verification.bone import FILAMENT_CHECK, check_strength
-from fingertip.cad.verification.check import list_warnings
-from fingertip.cad.verification.strength import assess_strength
-from fingertip.casting.consumables import flat_width_mm, uses_adhesive
+from fingertip.casting.consumables import flat_width_mm
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg
-from fingertip.catalogues.hardware import find_needle, select_thread
-from fingertip.catalogues.silicones import SILICONES, MaterialProperty
+from fingertip.catalogues.silicones import SILICONES
 from fingertip.design import Design
-from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.interface import CrossBolted
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
-from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
+from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.filling.mold_filling import MAX_AIR_MM3
 from fingertip.filling.vents import find_pose, place_vents
 from fingertip.foundation.errors import DesignError
@@ -47,16 +38,8 @@ VOLUMES = SiliconeVolumes(12.625, 0.5, 0.125)
 PRINTS = {name: PrintEstimate(31.4 + i, 2.87 + i) for i, name in enumerate(PARTS)}
 
 
-def warnings(data: dict[str, Any]) -> list[str]:
-    return render_sheet(data).split("## Warnings\n\n")[1].split("\n\n")[0].splitlines()
-
-
 def fsr400(*changes: str) -> Design:
     return Design.load(FSR400, changes=changes)
-
-
-def sheet_data(*changes: str, material: str = "addition_40a") -> dict[str, Any]:
-    return casting_sheet_data(fsr400(*changes), VOLUMES, SILICONES[material])
 
 
 def leaf_values(data: Any) -> Iterator[Any]:
@@ -93,14 +76,6 @@ def test_every_number_of_the_page_is_in_the_data(
     assert json.loads(json.dumps(data)) == data
 
 
-def test_mold_made_for_another_shrinkage_is_warned_of_with_the_change_to_build() -> None:
-    (warning,) = (w for w in warnings(sheet_data(material="condensation_40a")) if "shrinkage" in w)
-    change = re.search(r"--set (\S+)`", warning)
-    assert change
-    rebuilt = sheet_data(change[1], material="condensation_40a")
-    assert not any("shrinkage" in warning for warning in warnings(rebuilt))
-
-
 @pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
 def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) -> None:
     design = Design.load(design_file(name))
@@ -117,55 +92,6 @@ def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) 
     assert flat_width_mm(design, cover["flat_end_mm"] + 0.2) == 0.0
     flat = min(flat_width_mm(design, z) for z in np.linspace(0.1, dims.sensor_z, 50))
     assert cover["trim"] == (flat < narrow)
-
-
-def test_the_lighter_component_is_named_even_if_it_is_the_first() -> None:
-    one, ten = (MaterialProperty(value, value, "design") for value in (1.0, 10.0))
-    silicone = replace(SILICONES["addition_40a"], parts_a=one, parts_b=ten)
-    batch = casting_sheet_data(fsr400(), SiliconeVolumes(2.0, 0.0, 0.0), silicone)["batch"]
-    assert (batch["total_g"], batch["a_g"], batch["b_g"], batch["lighter"]) == (11, 1, 10, "part A")
-
-
-@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
-def test_pose_of_the_filling_is_the_direction_that_was_found(name: str) -> None:
-    """The stated tilt of the tip, face and roll give back the vertical."""
-    design = Design.load(design_file(name))
-    data = casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
-    text = next(step.text for step in steps(data) if step.picture == "fill")
-    found = re.search(r"tip (\d+) degrees (above|below) the horizontal, its (dorsal|palmar) face up", text)
-    assert found
-    tip = math.radians(int(found[1])) * (1 if found[2] == "above" else -1)
-    rolled = re.search(r"rolled by (\d+) degrees about its length, so that the side of the syringe is (\w+)", text)
-    roll = math.radians(int(rolled[1])) if rolled else 0.0
-    assert design.mold_layout.inlet
-    syringe_side = math.copysign(1.0, design.mold_layout.inlet.x)
-    x = math.cos(tip) * math.sin(roll) * syringe_side * (1 if rolled and rolled[2] == "higher" else -1)
-    y = math.cos(tip) * math.cos(roll) * (1 if found[3] == "dorsal" else -1)
-    assert np.dot((x, y, math.sin(tip)), data["filling"]["up"]) > math.cos(math.radians(4.0))
-
-
-def test_cross_bolt_passes_bore_walls_and_nut_and_its_hole_has_a_place() -> None:
-    for changes in ((), SOCKET):
-        design = fsr400(*changes)
-        mounting, thread = sheet_data(*changes)["mounting"], select_thread(design.bone.cross_bolt_diameter_mm)
-        bolt = mounting["bolt"]
-        half_width = design.dimensions.bone_outline.section.half_width
-        crossed = 2 * half_width if changes else design.bone.post_width_mm + mounting["play_mm"]
-        outside = crossed + bolt["walls"] * bolt["wall_mm"]
-        assert bolt["length_mm"] >= outside + thread.nut_height_mm - 0.05, "the nut is full"
-        interface = interface_of(design)
-        assert isinstance(interface, CrossBolted)
-        from_mm = abs(interface.cross_bolt_z(design) + design.bone.base_length_mm)
-        assert bolt["from_mm"] == round(from_mm, 2)
-
-
-def test_bone_of_filament_is_a_dummy_only_where_the_check_warns() -> None:
-    design = fsr400()
-    checks = check_strength(design, assess_strength(design, MeshEvaluator(0.2)))
-    assert any(check.name == FILAMENT_CHECK and check.warning for check in checks)
-    data = casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"], None, list_warnings(checks))
-    assert data["filament_bone_breaks"]
-    assert not sheet_data()["filament_bone_breaks"]
 
 
 @pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger"])
@@ -195,36 +121,6 @@ def test_tilt_within_the_tolerance_of_the_pose_traps_less_air_than_the_check_let
     assert 0.4 * MAX_AIR_MM3 < trapped_mm3(tolerance) < MAX_AIR_MM3
     data = casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
     assert data["filling"]["pose_tolerance_deg"] == math.floor(tolerance)
-
-
-@pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger"])
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_plan_waits_for_every_cure(name: str, method: str) -> None:
-    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
-    data = casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
-    plan = data["plan"]
-    assert [stage["day"] for stage in plan] == sorted({stage["day"] for stage in plan}), "one stage a day"
-    cures = [stage for stage in plan if "cure of the silicone: 24 h" in stage["wait"]]
-    assert len(cures) == data["batch"]["mixtures"], "one cure for each mixture"
-    assert any("as its maker says" in stage["wait"] for stage in plan) == uses_adhesive(data)
-    works = " ".join(stage["work"] for stage in plan)
-    order = ["try all parts", *(["prime"] if method == "overmold" else []), "mix "]
-    assert [works.index(part) for part in order] == sorted(works.index(part) for part in order)
-    assert works.count("mount and wire the sensor") == 1
-    slow = replace(SILICONES["addition_40a"], cure_h=MaterialProperty(30.0, 30.0, "design"))
-    later = casting_sheet_data(design, VOLUMES, slow)["plan"]
-    assert later[-1]["day"] == plan[-1]["day"] + 2, "the test of the cure and the skin take a day more each"
-
-
-@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_parts_with_places_for_supports_are_those_that_need_them(name: str, method: str) -> None:
-    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
-    orientations, supports = print_orientations(design), supports_by_part(design)
-    assert list(supports) == list(orientations)
-    assert {part for part, one in supports.items() if one.places} == {
-        part for part, orientation in orientations.items() if orientation.needs_supports
-    }
 
 
 @pytest.mark.full
@@ -406,12 +302,3 @@ def test_sheet_of_a_calibrated_printer_states_the_same_prints() -> None:
         data["filling"].pop("up")
         data["supplies"] = [entry for entry in data["supplies"] if "tape over the sensor" not in entry["item"]]
     assert measured == plain
-
-
-@pytest.mark.parametrize(("hole_mm", "gauge"), [(2.4, 14), (2.0, 16), (1.6, 18), (1.2, 20), (1.0, 22)])
-def test_needles_are_those_of_the_standard_and_leave_air_a_way(hole_mm: float, gauge: int) -> None:
-    """ISO 9626: outer diameters by gauge; the next thicker one would touch the hole or leave less than 0.2 mm."""
-    outer_mm = {14: 2.11, 16: 1.65, 18: 1.27, 20: 0.91, 22: 0.72}[gauge]
-    assert find_needle(hole_mm) == {"gauge": gauge, "outer_mm": outer_mm}
-    assert find_needle(outer_mm + 0.19) != {"gauge": gauge, "outer_mm": outer_mm}
-    assert find_needle(0.8) is None

@@ -82,15 +82,6 @@ def test_all_issues_are_reported_at_once() -> None:
     assert "skin.width_mm" not in found
 
 
-def test_a_sensor_that_is_wider_than_the_bone_names_the_width() -> None:
-    message = load_issues(design_file("fsr402"), changes=("skin.width_mm=20",))["skin.width_mm"]
-    assert "FSR 402" in message
-    assert "finger of 20 mm" in message
-    minimum = message.split("at least ")[1].split(" mm")[0]
-    Design.load(design_file("fsr402"), changes=(f"skin.width_mm={minimum}",))
-    assert float(minimum) == pytest.approx(24.2, abs=0.3)
-
-
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     broken, binary = tmp_path / "broken.toml", tmp_path / "binary.toml"
     broken.write_text("[mold\n")

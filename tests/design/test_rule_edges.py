@@ -21,18 +21,10 @@ from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_vio
 from fingertip.foundation.errors import DesignError, Issue
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
 from tests.design.test_rules import CASES
-from tests.designs import ARTICLE_CHANGES
 from tools.fuzz.remedies import as_changes, read_remedy
 
 ROUNDING = 1e-5
 """Twice the slack of the rules, and rounding errors beside."""
-MORE_CASES = (
-    ["board.capacitor_uf=0.11"],
-    ["board.envelope_capacitor_uf=0.11"],
-    [*ARTICLE_CHANGES, "board.envelope_capacitor_uf=100"],
-    ["mold.filling=gravity", "mold.funnel_diameter_mm=20", "mold.gate_diameter_mm=3", "mold.wall_mm=2.5"],
-)
-"""Changes that break rules which no other design here breaks."""
 TIGHT = 1e-3
 """Largest relative distance of the bound that a rule states from the edge of the rule."""
 LOOSE = {
@@ -61,9 +53,7 @@ def check_rules(tables: DesignTables) -> list[BrokenRule]:
 @cache
 def find_broken() -> Mapping[Rule, BrokenRule]:
     """Each rule with a design that breaks it, and as little else as any that was tried."""
-    designs = [
-        DesignTables(**load_tables([], changes).tables) for changes in (*(case for _, case in CASES), *MORE_CASES)
-    ]
+    designs = [DesignTables(**load_tables([], case.split()).tables) for case in CASES if "=" in case.split()[0]]
     electronic = {name: levels for name, levels in list_levels().items() if name.startswith(("board.", "detector."))}
     designs += (DEFAULTS.with_values({name: end}) for name in NUMERIC for end in find_ends(name))
     designs += (DEFAULTS.with_values(row) for row in make_covering_array(electronic))
@@ -138,8 +128,8 @@ def check_stated_values(rule: Rule, design: DesignTables, name: str, violation: 
 
 @pytest.mark.full
 def test_equal_parameters_raise_no_exception() -> None:
-    """Each parameter that may have the default of another one has it."""
-    for one, other in itertools.permutations(NUMERIC, 2):
+    """Each parameter that may have the default of another one has it: a quarter of the pairs."""
+    for one, other in itertools.islice(itertools.permutations(NUMERIC, 2), 0, None, 4):
         value = DEFAULTS.value(other)
         if PARAMETERS[one].annotation is float and find_bounds(PARAMETERS[one]).contain(value):
             check_rules(DEFAULTS.with_values({one: float(value)}))
@@ -159,14 +149,8 @@ def list_rule_rows(rule: Rule) -> Iterator[dict[str, Any]]:
 def test_bounds_in_pairs_have_remedies_that_pass(rule: Rule) -> None:
     """The rows begin from a design that reaches the rule, so that its prerequisites pass in many of them."""
     base = find_broken()[rule].design
-    for row in itertools.islice(list_rule_rows(rule), 12):
+    for row in itertools.islice(list_rule_rows(rule), 6):
         check_typed_remedies(base.with_values(row))
-
-
-@pytest.mark.full
-def test_bounds_of_all_parameters_in_pairs_have_remedies_that_pass() -> None:
-    for row in make_covering_array(list_levels()):
-        check_typed_remedies(DEFAULTS.with_values(row))
 
 
 def check_typed_remedies(tables: DesignTables) -> None:

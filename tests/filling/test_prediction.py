@@ -124,28 +124,6 @@ def test_time_and_pressures_follow_from_the_resistances() -> None:
     assert head_pressure_pa(1.08, 50.0) == pytest.approx(530.0, rel=0.01)
 
 
-def test_gate_at_the_tip_traps_air_at_the_collar() -> None:
-    design = load("fsr400")
-    tip = (0.0, 0.0, design.skin.length_mm * design.dimensions.shrinkage)
-    found = predict(design, build_skin_grid(design), tip)
-    assert found.last_points[0].point_mm[2] < 0.5
-    assert found.air_pockets[0].point_mm[2] < 0.5
-    assert found.air_pockets[0].volume_mm3 > 0.3 * found.volume_mm3
-
-
-@pytest.mark.full
-def test_vent_at_the_last_point_leaves_no_air_there() -> None:
-    design = load("fsr400")
-    grid = build_skin_grid(design)
-    first = predict(design, grid)
-    vents = tuple(point.point_mm for point in first.last_points)
-    assert first.air_pockets
-    assert sum(air.volume_mm3 for air in predict(design, grid, vents=vents).air_pockets) < 1.0
-    without = predict(design, grid, vents=())
-    assert without.air_pockets[0].volume_mm3 == pytest.approx(without.volume_mm3)
-    assert without.air_pockets[0].time_s == pytest.approx(without.ducts_s)
-
-
 def test_front_flows_around_a_nail_and_traps_air_behind_it() -> None:
     design = load("fsr402")
     low, high = 18.0, 30.0

@@ -232,12 +232,3 @@ def test_rest_beside_a_vent_is_trapped_when_the_vent_is_covered() -> None:
     _, (air,) = find(rising, 25.0)
     assert air.volume_mm3 == pytest.approx(5.0 * 12.0, abs=0.1)
     assert find(rising, 30.0)[1] == ()
-
-
-def test_slot_of_constant_thickness() -> None:
-    layer = slot(40, 6, 30.0, 6.0, lambda y: np.full_like(y, 2.0))
-    filling = fill_from_first_row(layer)
-    assert filling.network.total_mm3 == pytest.approx(360.0, rel=1e-12)
-    # R = 12 L V' / (w h^3) grows linearly in the volume; its integral is half of the last R times the volume.
-    assert filling.resistance_integral == pytest.approx(0.5 * 12 * 30 / (6 * 8) * 360, rel=0.02)
-    assert mean_error(filling, 12.0 * layer.points_mm[:, 1]) < 0.006

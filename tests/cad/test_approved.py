@@ -1,0 +1,151 @@
+"""Figures of designs, compared whole with approved ones: sizes, solids, filling, checks, and the catalogues.
+
+How to approve others stands in `tests/design/figures.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.settings import slicer_settings
+from fingertip.cad.shapes.coupon import frame_with_fits, list_heights, loose_slice
+from fingertip.cad.shapes.coupon_layout import lay_out
+from fingertip.cad.shapes.engraving import engraved_lines, omitted_lines
+from fingertip.cad.shapes.insert import cavity
+from fingertip.cad.shapes.mold import runners
+from fingertip.cad.shapes.parts import hardware, parts_by_name
+from fingertip.cad.verification.check import list_causes
+from fingertip.casting.hardware import size_wires
+from fingertip.casting.quantities import measure_volumes, pose_tolerance_deg, skin_pull_off_n
+from fingertip.catalogues import amplifiers, print_materials, sensors, silicones
+from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.hardware import SYRINGES, THREADS, find_needle
+from fingertip.design import Design
+from fingertip.design.geometry.seat import list_contacts, tape_span_mm
+from fingertip.design.interfaces import interface_of
+from fingertip.filling.gate import gate_opening, list_ducts
+from fingertip.filling.mold_filling import predict_mold_filling
+from fingertip.filling.vents import find_pose, vent_cavity
+from tests.cad.part_checks import run_all_checks
+from tests.conftest import design_file
+from tests.design.figures import check_figures, list_properties, render
+
+APPROVED = Path(__file__).parent / "approved"
+CHANGES = {
+    "fsr400": "",
+    "fsr402": "",
+    "fsr400_compact": "",
+    "adult_finger": "",
+    "sleeve": "mold.method=sleeve mold.sleeve_interference_mm=0.2 mold.silicone_shrinkage_percent=1.2",
+    "socket": "bone.interface=socket bone.base_length_mm=32 mold.seat_tape_mm=0 name=forty_" + 34 * "x",
+    "flange": "bone.interface=flange bone.base_length_mm=26 bone.flange_spacing_y_mm=12 bone.flange_height_mm=18",
+    "poured": "mold.filling=gravity sensor.model=fsr400_short bone.base_length_mm=15 bone.groove_depth_mm=0",
+    "free": "mold.chaplet_diameter_mm=0 mold.fit_clearance_mm=0.01 printer.surface_error_mm=0",
+    "clevis": "sensor.model=fsr402 sensor.tail=folded skin.length_mm=31.9 bone.base_length_mm=10.1 bone.wall_mm=0.8 "
+    "bone.groove_depth_mm=0 bone.interface=clevis bone.collar_length_mm=5 mold.recess_length_mm=6.2 hand.width_mm=9 "
+    "hand.axis_height_mm=8 hand.travel_deg=55 skin.min_thickness_mm=0.7 strength.min_grip_factor=2 "
+    "strength.min_shock_factor=1 hand.tendon_distance_mm=5.4 mold.chaplet_diameter_mm=4.2 "
+    "mold.chaplet_from_tip_mm=6.25",
+    "fork": "hand.knuckle=fork bone.base_length_mm=14.3",
+}
+"""Changes of each design; those without are bundled ones."""
+BASE = {"fork": "youth_thumb", "clevis": "fsr402"}
+WITH_PLAY = ("fsr400", "sleeve", "free")
+"""Designs whose contacts in the mold and losses of silicone are compared."""
+
+
+@cache
+def load(name: str) -> Design:
+    base = BASE.get(name, "fsr400") if CHANGES[name] else name
+    return Design.load(design_file(base), changes=CHANGES[name].split())
+
+
+def list_sizes(design: Design) -> Iterator[str]:
+    yield from list_properties(design.dimensions)
+    yield from list_properties(design.mold_layout)
+    interface, low_z = interface_of(design), -design.dimensions.full_base_length
+    yield f"interface {type(interface).__name__}, genus {interface.genus(design)}"
+    for z in (0.7 * low_z, low_z + 0.5):
+        factors = interface.moment_share(design, z), interface.stress_factors(design, z)
+        yield f"at {render(z)}: {render(factors)}"
+    yield from (render(stress) for stress in interface.local_stresses(design, 20.0))
+    yield from (render(size) for size in interface.sizes(design))
+    if design in map(load, WITH_PLAY):
+        yield from map(render, list_contacts(design, design.dimensions))
+        yield from (f"{render(loss.point)} loses {render(loss.loss_mm)}" for loss in design.losses)
+    yield f"tape span {render(tape_span_mm(design))}"
+    yield f"wires {render(size_wires(design))}"
+    yield f"pull-off force {render(skin_pull_off_n(design, design.silicone.material))}"
+
+
+def list_solids(design: Design) -> Iterator[str]:
+    """Volume, area, bounding box and moment of volume of each solid: what is moved or mirrored changes the last."""
+    evaluator = MeshEvaluator(0.05)
+    parts = parts_by_name(design)
+    solids = {name: part.solid(design) for name, part in parts.items()}
+    solids |= {item.name: item.solid for item in hardware(design, list(parts))}
+    solids |= {"cavity": cavity(design), "frame": frame_with_fits(design), "slice": loose_slice(design)}
+    solids |= {f"runner {number}": solid for number, solid in enumerate(runners(design))}
+    for name, solid in solids.items():
+        body, mesh = evaluator.manifold(solid), evaluator.mesh(solid)
+        corners = mesh.vertices[mesh.triangles]
+        moment = np.linalg.det(corners) @ corners.sum(axis=1) / 24.0
+        figures = mesh.volume(), mesh.area(), body.bounding_box(), moment.tolist()
+        yield f"{name}: genus {body.genus()}, {render(figures)}"
+    yield render(measure_volumes(design, evaluator))
+    yield render(lay_out(design))
+    yield from (render(height) for height in list_heights(design))
+    yield from (render(line) for half in ("palmar", "dorsal") for line in engraved_lines(design, half))
+    yield f"not engraved: {omitted_lines(design)}"
+    supports = supports_by_part(design)
+    for name, pose in print_orientations(design).items():
+        yield f"{name}: {render(pose)}, {slicer_settings(name, pose, supports[name])}, {supports[name].note}"
+
+
+def list_filling(design: Design) -> Iterator[str]:
+    yield render(gate_opening(design))
+    yield from (render(duct) for duct in list_ducts(design))
+    yield render(vent_cavity(design))
+    yield f"pose {render(find_pose(design))}, tolerance {render(pose_tolerance_deg(design))}"
+    found = predict_mold_filling(design)
+    yield from list_properties(found)
+    for field, value in vars(found).items():
+        if np.ndim(value) == 0 or isinstance(value, tuple):
+            yield f"{field} = {render(value)}"
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize("list_figures", [list_sizes, list_solids, list_filling])
+def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Callable[[Design], Iterator[str]]) -> None:
+    kind = list_figures.__name__.removeprefix("list_")
+    check_figures(APPROVED / f"{name}_{kind}.txt", "\n".join([*list_figures(load(name)), ""]))
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", sorted(CHANGES.keys() - {"free"}))
+def test_values_of_checks_are_the_approved_ones(name: str) -> None:
+    """Each check names the parameters to change, or none where its failure would be a fault of the program."""
+    lines = []
+    for check in run_all_checks(load(name)).values():
+        state = "" if check.passed else f" fails: {check.to_dict()['change']}"
+        lines.append(f"{check.name}: {render(check.value)} {check.sign} {render(check.limit)} {check.unit}{state}")
+        assert isinstance(list_causes(check.name), tuple)
+    check_figures(APPROVED / f"{name}_checks.txt", "\n".join([*lines, ""]), rel=1e-3)
+
+
+def test_catalogues_are_the_approved_ones() -> None:
+    """Each figure is entered a second time, from the document that its entry names."""
+    entries = [
+        *silicones.SILICONES.values(), *sensors.CATALOGUE.values(), *amplifiers.CATALOGUE.values(),
+        *print_materials.PRINT_MATERIALS.values(), *BOARDS, *THREADS, *SYRINGES.values(),
+    ]  # fmt: skip
+    needles = [f"needle for {hole} mm: {render(find_needle(hole))}" for hole in (0.9, 1.1, 1.3, 1.6, 2.0, 2.4)]
+    check_figures(APPROVED / "catalogues.txt", "\n".join([*map(render, entries), *needles, ""]), rel=0.0)

@@ -92,8 +92,9 @@ def test_pdf_and_svg_of_all_primitives_are_the_approved_ones() -> None:
     assert re.findall(rb"/CreationDate \(D:(\d{4})", data) == [b"2000"]
     assert re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", data) == 2 * [(b"283.4646", b"198.4252")]
     contents = re.findall(rb"stream\r?\n(.*?)endstream", data, re.DOTALL)
-    first, second = (zlib.decompress(base64.a85decode(text.strip(), adobe=False) if text else b"") for text in (
-        part.strip().removesuffix(b"~>") for part in contents
-    ))
+    first, second = (
+        zlib.decompress(base64.a85decode(text.strip(), adobe=False) if text else b"")
+        for text in (part.strip().removesuffix(b"~>") for part in contents)
+    )
     assert first == second
     check_approved(APPROVED / "primitives_pdf.txt", first.decode("latin-1").splitlines())

@@ -67,14 +67,21 @@ def describe_figure(figure: Any) -> Iterator[str]:
         for mark in axes.collections:
             colours = sorted({to_hex(colour, True) for colour in (*mark.get_facecolor(), *mark.get_edgecolor())})
             corners = np.concatenate([path.vertices for path in mark.get_paths()] or [np.zeros((0, 2))])
-            shape = f"levels {sum_up(mark.levels)}" if hasattr(mark, "levels") else f"of {sum_up(corners)}"
-            values = "" if mark.get_array() is None else f" values {sum_up(np.ma.filled(mark.get_array(), np.nan))}"
+            shape = f"of {sum_up(corners)}"
+            if hasattr(mark, "levels"):  # a contour, whose number of corners is matplotlib's affair
+                shape = f"levels {sum_up(mark.levels)} within {sum_up([corners.min(axis=0), corners.max(axis=0)])}"
+            array = np.ma.masked_all(0) if mark.get_array() is None else np.ma.asarray(mark.get_array()).astype(float)
+            scale = (
+                f"{mark.get_cmap().name} of {mark.get_cmap().N} from {sum_up(mark.get_clim())}" if array.size else ""
+            )
+            values = f" values {sum_up(array.filled(np.nan))} in {scale}" if array.size else ""
             yield f"  area {_label(mark)} {' '.join(colours[:9])} at {sum_up(mark.get_offsets())} {shape}{values}"
         for patch in axes.patches:
             corners = patch.get_path().transformed(patch.get_patch_transform()).vertices
             ends = (*corners.min(axis=0), *corners.max(axis=0))
             yield f"  patch {_label(patch)} {to_hex(patch.get_facecolor(), True)} {sum_up(ends)}"
-        yield from (f"  image {sum_up(image.get_array())}" for image in axes.images)
+        for image in axes.images:
+            yield f"  image {sum_up(image.get_array())} in {image.get_cmap().name} from {sum_up(image.get_clim())}"
         yield from (f"  {_describe_text(text)}" for text in axes.texts)
         if axes.get_legend():
             yield from _describe_legend(axes.get_legend())

@@ -7,7 +7,7 @@ follows from the data, it was compared with them when it was approved.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,8 +17,7 @@ import pytest
 
 from fingertip.board.analysis.tolerance import ResponseBand, compute_response_band, draw_response
 from fingertip.design import Design
-from fingertip.filling.gate import build_grid
-from fingertip.filling.predict import AirPocket, FillingPrediction, LastPoint, Opening
+from fingertip.filling.predict import AirPocket, LastPoint, Opening
 from fingertip.filling.surface_links import build_skin_grid
 from fingertip.lab.campaign.closed_loop import GripDecision
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases
@@ -26,7 +25,7 @@ from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResu
 from fingertip.lab.report import plots, trial_plots
 from fingertip.lab.report.trial_plots import ExampleTrial
 from fingertip.lab.studies.article import Spectrum, WindowResult
-from fingertip.pictures.filling import draw_filling, draw_mold_filling
+from fingertip.pictures.filling import draw_filling
 from fingertip.sim import report as sim_report
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.slip import Trace, detect
@@ -163,8 +162,8 @@ def make_manipulation(lost_s: float | None) -> ManipulationResult:
     t = np.arange(400) / 400.0
     two, slip = np.array([[1.0], [0.7]]), (t >= 0.5) & (t < (0.6 if lost_s is None else 0.9))
     signals: dict[str, Any] = {
-        "force_n": two * (1.0 + (t > 0.55)), "closing_m": two * np.minimum(0.02, 0.1 * t), "slip": np.array([slip, ~slip]),
-        "object_m": 0.01 * np.cumsum(slip) / 400.0,
+        "force_n": two * (1.0 + (t > 0.55)), "closing_m": two * np.minimum(0.02, 0.1 * t),
+        "slip": np.array([slip, ~slip]), "object_m": 0.01 * np.cumsum(slip) / 400.0,
     }  # fmt: skip
     grasp = SimpleNamespace(kind="pinch", let_go_s=0.25)
     scene: Any = SimpleNamespace(
@@ -201,7 +200,18 @@ def board() -> None:
     nominal = 1.01 * target / np.sqrt(1.0 + (f_hz / 3e4) ** 2)
     percent = {"R1": 1.0, "C1": 5.0, "C2": 5.0}
     band = ResponseBand(
-        f_hz, target, nominal, 0.9 * nominal, 1.1 * nominal, 67.0, 66.5, (63.1, 70.2), 3.01e4, (2.5e4, 3.5e4), percent, 9
+        f_hz,
+        target,
+        nominal,
+        0.9 * nominal,
+        1.1 * nominal,
+        67.0,
+        66.5,
+        (63.1, 70.2),
+        3.01e4,
+        (2.5e4, 3.5e4),
+        percent,
+        9,
     )
     draw_response(band, "board", ".svg")
     draw_response(compute_response_band(DESIGN, 20), "20 boards", ".png")
@@ -262,7 +272,9 @@ def heat_map() -> None:
 def sensitivities() -> None:
     rows = [("delay", 0.7, 0.95, 0.2, -0.4), ("a_long_name_of_an_output_in_mm", 0.0, math.nan, 0.1, 0.05)]
     found = [
-        OutputSensitivity(name, 60, 0.01, (AxisSensitivity("skin.width_mm", a, b), AxisSensitivity("board.cutoff_hz", c, d)))
+        OutputSensitivity(
+            name, 60, 0.01, (AxisSensitivity("skin.width_mm", a, b), AxisSensitivity("board.cutoff_hz", c, d))
+        )
         for name, a, b, c, d in rows
     ]
     sweep_plots.draw_sensitivities(found, ["skin.width_mm", "board.cutoff_hz", "board.series"])
@@ -273,7 +285,9 @@ def pareto_front() -> None:
     x = np.linspace(1.0, 3.0, 9)
     y = np.where(np.arange(9) % 2, 9.0 / x, 12.0 / x)
     for extra in ((), (Objective("force", 1),)):
-        sweep_plots.draw_pareto_front([Objective("delay", 1), Objective("area", -1), *extra], (x, y), np.array([5, 1, 3]), 3)
+        sweep_plots.draw_pareto_front(
+            [Objective("delay", 1), Objective("area", -1), *extra], (x, y), np.array([5, 1, 3]), 3
+        )
 
 
 @plot

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import io
 import itertools
+from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image, ImageDraw
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -15,10 +19,14 @@ from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.mold import openings
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
+from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from fingertip.pictures.steps.scene import View
+from tests.approved import check_approved
+from tests.view.describe import PenRecord, sum_up
 
+APPROVED = Path(__file__).parent / "approved"
 DESIGNS = {
     "fsr400": ("fsr400", ()),
     "gravity": ("fsr400", ("mold.filling=gravity",)),
@@ -44,8 +52,8 @@ def holds(solid: Solid, z: float, y: float, reach: float = 50.0) -> bool:
 
 def features(name: str) -> dict[str, list[tuple[float, float]]]:
     found: dict[str, list[tuple[float, float]]] = {}
-    for section in load(name)[1]:
-        for feature in section.features:
+    for each in load(name)[1]:
+        for feature in each.features:
             found.setdefault(feature.name, []).append(feature.at)
     return found
 
@@ -82,18 +90,49 @@ def test_names_stand_in_what_they_name(name: str) -> None:
                 assert EVALUATOR.manifold(intersection(parts["bone"], around)).volume() < 1e-6
 
 
-def test_every_feature_that_the_section_must_name_is_there() -> None:
-    named = set(features("fsr400"))
-    assert {"gate", "vent", "collar", "groove", "cable channel", "relief of the solder joints"} <= named
-    assert {"core", "gate", "vent", "collar", "groove"} <= set(features("sleeve"))
-    assert {"lid", "window of the tail", "joint"} <= set(features("folded"))
+def describe_section(shown: Section) -> Iterator[str]:
+    """Title, area of the cut through each part, bounds of what is dashed, and features [mm]."""
+    yield shown.title
+    for name, solid in shown.parts.items():
+        yield f"  {name}: {abs(sum(area(ring) for ring in slice_solid(EVALUATOR, solid, 1e-3))):.4g} mm2"
+    for solid, x in shown.dashed:
+        corners = np.concatenate([np.empty((0, 2)), *slice_solid(EVALUATOR, solid, x)])
+        ends = f"{sum_up(corners.min(axis=0))} to {sum_up(corners.max(axis=0))}" if len(corners) else "nothing"
+        yield f"  dashed at {x:.4g}: {ends}"
+    yield from (f"  {feature.name} at {sum_up(feature.at)}" for feature in shown.features)
+
+
+def area(ring: Any) -> float:
+    return 0.5 * float(np.sum(ring[:, 0] * np.roll(ring[:, 1], -1) - np.roll(ring[:, 0], -1) * ring[:, 1]))
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_section_is_the_approved_one(name: str) -> None:
+    sections = load(name)[1]
+    check_approved(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
+
+
+@pytest.mark.parametrize("name", ["sleeve", "folded", "fork"])
+def test_picture_is_drawn_as_approved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Names, marks and outlines of all panels. The parts are coarse, and cover what names must keep off."""
+    pen = PenRecord(monkeypatch)
+    monkeypatch.setattr(picture, "_TOLERANCE_MM", 0.3)
+    monkeypatch.setattr(section, "_dash", lambda pen, line: pen.polygon(line, outline="dashed"))
+    size = Image.open(io.BytesIO(draw(load(name)[0], 400))).size
+    check_approved(APPROVED / f"picture_{name}.txt", [f"picture of {size}", *pen.lines], rel=5e-3, abs_=1.1)
+
+
+def test_dashes_are_7_pixels_long_and_4_apart_around_corners(monkeypatch: pytest.MonkeyPatch) -> None:
+    pen = PenRecord(monkeypatch)
+    section._dash(ImageDraw.Draw(Image.new("RGB", (9, 9))), [(0.0, 0.0), (60.0, 0.0), (60.0, 39.0)])
+    ends = [[float(number) for number in line.split()[1:5]] for line in pen.lines]
+    assert ends == [[0, 0, 21, 0], [33, 0, 54, 0], [60, 6, 60, 27]]
 
 
 def test_slices_have_the_area_of_the_solid() -> None:
     ring = difference(Box((-1.0, -2.0, -3.0), (1.0, 4.0, 5.0)), Box((-2.0, -1.0, -1.0), (2.0, 1.0, 2.0)))
     outlines = slice_solid(EVALUATOR, ring, 0.5)
-    area = sum(0.5 * float(np.sum(a[:, 0] * np.roll(a[:, 1], -1) - np.roll(a[:, 0], -1) * a[:, 1])) for a in outlines)
-    assert abs(area) == pytest.approx(8 * 6 - 3 * 2)
+    assert abs(sum(area(ring) for ring in outlines)) == pytest.approx(8 * 6 - 3 * 2)
     corners = np.concatenate(outlines)
     assert corners.min(axis=0) == pytest.approx([-3.0, -2.0])  # along the finger, dorsal
     assert corners.max(axis=0) == pytest.approx([5.0, 4.0])
@@ -134,17 +173,6 @@ def test_a_free_place_is_free_and_near() -> None:
     assert abs(y + 11 - 100) < 45
     taken[:] = True
     assert find_free_place(taken, (0.0, 0.0, 10.0, 10.0), (1.0, 2.0, 3.0, 4.0)) == (1.0, 4.0)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", DESIGNS)
-def test_the_picture_is_drawn_and_reproducible(name: str) -> None:
-    from PIL import Image
-
-    design, _ = load(name)
-    data = draw(design, 800)
-    assert data == draw(design, 800)
-    assert Image.open(io.BytesIO(data)).size[0] == 800
 
 
 def test_views_show_the_side_that_they_name() -> None:

@@ -55,7 +55,7 @@ def describe_figure(figure: Any) -> Iterator[str]:
             continue
         place = axes.get_subplotspec()
         yield f"axes of {sum_up(place.get_position(figure).bounds) if place else 'a bar'} {_label(axes)}"
-        yield from (f"  title {text}" for side in ("left", "center") if (text := axes.get_title(side)))
+        yield from (f"  title {_describe_text(one)}" for one in (axes._left_title, axes.title) if one.get_text())
         for name in "xy":
             axis, limits = getattr(axes, f"{name}axis"), getattr(axes, f"get_{name}lim")()
             seen = zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=False) if axis.get_visible() else ()
@@ -100,7 +100,9 @@ def _describe_text(text: Any) -> str:
 
 
 def _describe_legend(legend: Any) -> Iterator[str]:
-    yield f"  legend of {legend._ncols} columns: {' | '.join(text.get_text() for text in legend.get_texts())}"
+    texts = [f"{text.get_text()} {text.get_fontsize():g}" for text in legend.get_texts()]
+    frame = "framed" if legend.get_frame_on() else "plain"
+    yield f"  {frame} legend of {legend._ncols} columns: {' | '.join(texts)}"
 
 
 class PenRecord:

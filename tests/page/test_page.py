@@ -16,16 +16,12 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import PAGE
-from fingertip.design.files import format_value, list_parameters
 from fingertip.foundation.errors import OutputError
 from fingertip.page import MAX_BYTES
-from fingertip.page.parameters_and_checks import render_verdict
-from fingertip.page.render import ARTICLE_DOI, render_page
-from fingertip.page.sources import read_sources
-from fingertip.slip.traces.truth import BAND_LABEL, format_delay_band
+from fingertip.page.render import ARTICLE_DOI
 from fingertip.tasks.page import write_page
 from tests.conftest import ROOT, run_fingertip, some_of
-from tests.page.conftest import DRAWING, Page
+from tests.page.conftest import Page
 
 
 @pytest.mark.full
@@ -91,46 +87,6 @@ def test_command_gives_the_bytes_of_another_process(folder: Path) -> None:
 
 
 @pytest.mark.full
-def test_states_every_check_with_value_and_limit(page: Page, folder: Path) -> None:
-    report = json.loads((folder / "report.json").read_bytes())
-    assert len(report["checks"]) > 80
-    signs = {"at most": "≤", "at least": "≥", "exactly": "="}
-    for check in report["checks"]:
-        assert check["name"] in page.text
-        limit = f"{signs[check['relation']]} {check['limit']:.4g} {check['unit']}".rstrip()
-        assert f"{check['name']}{check['value']:.4g} {check['unit']}".rstrip() + limit in page.text, check
-    assert f"{len(report['checks']) - 2} of {len(report['checks'])} checks of the parts passed, 2 warn" in page.text
-    warned = [check for check in report["checks"] if check["state"] == "warning"]
-    assert len(warned) == 2
-    assert all(f"{check['name']}: {check['warning']}" in page.text for check in warned)
-    held = report | {"checks": [check for check in report["checks"] if check["state"] == "passed"]}
-    assert f"All {len(held['checks'])} checks of the parts passed" in str(render_verdict(held))
-
-
-@pytest.mark.full
-def test_states_every_parameter_with_unit_bounds_and_meaning(page: Page, design: Design) -> None:
-    for parameter in list_parameters():
-        value = f"{format_value(design.value(parameter.path))} {parameter.unit}".rstrip()
-        assert f"{parameter.path}{parameter.description}" in page.text
-        row = page.text.partition(f"{parameter.path}{parameter.description}")[2][:400]
-        assert value in row
-        assert parameter.bounds in row
-        assert f"p-{parameter.path}" in set(page.attributes("id"))
-
-
-@pytest.mark.full
-def test_a_failed_check_comes_first_and_names_the_parameters(folder: Path, design: Design) -> None:
-    sources = read_sources(design, folder)
-    check = next(check for check in sources.report["checks"] if check["name"] == "mold.fill_time")
-    check |= {"passed": False, "value": 999.0}
-    failed = Page(render_page(sources).decode())
-    assert f"✗ 1 of {len(sources.report['checks'])} checks failed" in failed.text
-    table = failed.text.partition("Failed")[2][:300]
-    assert "mold.fill_time999 s" in table
-    assert "mold.nozzle_bore_mm" in table
-
-
-@pytest.mark.full
 def test_meshes_are_those_of_the_files(page: Page, folder: Path, design: Design) -> None:
     parts = {item["name"]: item for item in page.scene if not item["bought"]}
     assert set(parts) == set(parts_by_name(design))
@@ -143,48 +99,6 @@ def test_meshes_are_those_of_the_files(page: Page, folder: Path, design: Design)
         assert np.array_equal(triangles, mesh.triangles)
     screws = (f"mold_{kind}_{i}" for i in range(1, 5) for kind in ("bolt", "nut"))
     assert [item["name"] for item in page.scene if item["bought"]] == ["sensor", *screws, "chaplet_screw"]
-
-
-@pytest.mark.full
-def test_every_step_has_its_text_and_its_picture(page: Page, folder: Path) -> None:
-    steps = re.findall(r"^\d+\. (.*)\n\n   !\[step (\d+)\]\((.*)\)$", (folder / "casting.md").read_text(), re.MULTILINE)
-    assert len(steps) > 20
-    pictures = [a["src"] for tag, a in page.elements if tag == "img" and (a["alt"] or "").startswith("step ")]
-    assert len(pictures) == len(steps)
-    for (text, _, path), picture in zip(steps, pictures, strict=True):
-        assert text.replace("`", "").replace("**", "") in page.text
-        assert picture == "data:image/png;base64," + base64.b64encode((folder / path).read_bytes()).decode()
-
-
-@pytest.mark.full
-def test_shows_the_drawing_and_the_board(page: Page, folder: Path) -> None:
-    drawing = f"data:image/svg+xml;base64,{base64.b64encode(DRAWING).decode()}"
-    assert drawing in set(page.attributes("src"))
-    for line in (folder / "board" / "bom.csv").read_text().splitlines()[1:]:
-        references = line.split(",")[1]
-        assert references in page.text
-    for part_number in ("CL31B105KBHNNNE", "AD623ARMZ"):
-        assert part_number in page.text
-    assert "tp1_open_v" in page.text  # bring-up
-    assert "TP1" in page.text
-
-
-@pytest.mark.full
-def test_states_the_delay_of_the_detection_and_what_encoders_know(page: Page, folder: Path) -> None:
-    detection = json.loads((folder / "signal" / "detection.json").read_bytes())
-    (delay,) = detection["delays_s"]
-    assert f"{1000 * delay:.1f} ms" in page.text
-    low, high = (1000 * volts for volts in detection["threshold_range_v"])
-    used = f"threshold {low:.3g} to {high:.3g} mV, {1000 * detection['threshold_v']:.3g} at the first ON"
-    assert f"Detector fast, on voltage_v and filtered_v, statistic of fast: {used}" in page.text
-    assert "threshold of analog and digital" in page.text  # the header's is of another quantity
-    assert "detector threshold" not in page.text
-
-    (since_motion,) = detection["delays_since_motion_s"]
-    assert BAND_LABEL in page.text
-    assert f"{1000 * since_motion:.1f} ms after the robot moved ({format_delay_band(since_motion)}" in page.text
-    for said in ("What is simulated and what is measured", "Nobody has printed and cast", "a real finger will differ"):
-        assert said in page.text
 
 
 @pytest.fixture

@@ -75,28 +75,12 @@ def make_campaign() -> CampaignResult:
 
 
 @plot
-def delays() -> None:
+def campaign() -> None:
     plots.plot_delays(make_campaign())
-
-
-@plot
-def surfaces() -> None:
     plots.plot_surfaces(make_campaign(), "digital")
-
-
-@plot
-def comparison() -> None:
     plots.plot_comparison(make_campaign(), 0.021)
-
-
-@plot
-def windows() -> None:
     rows = [(0.01, 0.012, 0.02, 9.0), (0.03, 0.02, 0.04, 1.0), (0.06, 0.035, math.inf, 0.0)]
     plots.plot_windows([WindowResult(w, 0.01, 0.9, median, p90, rate) for w, median, p90, rate in rows])
-
-
-@plot
-def spectra() -> None:
     hz = np.linspace(0.0, 500.0, 51)
     plots.plot_spectra([Spectrum("fsr", hz, 1e-8 / (1.0 + hz)), Spectrum("other", hz, 1e-9 * (1.0 + hz))])
 
@@ -118,27 +102,15 @@ def make_example() -> ExampleTrial:
 
 
 @plot
-def trial_signals() -> None:
+def trials() -> None:
     trial_plots.plot_signals(DESIGN, make_example())
-
-
-@plot
-def trial_panels() -> None:
     trial_plots.plot_panels(DESIGN, 3 * [make_example()])
-
-
-@plot
-def trial_windows() -> None:
     trial_plots.plot_window_rows(DESIGN, make_example())
 
 
 @plot
-def trace() -> None:
-    slip_report.draw_trace(make_trace())
-
-
-@plot
 def detection() -> None:
+    slip_report.draw_trace(make_trace())
     for name in ("digital", "analog"):
         slip_report.draw(make_trace(), detect(make_trace(), DESIGN, detector=name), "title")
     time_s, voltage_v = burst()

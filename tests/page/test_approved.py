@@ -5,6 +5,8 @@ A long line of a plot stands there as the number, the ends and the means of its 
 
 from __future__ import annotations
 
+import base64
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -13,26 +15,21 @@ import numpy as np
 import pytest
 
 from fingertip.board.kicad.sexpr import read_expression
-from fingertip.cad.files import stl
-from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
-from fingertip.page import parameters_and_checks, render
+from fingertip.design.files import list_parameters
 from fingertip.page.board_section import render_board
 from fingertip.page.casting_section import render_basis, render_casting, render_drawing
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
-from fingertip.page.parameters_and_checks import render_checks, render_verdict
-from fingertip.page.render import render_page
+from fingertip.page.model_section import list_items, scene_json
+from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
 from tests.approved import check_approved
 from tests.conftest import design_file
-from tests.page.conftest import DRAWING
-from tests.slip.recordings import burst
+from tests.page.conftest import INPUTS, Page, make_check, make_report, make_sources
 from tests.view.describe import sum_up
 
-APPROVED, INPUTS = Path(__file__).parent / "approved", Path(__file__).parent / "inputs"
+APPROVED = Path(__file__).parent / "approved"
 
 
 def list_lines(markup: str) -> list[str]:
@@ -61,64 +58,43 @@ def test_pictures_of_the_board_are_the_approved_ones() -> None:
         check_approved(APPROVED / f"{name}.svg", list_lines(picture))
 
 
-def make_check(name: str, value: float, limit: float, relation: str = "at most", **more: Any) -> dict[str, Any]:
-    return {"name": name, "value": value, "limit": limit, "unit": "mm", "relation": relation, "passed": True, **more}
+def describe_item(item: dict[str, Any]) -> str:
+    vertices = np.frombuffer(base64.b64decode(item["vertices"]), "<f4").reshape(-1, 3)
+    ends = (*vertices.min(axis=0), *vertices.max(axis=0))
+    kind = f"{'bought' if item['bought'] else 'part'} {sum_up(item['colour'])} {item['scale']:g} {item['wide']}"
+    moved = f"opened {sum_up(item['opened'])} apart {sum_up(item['apart'])}"
+    return f"{item['name']}, {item['label']}: {kind} {moved} within {sum_up(ends)}"
 
 
-def make_report(**strength: Any) -> dict[str, Any]:
-    checks = [
-        make_check("bone.safety_factor.grip_fdm", 1.25, 1.0, "at least", unit=""),
-        make_check("mold.fill_time", 30.0, 31.0, unit="s"),
-        make_check("mold.triangles", 30.0, 31.0, "exactly", unit=""),
-        make_check("skin.min_thickness_misaligned", 2.0, 1.9, "at least"),
-        *(make_check(f"bone.wall.pin_{i}", 0.1 * i, 2.0 + i) for i in range(8)),
-    ]
-    return {"checks": checks, "strength": {"material": "surgical_guide", "grip_safety_factor": 3.456,
-            "shock_safety_factor": 2.0, "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength}}  # fmt: skip
+def test_page_is_the_approved_one(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The table of parameters and the meshes stand in files of their own, the meshes for two designs more."""
+    start, end = (page.source.index(mark) for mark in ("<p>Press the name", "</div></div></section>"))
+    check_approved(APPROVED / "page.html", list_lines(page.source[:start] + page.source[end:]), abs_=0.11)
+    others = (("child_finger", ("mold.method=sleeve", "printer.scale_percent=100.4")), ("adult_thumb", ()))
+    scenes = [page.scene]
+    for name, changes in others:
+        sources = make_sources(name, changes=changes)
+        scenes.append(json.loads(scene_json(list_items(sources.design, sources.files))))
+    check_approved(APPROVED / "scene.txt", (describe_item(item) for scene in scenes for item in scene), abs_=0.05)
 
 
-def make_sources(name: str = "fsr400", remarks: dict[str, str] | None = None, **changed: bytes | None) -> Sources:
-    """Files of a design: each part a corner of a box of its own size, and the smallest of all others."""
-    design = Design.load(design_file(name))
-    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    files = {
-        f"{part}.stl": stl.to_bytes(
-            Mesh(np.vstack([np.zeros(3), np.diag([10.0 + i, 20.0, 30.0 + 2 * i])]), triangles), part
-        )
-        for i, part in enumerate(parts_by_name(design))
-    }
-    time_s, voltage_v = burst()
-    samples = (f"{t:.4f},{v:.6f},{int(0.5 <= t < 0.7)}" for t, v in zip(time_s, voltage_v, strict=True))
-    trace = "\n".join(["time_s,voltage_v,slip", *samples])
-    files |= {f"board/{path.name}": path.read_bytes() for path in INPUTS.iterdir() if path.name != "casting.md"}
-    files |= {
-        "casting.md": (INPUTS / "casting.md").read_bytes(), "acceptance.md": b"# Acceptance\n\nTest it.\n",
-        "steps/01-print.png": b"PNG", "drawing_bone.svg": DRAWING, "signal/trace.csv": trace.encode(),
-        "signal/detection.json": b'{"detector": "digital", "motion_s": 0.485}',
-    }  # fmt: skip
-    kept = {key: data for key, data in (files | changed).items() if data is not None}
-    return Sources(design, make_report(), kept, remarks or {})
+def test_effects_of_parameters_are_the_approved_ones() -> None:
+    """Values, changes and what each parameter moves; a description stands where the parameter is declared."""
+    design = Design.load(design_file("adult_finger"))
+    drawn = list_lines(render_parameters(design))
+    text = Page(render_parameters(design)).text
+    assert all(f"{one.path}{one.description}" in text and one.bounds in text for one in list_parameters())
+    wanted = ("<summary", "<button", "<small", '<span class="code"', '<span class="num"')
+    check_approved(APPROVED / "parameters.html", (line for line in drawn if line.startswith(wanted)))
 
 
-def test_page_is_the_approved_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the parameters of one table in place of all."""
-    monkeypatch.setattr(render, "render_parameters", lambda design: parameters_and_checks.link_parameters(["a.b_c"]))
-    sources = make_sources()
-    page = render_page(sources)
-    assert page == render_page(sources)
-    check_approved(APPROVED / "page.html", list_lines(page.decode()), abs_=0.11)
-
-
+FAILED = make_check("mold.fill_time", 99.0, 31.0, passed=False)
+WARNED = make_check("sensor.pocket_clearance", 1.0, 2.0, warning="it rattles <much>")
 CHECKS: dict[str, dict[str, Any]] = {
     "weak": make_report(),
     "strong": make_report(grip_safety_factor=9.0, shock_safety_factor=9.0),
-    "failed": {"checks": [make_check("mold.fill_time", 99.0, 31.0, passed=False), *make_report()["checks"]]},
-    "warned": {
-        "checks": [
-            make_check("sensor.pocket_clearance", 1.0, 2.0, warning="it rattles <much>"),
-            *make_report()["checks"],
-        ]
-    },
+    "failed": {"checks": [FAILED, *make_report()["checks"]]},
+    "warned": {"checks": [WARNED, *make_report()["checks"]]},
 }
 
 

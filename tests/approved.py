@@ -13,12 +13,14 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.foundation.version import __version__
+
 _NUMBER = re.compile(r"(?<![\w#.])-?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
 
 def check_approved(path: Path, lines: Iterable[str], rel: float = 2e-3, abs_: float = 0.02) -> None:
     """Compare lines with those of an approved file, or approve them."""
-    text = "\n".join(lines) + "\n"
+    text = "\n".join(lines).replace(__version__, "VERSION") + "\n"
     if os.environ.get("FINGERTIP_APPROVE"):
         path.parent.mkdir(exist_ok=True)
         path.write_text(text, encoding="utf-8")

@@ -35,7 +35,7 @@ APPROVED = Path(__file__).parent / "approved"
 def list_lines(markup: str) -> list[str]:
     """Elements of a page on lines of their own, without styles, scripts and the digits of data."""
     plain = re.sub(r"(<style>|<script[^>]*>).*?(</style>|</script>)", r"\1\2", markup, flags=re.DOTALL)
-    plain = re.sub(r"'sha256-[^']*'", "'sha256'", plain)
+    plain = re.sub(r"sha256-[A-Za-z0-9+/=]*", "sha256", plain)
     plain = re.sub(r";base64,([A-Za-z0-9+/=]*)", lambda found: f"; {len(found[1])} characters", plain)
     plain = re.sub(r'd="(M[^"]{200,})"', lambda found: f'd="{sum_up_path(found[1])}"', plain)
     return plain.replace("><", ">\n<").splitlines()

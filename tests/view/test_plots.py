@@ -19,7 +19,7 @@ from fingertip.board.analysis.tolerance import ResponseBand, compute_response_ba
 from fingertip.design import Design
 from fingertip.filling.predict import AirPocket, LastPoint, Opening
 from fingertip.filling.surface_links import build_skin_grid
-from fingertip.lab.campaign.closed_loop import GripDecision
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, GripDecision
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.report import plots, trial_plots
@@ -97,15 +97,16 @@ def make_trace() -> Trace:
     return Trace(time_s, voltage_v, force_n, slip, envelope_v, 0.1 * envelope_v, Origin(True, 0.48))
 
 
-def make_example() -> ExampleTrial:
-    return ExampleTrial("wood", 0.03, make_trace(), 1.234)
+def make_example(label: str) -> ExampleTrial:
+    return ExampleTrial(label, 0.03, make_trace(), 1.234)
 
 
 @plot
 def trials() -> None:
-    trial_plots.plot_signals(DESIGN, make_example())
-    trial_plots.plot_panels(DESIGN, 3 * [make_example()])
-    trial_plots.plot_window_rows(DESIGN, make_example())
+    examples = [make_example(label) for label in ("smooth", "wood", "object, paper", "object, wood", "object, gross")]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(trial_plots, "simulate_examples", lambda design, first_seed: examples)
+        trial_plots.plot_trials(DESIGN)
 
 
 @plot
@@ -153,13 +154,18 @@ def manipulation() -> None:
 
 @plot
 def closed_loop() -> None:
+    """The first manipulation is lost with control too, so that another one in the same grasp is shown."""
     decisions = [GripDecision(k / 100.0, 50 <= k < 70, 60 <= k < 65, k == 52) for k in range(100)]
-    trial: Any = SimpleNamespace(
-        detector="fast", name="small_cylinder", manipulation=make_manipulation(None), decisions=decisions, held=True,
-        reaction_s=0.031,
-    )  # fmt: skip
-    lost: Any = SimpleNamespace(manipulation=make_manipulation(0.9), held=False)
-    trial_plots.plot_manipulation(trial, lost)
+    trials: list[Any] = [
+        SimpleNamespace(
+            detector=detector, name=name, seed=1, manipulation=make_manipulation(None if held else 0.9), held=held,
+            decisions=decisions, reaction_s=0.031 if held else None,
+        )
+        for detector, names_held in ((NO_CONTROL, ()), ("fast", ("small_cylinder",)))
+        for name in ("cylinder", "small_cylinder")
+        for held in (name in names_held,)
+    ]  # fmt: skip
+    trial_plots.plot_closed_loop(trials, "fast")
 
 
 # Board
@@ -200,8 +206,8 @@ def filling() -> None:
     last = LastPoint((-9.0, 0.0, 20.0), 3000.0, 31.5)
     pockets = (AirPocket((0.0, 5.0, 10.0), 12.0, 1500.0, 11.0), AirPocket((0.5, 5.0, 10.2), 3.0, 1500.0, 12.0))
     prediction: Any = SimpleNamespace(
-        arrival_s=arrival_s, fill_s=32.5, last_points=(last,), air_pockets=pockets, volume_mm3=2250.0,
-        pressure_pa=48000.0, viscosity_pa_s=3.0,
+        arrival_s=arrival_s, fill_s=32.5, last_points=(last,), air_pockets=pockets, volume_mm3=9876.0,
+        pressure_pa=2e6, viscosity_pa_s=3.0,
     )  # fmt: skip
     draw_filling(grid, prediction, Opening((9.0, 0.0, 1.5), 2.7), (Opening((0.0, 5.0, 33.0), 1.2),), "filling")
 
@@ -212,8 +218,8 @@ def filling() -> None:
 def make_columns() -> dict[str, Any]:
     """Points with two numbers, one of them logarithmic, a category and an output."""
     rng = np.random.default_rng(0)
-    width, cutoff = rng.uniform(15.0, 23.0, 60), 10.0 ** rng.uniform(1.0, 3.0, 60)
-    series = np.array(["E12", "E96"], dtype=object)[np.arange(60) % 2]
+    width, cutoff = rng.uniform(15.0, 23.0, 100), 10.0 ** rng.uniform(1.0, 3.0, 100)
+    series = np.array(["E12", "E96"], dtype=object)[np.arange(100) % 2]
     return {"skin.width_mm": width, "board.cutoff_hz": cutoff, "board.series": series, "delay": width + 900.0 / cutoff}
 
 
@@ -266,11 +272,11 @@ def pareto_front() -> None:
 def feasibility() -> None:
     columns = make_columns()
     names = ("feasible", "skin.width_mm", "failed", "mold.wall_mm", *(f"field_{i}" for i in range(9)))
-    classes = PointClasses(names, np.where(find_feasible(columns), 0, 1 + np.arange(60) % 12))
+    classes = PointClasses(names, np.where(find_feasible(columns), 0, 1 + np.arange(100) % 12))
     axes = {name: columns[name] for name in ("skin.width_mm", "board.cutoff_hz", "board.series")}
     draw_feasibility(axes, classes, [*axes])
     draw_feasibility(axes, classes, ["board.cutoff_hz", "skin.width_mm"])
-    grid, rows = (values.ravel() for values in np.meshgrid(np.arange(10.0), np.arange(6.0)))
+    grid, rows = (values.ravel() for values in np.meshgrid(np.arange(10.0), np.arange(10.0)))
     draw_feasibility({"x": grid, "y": rows}, classes, ["y", "x"])
 
 

@@ -20,7 +20,7 @@ from fingertip.foundation.errors import OutputError
 from fingertip.page import MAX_BYTES
 from fingertip.page.render import ARTICLE_DOI
 from fingertip.tasks.page import write_page
-from tests.conftest import ROOT, run_fingertip, some_of
+from tests.conftest import ROOT, run_fingertip
 from tests.page.conftest import Page, make_sources
 
 
@@ -170,21 +170,3 @@ def test_the_library_is_the_version_that_the_tool_states() -> None:
     bundle = (ROOT / "src/fingertip/page/assets/three.bundle.js").read_text()
     assert f'"{stated.split(".")[1]}"' in bundle
     assert "three.js authors" in (ROOT / "src/fingertip/page/assets/three.LICENSE").read_text()
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", some_of(("fsr402", "child_thumb", "adult_finger"), "child_thumb"))
-def test_other_designs_have_pages_too(name: str, tmp_path: Path) -> None:
-    """A folded tail, a lid, a joint; and a skin pulled over."""
-    changes = ["mold.method=sleeve"] if name == "fsr402" else []
-    options = [option for change in changes for option in ("--set", change)]
-    assert run_fingertip("build", name, *options, "--out", tmp_path, "--formats", "stl", "--pictures").returncode == 0
-    done = run_fingertip("page", name, *options, "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
-    page = Page((tmp_path / PAGE).read_text())
-    assert not page.faults
-    assert len(page.source) < MAX_BYTES
-    items = {item["name"]: item for item in page.scene}
-    assert ("core" in items) == bool(changes)
-    places = [tuple(a + b for a, b in zip(i["opened"], i["apart"], strict=True)) for i in page.scene if not i["bought"]]
-    assert len(set(places)) == len(places), "taken apart, two parts lie in one place"

@@ -15,10 +15,8 @@ from PIL import Image, ImageDraw
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.mold import openings
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
+from fingertip.design.geometry.solids import Box, difference
 from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
@@ -42,52 +40,6 @@ def load(name: str) -> tuple[Design, tuple[Section, ...]]:
     file, changes = DESIGNS[name]
     design = Design.load(file, changes=changes)
     return design, tuple(list_sections(design, EVALUATOR))
-
-
-def holds(solid: Solid, z: float, y: float, reach: float = 50.0) -> bool:
-    """Whether a solid has a point (x, y, z) for any x."""
-    probe = Box((-reach, y - 0.01, z - 0.01), (reach, y + 0.01, z + 0.01))
-    return EVALUATOR.manifold(intersection(solid, probe)).volume() > 1e-9
-
-
-def features(name: str) -> dict[str, list[tuple[float, float]]]:
-    found: dict[str, list[tuple[float, float]]] = {}
-    for each in load(name)[1]:
-        for feature in each.features:
-            found.setdefault(feature.name, []).append(feature.at)
-    return found
-
-
-@pytest.mark.parametrize("name", DESIGNS)
-def test_names_stand_in_what_they_name(name: str) -> None:
-    design, _ = load(name)
-    parts = {key: part.solid(design) for key, part in parts_by_name(design).items()}
-    inside = {
-        "collar": parts["bone"], "chaplet": parts["mold_dorsal"], "skin": parts["skin"],
-        "palmar half": parts["mold_palmar"], "dorsal half": parts["mold_dorsal"], "gate": openings(design),
-        "vent": openings(design), "funnel": openings(design), "inlet for the syringe": openings(design),
-        "cable channel": bone.cable_channel(design),
-        "cable groove": bone.cable_channel(design), "hole for the tie": bone.tie_hole(design),
-        "sensor": bone.sensor_body(design), "relief of the solder joints": bone.sensor_recess(design),
-    }  # fmt: skip
-    if "lid" in parts:
-        inside["lid"] = parts["lid"]
-    if "core" in parts:
-        inside["core"] = parts["core"]
-    checked = 0
-    for feature, points in features(name).items():
-        for z, y in points if feature in inside else ():
-            assert holds(inside[feature], z, y), (feature, z, y)
-            checked += 1
-    assert checked >= 8
-    for hollow in ("groove", "cross bolt", "joint", "tendon's anchor"):
-        for z, y in features(name).get(hollow, ()):
-            if hollow == "groove":  # the bone is cut away there, and is not beside it
-                assert not holds(parts["bone"], z, y, 0.05)
-                assert holds(parts["bone"], z, y - design.bone.groove_depth_mm, 0.05)
-            else:
-                around = cylinder("x", (y, z), -60.0, 60.0, 0.3)
-                assert EVALUATOR.manifold(intersection(parts["bone"], around)).volume() < 1e-6
 
 
 def describe_section(shown: Section) -> Iterator[str]:

@@ -34,7 +34,7 @@ DESIGNS = {
     "poured": ("fsr400", ("mold.filling=gravity", "mold.engraving_depth_mm=0", "printer.offset_mm=-0.02")),
     "socket": ("fsr400", ("bone.interface=socket", "bone.base_length_mm=32")),
     "flange": ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27", *WITHOUT_CHAPLET)),
-    "david_finger": ("hands/david_finger", ()),
+    "wide": ("adult_thumb", WITHOUT_CHAPLET),
 }
 
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -95,7 +95,10 @@ def make_report(**strength: Any) -> dict[str, Any]:
 
 
 def make_sources(
-    name: str = "fsr400", remarks: dict[str, str] | None = None, changes: Sequence[str] = (), **changed: bytes | None
+    name: str = "fsr400",
+    remarks: Mapping[str, str] | None = None,
+    changes: Sequence[str] = (),
+    replaced: Mapping[str, bytes | None] | None = None,
 ) -> Sources:
     """Files of a design: each part a corner of a box of its own size, and the smallest of all others."""
     design = Design.load(design_file(name), changes=changes)
@@ -115,7 +118,7 @@ def make_sources(
         "steps/01-print.png": b"PNG", "drawing_bone.svg": DRAWING, "signal/trace.csv": trace.encode(),
         "signal/detection.json": b'{"detector": "digital", "motion_s": 0.485}',
     }  # fmt: skip
-    kept = {key: data for key, data in (files | changed).items() if data is not None}
+    kept = {key: data for key, data in {**files, **(replaced or {})}.items() if data is not None}
     return Sources(design, make_report(), kept, remarks or {})
 
 

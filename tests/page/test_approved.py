@@ -100,10 +100,11 @@ CHECKS: dict[str, dict[str, Any]] = {
 
 def test_sections_of_other_folders_are_the_approved_ones() -> None:
     """Nothing but what must be there, old sets, checks that fail or warn, and where the figures of designs are from."""
-    bare = make_sources(**dict.fromkeys((*(key for key in make_sources().files if "/" in key), "acceptance.md"), None))
-    old = make_sources(
-        remarks={"board": "no <board>", "signal": "no signal", "steps": "no steps"}, **{"drawing_bone.svg": None}
+    bare = make_sources(
+        replaced=dict.fromkeys(key for key in make_sources().files if "/" in key or key == "acceptance.md")
     )
+    missing = {"board": "no <board>", "signal": "no signal", "steps": "no steps"}
+    old = make_sources(remarks=missing, replaced={"drawing_bone.svg": None})
     weighed = Design(
         force_curve={"curve": "calibrated", "min_force_n": 0.5, "max_force_n": 3}, printer={"scale_percent": 100.4}
     )

@@ -20,7 +20,7 @@ from fingertip.foundation.errors import OutputError
 from fingertip.page import MAX_BYTES
 from fingertip.page.render import ARTICLE_DOI
 from fingertip.tasks.page import write_page
-from tests.conftest import ROOT, run_fingertip
+from tests.conftest import run_fingertip
 from tests.page.conftest import Page, make_sources
 
 
@@ -163,10 +163,3 @@ def test_the_command_on_the_page_makes_what_is_missing(copy: Path, design: Desig
     words = remark.partition("fingertip ")[2].removesuffix(" makes them.").split()
     assert run_fingertip(*words, PWD=str(copy)).returncode == 0
     assert write_page(design, copy)[2] == ()
-
-
-def test_the_library_is_the_version_that_the_tool_states() -> None:
-    stated = json.loads((ROOT / "tools/page_libraries/package.json").read_bytes())["dependencies"]["three"]
-    bundle = (ROOT / "src/fingertip/page/assets/three.bundle.js").read_text()
-    assert f'"{stated.split(".")[1]}"' in bundle
-    assert "three.js authors" in (ROOT / "src/fingertip/page/assets/three.LICENSE").read_text()

@@ -92,7 +92,7 @@ def make_trace() -> Trace:
     """One second with slip from 0.5 to 0.7 s, contact at 0.1 s and release at 0.9 s."""
     time_s, voltage_v = burst()
     force_n = np.where((time_s >= 0.1) & (time_s < 0.9), 1.5, 0.0)
-    envelope_v = 0.002 + 0.05 * ((time_s >= 0.51) & (time_s < 0.71))
+    envelope_v = np.where((time_s >= 0.51) & (time_s < 0.71), 0.052, 0.002)
     slip = (time_s >= 0.5) & (time_s < 0.7)
     return Trace(time_s, voltage_v, force_n, slip, envelope_v, 0.1 * envelope_v, Origin(True, 0.48))
 
@@ -125,7 +125,7 @@ def detection() -> None:
 @plot
 def scene() -> None:
     found = make_trace()
-    columns = {"voltage_v": found.voltage_v, "velocity_m_s": 0.01 * found.slip, "slip": found.slip}
+    columns = {"voltage_v": found.voltage_v, "velocity_m_s": np.where(found.slip, 0.01, 0.0), "slip": found.slip}
     result: Any = SimpleNamespace(scene=SimpleNamespace(outputs=[*columns]), columns=columns, time_s=found.time_s)
     sim_report.draw(result, "scene")
 

@@ -34,7 +34,7 @@ DESIGNS = {
     "poured": ("fsr400", ("mold.filling=gravity", "mold.engraving_depth_mm=0", "printer.offset_mm=-0.02")),
     "socket": ("fsr400", ("bone.interface=socket", "bone.base_length_mm=32")),
     "flange": ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27", *WITHOUT_CHAPLET)),
-    "wide": ("adult_thumb", WITHOUT_CHAPLET),
+    "wide": ("fsr402", WITHOUT_CHAPLET),
 }
 
 
@@ -75,7 +75,16 @@ def draw_box(design: Design, drawing: PartDrawing) -> dict[ViewName, ProjectedVi
     return views
 
 
-@pytest.mark.parametrize(("name", "part"), [("calibrated", "lid"), ("sleeve", "core"), ("fsr400", "mold_dorsal")])
+SHEETS = (
+    ("calibrated", "lid"),
+    ("sleeve", "core"),
+    ("fsr400", "mold_dorsal"),
+    ("socket", "mold_palmar"),
+    ("wide", "bone"),
+)
+
+
+@pytest.mark.parametrize(("name", "part"), SHEETS)
 def test_sheet_is_the_approved_one(name: str, part: str) -> None:
     design = load_variant(DESIGNS[name])
     (drawing,) = (one for one in part_drawings(design) if one.part == part)

@@ -59,6 +59,7 @@ def test_widths_of_text_are_those_of_the_font_of_the_pdf() -> None:
         "5.8 +0.19/-0.3",
         "wide: sand the sides until it drops in; (print) again",
         "R3.7 A-A °",
+        *map(chr, range(32, 127)),
     ):
         size = Text(text, (0.0, 0.0), 2.5).size
         assert text_width(text, 2.5) == pytest.approx(metrics.stringWidth(text, "Helvetica", size), rel=1e-9)

@@ -6,7 +6,6 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations, pairwise
-from pathlib import Path
 
 import pytest
 
@@ -15,8 +14,6 @@ from fingertip.design import Design
 from fingertip.design.geometry.sizes import general
 from fingertip.pictures.drawing.draw import part_drawings
 from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Text
-from tests.conftest import design_file, run_python
-from tests.tools import require_module
 
 Drawn = tuple[Design, dict[str, Sheet]]
 Box = tuple[float, float, float, float]
@@ -96,22 +93,6 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
             nominal = size.text().removesuffix(f" {tolerance}")
             wanted.update([str(number), str(number), nominal, tolerance])  # in its balloon, and its row of the table
         assert {text: found[text] for text in wanted} == wanted, drawing.part
-
-
-@pytest.mark.full
-def test_command_writes_the_same_bytes_every_time(tmp_path: Path) -> None:
-    require_module("reportlab")
-    written = []
-    for seed in ("1", "2"):
-        folder = tmp_path / seed
-        done = run_python(
-            "-m", "fingertip", "drawing", str(design_file("child_thumb")), "--out", str(folder), PYTHONHASHSEED=seed
-        )
-        assert done.returncode == 0, done.stderr
-        written.append({path.name: path.read_bytes() for path in sorted(folder.iterdir())})
-    parts = ("bone", "lid", "mold_palmar", "mold_dorsal")
-    assert set(written[0]) == {*(f"drawing_{part}.svg" for part in parts), "drawing.pdf", "manifest.json"}
-    assert written[0] == written[1]
 
 
 @pytest.mark.full

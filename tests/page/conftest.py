@@ -2,18 +2,27 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fingertip import Design, make
+from fingertip.cad.files import stl
+from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import PAGE
+from fingertip.page.render import render_page
+from fingertip.page.sources import Sources
 from fingertip.tasks.build import parts_writer
 from fingertip.tasks.page import write_page
+from tests.conftest import design_file
+from tests.slip.recordings import burst
 
+INPUTS = Path(__file__).parent / "inputs"
 DRAWING = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><path d="M1 1h7"/></svg>\n'
 VOID = {"br", "col", "hr", "img", "input", "link", "meta", "wbr"}
 
@@ -69,6 +78,50 @@ def strip_elements(markup: str) -> str:
     return re.sub(r"<[^>]*>", "", markup)
 
 
+def make_check(name: str, value: float, limit: float, relation: str = "at most", **more: Any) -> dict[str, Any]:
+    return {"name": name, "value": value, "limit": limit, "unit": "mm", "relation": relation, "passed": True, **more}
+
+
+def make_report(**strength: Any) -> dict[str, Any]:
+    checks = [
+        make_check("bone.safety_factor.grip_fdm", 1.25, 1.0, "at least", unit=""),
+        make_check("mold.fill_time", 30.0, 31.0, unit="s"),
+        make_check("mold.triangles", 30.0, 31.0, "exactly", unit=""),
+        make_check("skin.min_thickness_misaligned", 2.0, 1.9, "at least"),
+        *(make_check(f"bone.wall.pin_{i}", 0.1 * i, 2.0 + i) for i in range(8)),
+    ]
+    return {"checks": checks, "strength": {"material": "surgical_guide", "grip_safety_factor": 3.456,
+            "shock_safety_factor": 2.0, "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength}}  # fmt: skip
+
+
+def make_sources(
+    name: str = "fsr400",
+    remarks: Mapping[str, str] | None = None,
+    changes: Sequence[str] = (),
+    replaced: Mapping[str, bytes | None] | None = None,
+) -> Sources:
+    """Files of a design: each part a corner of a box of its own size, and the smallest of all others."""
+    design = Design.load(design_file(name), changes=changes)
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    files = {
+        f"{part}.stl": stl.to_bytes(
+            Mesh(np.vstack([np.zeros(3), np.diag([10.0 + i, 20.0, 30.0 + 2 * i])]), triangles), part
+        )
+        for i, part in enumerate(parts_by_name(design))
+    }
+    time_s, voltage_v = burst()
+    samples = (f"{t:.4f},{v:.6f},{int(0.5 <= t < 0.7)}" for t, v in zip(time_s, voltage_v, strict=True))
+    trace = "\n".join(["time_s,voltage_v,slip", *samples])
+    files |= {f"board/{path.name}": path.read_bytes() for path in INPUTS.iterdir() if path.name != "casting.md"}
+    files |= {
+        "casting.md": (INPUTS / "casting.md").read_bytes(), "acceptance.md": b"# Acceptance\n\nTest it.\n",
+        "steps/01-print.png": b"PNG", "drawing_bone.svg": DRAWING, "signal/trace.csv": trace.encode(),
+        "signal/detection.json": b'{"detector": "digital", "motion_s": 0.485}',
+    }  # fmt: skip
+    kept = {key: data for key, data in {**files, **(replaced or {})}.items() if data is not None}
+    return Sources(design, make_report(), kept, remarks or {})
+
+
 @pytest.fixture(scope="session")
 def design() -> Design:
     return Design.load("fsr400")
@@ -86,5 +139,6 @@ def folder(design: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def page(folder: Path) -> Page:
-    return Page((folder / PAGE).read_text(encoding="utf-8"))
+def page() -> Page:
+    """A page of small files."""
+    return Page(render_page(make_sources()).decode())

@@ -13,16 +13,13 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.fabrication.bom import (
     assembly_bom_file,
     bill_of_materials,
-    find_rotation,
     is_assembled,
-    load_rotations,
     placement_file,
     purchased_components,
 )
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
-from fingertip.board.parts import symbols
 from fingertip.board.parts.select_part import select_part
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 
 MAX_ROW_CHARACTERS = 2048
 """Longest row of a bill of materials that the house accepts."""
@@ -123,37 +120,3 @@ def test_rotations_differ_from_kicads_by_the_table(name: str) -> None:
         part = configuration.placement.parts[reference]
         is_centred = part.pad_centre == pytest.approx((part.x, part.y))
         assert is_centred == ((placed.x_mm, placed.y_mm) == (kicad[reference].x_mm, kicad[reference].y_mm))
-
-
-def test_table_of_rotations_has_the_packages_that_need_it() -> None:
-    assert {r.pattern.removeprefix("^"): r.rotation_deg for r in load_rotations()} == TABLE
-    found = [find_rotation(name) for name in (symbols.SOT_23_5, symbols.SOT_23, symbols.SOD_123, symbols.R_0603)]
-    assert [offset.rotation_deg if offset else None for offset in found] == [180, 180, None, None]
-
-
-def test_through_hole_connector_is_placed_by_its_middle() -> None:
-    """The origin of KiCad's footprint is pin 1; both pins are 2 mm apart."""
-    configuration = BOARD_CONFIGURATIONS["precision_single_3v3"]
-    circuit = board_circuit(board_values(load_article(configuration.changes)))
-    house = parse_placement(placement_file(circuit, configuration.placement, for_house=True))["J2"]
-    kicad = parse_placement(placement_file(circuit, configuration.placement, for_house=False))["J2"]
-    turned = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}[int(kicad.rotation_deg)]  # y points up in both files
-    assert (house.x_mm - kicad.x_mm, house.y_mm - kicad.y_mm) == pytest.approx(turned)
-
-
-def test_comments_state_ratings_and_values() -> None:
-    rows = {
-        d: row.comment
-        for row in parse_bom(assembly_bom_file(board_circuit(board_values(ARTICLE))))
-        for d in row.designators
-    }
-    assert [r for r, comment in rows.items() if ", 0.1 %, " in comment] == ["R10", "R11", "R12", "R13", "R14"]
-    assert rows["R1"] == "2.4k, 1 % or better, 0.1 W"
-    assert rows["C1"] == "1u, X7R 16 V, 10 % or better"
-    assert rows["U1"] == "TL082BC"
-    # Components of different ratings are never merged.
-    changes = ["board.variant=comparator", "detector.window_samples=6"]
-    board = board_circuit(board_values(load_article(changes)))
-    assert board.component("C17").value == board.component("C18").value == "100n"
-    for row in parse_bom(assembly_bom_file(board)):
-        assert len({board.component(r).rating for r in row.designators}) == 1

@@ -10,11 +10,10 @@ import pytest
 from fingertip.board.kicad.project import MODEL_FOLDER
 from fingertip.foundation.output_set import MANIFEST
 from tests.board.test_netlist import FILES
-from tests.conftest import run_fingertip, run_python
+from tests.conftest import run_fingertip
 from tests.designs import ARTICLE_OPTIONS
 
 DETAILS = ((), ("--verbose",), ("--article",))
-HEAVY_MODULES = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplotlib", "manifold3d")
 
 
 def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
@@ -63,22 +62,6 @@ def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     assert run.returncode == 0
     assert (tmp_path / "out" / "fsr400" / "board" / "slip_filter.net").is_file()
     assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
-def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:
-    script = (
-        "import sys, contextlib, io\n"
-        "from fingertip.cli import app\n"
-        "with contextlib.redirect_stdout(io.StringIO()):\n"
-        "    app(sys.argv[1:], standalone_mode=False)\n"
-        f"print([name for name in {HEAVY_MODULES!r} if name in sys.modules])\n"
-    )
-    run = run_python("-c", script, *(a.replace("OUT", str(tmp_path)) for a in arguments))
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.strip() == "[]"
-    assert (tmp_path / "values.json").is_file()
 
 
 NOISY = ("board.variant=precision", "board.passband_gain=300", "board.amplifier=OPA2197")

@@ -26,14 +26,13 @@ from fingertip.foundation.output_set import MANIFEST
 from fingertip.tasks.board import board_differences, board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
+from tests.designs import ARTICLE, ARTICLE_OPTIONS
 from tests.tools import require_tool
 
 CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_project("article_split").placement
 
 
-@pytest.mark.full
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     write_board(ARTICLE, tmp_path)
     (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
@@ -50,11 +49,6 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     assert "bom.csv: cannot be read" in text
     assert "kicad_pcb" not in text
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
-
-
-def test_check_detects_files_of_another_design(tmp_path: Path) -> None:
-    write_board(ARTICLE, tmp_path)
-    assert board_differences(load_article(["board.cutoff_hz=80"]), tmp_path)
 
 
 @pytest.mark.full

@@ -158,33 +158,6 @@ def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> 
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(
-    ("original", "corrupted"),
-    [
-        pytest.param("(export (version", "(export\n  (version", marks=pytest.mark.full),  # is no netlist to it
-        ('(code "3")', '(code "0")'),  # the ground net is dropped silently
-        ("Package_SO:SOIC-8_3.9x4.9mm_P1.27mm", "Package_SO:SOIC-8_no_such"),
-    ],
-    ids=["line break", "net code 0", "footprint"],
-)
-def test_pcb_editor_detects_a_corrupted_netlist(
-    import_netlist: Any, tmp_path: Path, original: str, corrupted: str
-) -> None:
-    """The test above can fail: each of these corruptions gives warnings, errors or another board."""
-    write_board(ARTICLE, tmp_path)
-    text = (tmp_path / NETLIST).read_text("utf-8")
-    assert original in text
-    (tmp_path / "corrupted.net").write_text(text.replace(original, corrupted), encoding="utf-8")
-    record = import_netlist(tmp_path / "corrupted.net")
-    assert "failed" not in record, record
-    if "refused" in record:
-        return
-    is_clean = "Total warnings: 0, errors: 0." in record["tested"]
-    connected = sum(bool(net) for component in record["board"].values() for net in component["nets"].values())
-    assert not is_clean or connected < sum(len(net.nodes) for net in CIRCUIT.nets)
-
-
-@pytest.mark.full
 def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
     """With KiCad's libraries, the mismatches report every symbol and footprint, and the others nothing."""
     require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)

@@ -13,14 +13,19 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import NETS, Contribution, NoiseAlternative
 from fingertip.board.analysis.report import Analysis, analyse
+from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
-from fingertip.tasks.board import board_files, bring_up_files
+from fingertip.tasks.board import board_files, bring_up_files, write_board
+from tests.conftest import ROOT
 from tests.designs import load_article
 
 APPROVED = Path(__file__).parent / "approved"
+SLOW_SHEETS = ("precision_split", "comparator_split", "comparator_single_3v3")
 
 
 def check_approved(name: str, data: bytes) -> None:
@@ -32,14 +37,37 @@ def check_approved(name: str, data: bytes) -> None:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_readme_is_the_approved_one(name: str) -> None:
-    check_approved(f"{name}.md", board_files(load_article(BOARD_CONFIGURATIONS[name].changes))["README.md"])
+def test_readme_and_wiring_are_the_approved_ones(name: str) -> None:
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    check_approved(f"{name}.md", board_files(design)["README.md"])
+    circuit = board_circuit(board_values(design))
+    check_approved(f"{name}_wiring.svg", wiring_diagram(circuit, design.board.supply_v, design.name))
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["article_single", "precision_split", "comparator_split", "comparator_single_3v3"])
-def test_bring_up_sheet_is_the_approved_one(name: str) -> None:
-    check_approved(f"{name}_bringup.md", bring_up_files(load_article(BOARD_CONFIGURATIONS[name].changes))["bringup.md"])
+SHEETS = ["article_single", *(pytest.param(name, marks=pytest.mark.full) for name in SLOW_SHEETS)]
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_bring_up_sheet_and_readings_are_the_approved_ones(name: str) -> None:
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    files = bring_up_files(design)
+    check_approved(f"{name}_bringup.md", files["bringup.md"])
+    check_approved(f"{name}_readings.toml", files["bringup_readings.toml"])
+    check_approved(f"{name}_wiring.svg", files["wiring.svg"])
+
+
+@pytest.mark.parametrize(
+    ("name", "folder", "has_bring_up"),
+    [("fsr400", "pcb", False), pytest.param("fsr400", "pcb", True, marks=pytest.mark.full),
+     ("article", "pcb/article", True)],
+)  # fmt: skip
+def test_bundled_board_is_up_to_date(name: str, folder: str, has_bring_up: bool, tmp_path: Path) -> None:
+    """The folder pcb/ holds the default board with its bring-up sheet, pcb/article/ that of the article."""
+    write_board(Design.load(name), tmp_path, bring_up=has_bring_up)
+    for path in (path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()):
+        if has_bring_up or path.name != "manifest.json":
+            hint = f"run: fingertip board {name} --out {folder} --bringup ({path})"
+            assert (tmp_path / path).read_bytes() == (ROOT / folder / path).read_bytes(), hint
 
 
 @functools.cache

@@ -10,11 +10,9 @@ import pytest
 
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.output_files import BOM, NETLIST, SCHEMATIC
-from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
 from tests.board.test_kicad_libraries import load_symbols
-from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 from tests.tools import require_tool
 
@@ -58,25 +56,6 @@ def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, chan
     assert run_erc(board_folder(*changes)) == []
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("original", "corrupted"),
-    [
-        ('(label "STAGE2_IN"', '(label "STAGE2_MID"'),
-        ("(xy 45.72 53.34) (xy 45.72 58.42)", "(xy 45.72 53.34) (xy 45.72 57.15)"),
-        ('(property "Value" "4.7k"', '(property "Value" "47k"'),
-    ],
-    ids=["label", "wire", "value"],
-)
-def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: str, corrupted: str) -> None:
-    """The comparison of netlists can fail."""
-    write_board(ARTICLE, tmp_path / "pcb")
-    path = tmp_path / "pcb" / SCHEMATIC
-    assert original in path.read_text("utf-8")
-    path.write_text(path.read_text("utf-8").replace(original, corrupted), encoding="utf-8")
-    assert export_netlist(tmp_path / "pcb") != read_netlist(tmp_path / "pcb" / NETLIST)
-
-
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
@@ -100,13 +79,3 @@ def pin_places(symbol: Expression) -> dict[str, tuple[float, ...]]:
         next(children(pin, "number"))[1]: tuple(float(word) for word in next(children(pin, "at"))[1:])
         for pin in descendants(symbol, "pin")
     }
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_title_fits_the_title_block(name: str) -> None:
-    """KiCad's block holds about 107 mm: 45 characters of 2 mm behind the word Title."""
-    (block,) = children(
-        parse(board_files(load_article(BOARD_CONFIGURATIONS[name].changes))[SCHEMATIC].decode()), "title_block"
-    )
-    assert 10 < len(next(children(block, "title"))[1]) <= 45

@@ -172,16 +172,6 @@ def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: s
     assert all(text.text == text.owner for text in board.texts if text.owner)
 
 
-def test_label_at_another_part_is_detected() -> None:
-    board = read_board("article_split")
-    label = next(text for text in board.texts if text.owner == "U1")
-    left, top, _, _ = board.parts["U2"]
-    w, h = label.box[2] - label.box[0], label.box[3] - label.box[1]
-    moved = replace(label, box=(left, top - h - 0.01, left + w, top - 0.01))
-    texts = [moved if text is label else text for text in board.texts]
-    assert any(found.startswith("U1 at") for found in misleading(replace(board, texts=texts)))
-
-
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
     """The pad of J2 nearest to each sign is on the net of that polarity."""

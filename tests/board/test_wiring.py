@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from itertools import combinations
-from operator import itemgetter
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -15,9 +12,7 @@ from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
-from fingertip.catalogues.output_files import BRING_UP, WIRING
-from fingertip.tasks.board import write_board
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 from tests.oracles.sexpressions import children, parse
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -79,20 +74,6 @@ def test_every_pin_of_the_netlist_has_its_wire(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_marks_are_those_that_the_board_prints_beside_the_pins(name: str) -> None:
-    _, root, _ = draw(name)
-    layout = parse(BOARD_CONFIGURATIONS[name].project.layout)
-    front = [item for item in children(layout, "gr_text") if next(children(item, "layer"))[1] == "F.SilkS"]
-    places = [(item[1], *map(float, next(children(item, "at"))[1:3])) for item in front]
-    printed = [place for place in places if len(place[0]) == 1 or place[0] == "SLIP"]
-    middle = 120.0
-    supply = [text for text, x, _ in sorted(printed, key=itemgetter(2)) if x < middle]
-    assert [texts[2] for _, texts in sorted(rows(root, 0.0, 500.0).items())][2:] == supply
-    marks = [texts[0] for _, texts in sorted(rows(root, 500.0, 900.0).items()) if len(texts) > 2]
-    assert sorted(marks) == sorted(text for text, x, _ in printed if x > middle)
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_texts_are_apart_and_inside_the_picture(name: str) -> None:
     """A character is taken to be 0.6 of the font size wide, which is more than Helvetica has on average."""
     _, root, _ = draw(name)
@@ -105,34 +86,3 @@ def test_texts_are_apart_and_inside_the_picture(name: str) -> None:
     assert all(box[0] >= 0 and box[1] >= 0 and box[2] <= width and box[3] <= height for box in boxes)
     for a, b in combinations(boxes, 2):
         assert min(a[2], b[2]) <= max(a[0], b[0]) or min(a[3], b[3]) <= max(a[1], b[1]), (a[4], b[4])
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_notes_fit_the_board(name: str) -> None:
-    circuit, root, supply_v = draw(name)
-    text = " ".join(element.text or "" for element in root.iter(f"{SVG}text"))
-    references = {component.reference for component in circuit.components}
-    assert ("Q1 blocks it" in text) == ("Q1" in references)
-    assert ("A reversed supply destroys the board" in text) == ("Q1" not in references)
-    assert ("sample M too" in text) == ("single" in name)
-    assert ("Pin 2 of J1 is at signal ground" in text) == ("single" in name)
-    assert ("Pin 1 of J1 and J3 has a dot" in text) == ("3v3" in name)
-    assert ("Firmware and detector fast need T and S" in text) == ("3v3" in name)
-    assert ("Take +3.3 V and the ground of J2 from the controller's own 3.3 V pin" in text) == ("3v3" in name)
-    assert ("sketches of fingertip firmware read T at A0 and S at A1" in text) == ("3v3" in name)
-    if "3v3" in name:
-        pads = {pad.name: pad for pad in BOARD_CONFIGURATIONS[name].placement.parts["J3"].pads}
-        assert pads["1"].centre[1] > pads["10"].centre[1], "pin 1 is the lower end"
-    assert f"The outputs lie between 0 and {supply_v:g} V" in text
-
-
-@pytest.mark.full
-def test_sheet_shows_the_diagram_that_is_written_with_it(tmp_path: Path) -> None:
-    write_board(ARTICLE, tmp_path, bring_up=True)
-    assert f"]({WIRING})" in (tmp_path / BRING_UP).read_text("utf-8")
-    design = ARTICLE
-    expected = wiring_diagram(board_circuit(board_values(design)), design.board.supply_v, design.name)
-    assert (tmp_path / WIRING).read_bytes() == expected
-    assert WIRING in json.loads((tmp_path / "manifest.json").read_bytes())["files"]
-    write_board(load_article(["board.cutoff_hz=80"]), tmp_path)
-    assert not (tmp_path / WIRING).exists()

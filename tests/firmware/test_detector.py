@@ -88,16 +88,6 @@ def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None
         assert_same_bits(either, recording.tactile_v, recording.filtered_v)
 
 
-def test_double_build_has_the_bits_of_the_plain_loop(library: Library) -> None:
-    """Also of the loop that numba has not compiled, one sample at a time."""
-    recording = slip_recording(library.design, 1.0)
-    detector = python_detector(library.design)
-    on = [detector.step(*values) for values in zip(*(each.tolist() for each in recording.inputs), strict=True)]
-    *_, found = library.detector("double").process(*recording.inputs)
-    assert found.tolist() == on
-    assert any(on)
-
-
 def test_infinite_and_missing_samples_do_the_same_in_both(library: Library) -> None:
     random = np.random.default_rng(3)
     for wrong in (np.inf, -np.inf, np.nan):

@@ -6,7 +6,7 @@ import functools
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +46,6 @@ from fingertip.board.parts.circuit import (
     STAGE2_MID,
     TACTILE,
     THRESHOLD,
-    VCC,
     Circuit,
     parse_component_value,
 )
@@ -249,30 +248,6 @@ def test_good_boards_pass(changes: tuple[str, ...]) -> None:
         assert not diagnose(plan.board, plan.levels, readings, TONE_V).failed
 
 
-@pytest.fixture(scope="module")
-def faults_of_single() -> tuple[BringUp, list[tuple[str, Mapping[str, float]]]]:
-    """Plan of the article's board on a single supply, and readings of every fourth fault of its parts."""
-    plan = plan_of(BOARD_CONFIGURATIONS["article_single"].changes)[1]
-    faults = [Fault("no", "fault", plan.board.circuit), *list_faults(plan.board.circuit, plan.board.ends_v)][::4]
-    return plan, [(f.sentence, v) for f, v in zip(faults, predict(plan.board, faults), strict=True)]
-
-
-def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(
-    faults_of_single: tuple[BringUp, list[tuple[str, Mapping[str, float]]]],
-) -> None:
-    """Readings of the faults [mV], those that fail, and the parts named; of ngspice's a few are diagnosed below."""
-    plan, faults = faults_of_single
-    lines = []
-    for sentence, readings in faults:
-        data = assess_readings(plan, Readings(TONE_V, readings), THRESHOLD_V)
-        said = data["verdict"] if len(data["likely"]) < 2 else f"one of {'; '.join(sorted(data['likely']))}"
-        lines += [sentence, f"  {said}", *(f"  {hint}" for hint in data["hints"])]
-        failed = {row["name"] for row in data["readings"] if not row["passed"]}
-        rows = [(name, round(1e3 * v, 1) + 0.0) for name, v in readings.items()]
-        lines.append("  " + ", ".join(f"{name} {mv:g}{'!' * (name in failed)}" for name, mv in rows))
-    check_approved("article_single_faults.txt", ("\n".join(lines) + "\n").encode())
-
-
 GROUND_READING = "tp5_open_v"
 
 
@@ -284,48 +259,6 @@ def draw_board(plan: BringUp, random: np.random.Generator) -> Fault:
             ratio = part.requirement.tolerance_percent / 100 * random.uniform(-1, 1)
             drawn = drawn.replace(part.reference, f"{parse_component_value(part.value) * (1 + ratio):.10g}")
     return Fault("", "", drawn)
-
-
-def above_ground(readings: Mapping[str, float]) -> dict[str, float]:
-    """Readings with the black probe at supply ground, as a person takes them: alternating ones are the same there."""
-    direct = {name for name in readings if name.endswith(("open_v", "ohm_v"))} | {"tp4_134hz_v", "u3_134hz_v"}
-    direct -= {name for name in readings if name.startswith("j3_")}  # taken against supply ground by design
-    ground_v = readings[GROUND_READING]
-    return {name: v + ground_v * (name in direct and name != GROUND_READING) for name, v in readings.items()}
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("is_powered_only", [False, True], ids=["all readings", "no tone"])
-def test_readings_above_the_wrong_ground_are_named_first(is_powered_only: bool) -> None:
-    """A good board whose readings were taken against GND has no fault, nor has one with TP5 taken the wrong way."""
-    plan = plan_of(CONTROLLER)[1]
-    good = predict(plan.board, [draw_board(plan, np.random.default_rng(11))])[0]
-    cases = {
-        "black probe at supply ground (GND)": above_ground(good),
-        "red one at supply ground (GND)": {**good, GROUND_READING: -good[GROUND_READING]},
-        "both probes at signal ground": {**good, GROUND_READING: 0.0},
-        "at J3 were taken with the black probe at signal ground": {
-            n: v - good[GROUND_READING] * (n.startswith("j3_") and n.endswith("open_v")) for n, v in good.items()
-        },
-    }
-    for words, readings in cases.items():
-        taken = {name: v for name, v in readings.items() if not (is_powered_only and name.endswith("hz_v"))}
-        data = assess_readings(plan, Readings(TONE_V, taken))
-        assert words in data["mistake"]
-        assert data["verdict"].startswith("Likely a mistake of the measurement, and no fault:")
-        assert data["likely"] == []
-        assert not data["passed"]
-    assert assess_readings(plan, Readings(TONE_V, good))["mistake"] is None
-
-
-@pytest.mark.full
-def test_a_fault_behind_the_wrong_ground_is_named_with_the_mistake() -> None:
-    plan = plan_of(CONTROLLER)[1]
-    fault = next(f for f in list_faults(plan.board.circuit, plan.board.ends_v) if f.sentence.startswith("C2 has half"))
-    data = assess_readings(plan, Readings(TONE_V, above_ground(predict(plan.board, [fault])[0])))
-    assert "black probe at supply ground (GND)" in data["mistake"]
-    assert data["likely"] == ["C2 has half its value"]
-    assert "Together with it: Likely fault: C2 has half its value." in data["verdict"]
 
 
 @pytest.mark.full
@@ -341,20 +274,6 @@ def test_envelope_converges_with_the_time_step(monkeypatch: pytest.MonkeyPatch, 
         # A precision half-wave rectifier of gain 1 gives 1 / pi of the peak, plus the low-pass of R_LP and C_LP: none.
         filtered = plan.levels[name_tone(FILTERED, plan.board.bench.tones_hz[-1])].expected_v
         assert fine == pytest.approx(math.sqrt(2.0) * filtered / math.pi, rel=0.01)
-
-
-@pytest.mark.full
-def test_a_single_odd_reading_is_to_be_measured_again() -> None:
-    """A reading that no fault moves alone is no reason to name parts that cannot move it."""
-    plan = plan_of(CONTROLLER)[1]
-    faults = [Fault("", "", plan.board.circuit), *list_faults(plan.board.circuit, plan.board.ends_v)]
-    predicted = list(zip(faults, predict(plan.board, faults), strict=True))
-    nominal = {name: limits.expected_v for name, limits in plan.levels.items()}
-    for name, volts in (("tp1_open_v", 1.14), ("tp5_open_v", 1.40)):
-        for each in explain(predicted, plan.levels, {**nominal, name: volts}, list_mistakes(plan.board)):
-            moved = next(values for fault, values in predicted if fault == each.fault)[name]
-            assert abs(moved - volts) < abs(nominal[name] - volts), each.fault.sentence
-            assert not each.is_near
 
 
 def test_a_reading_in_millivolts_is_refused_with_what_to_write(tmp_path: Path) -> None:
@@ -409,49 +328,6 @@ def test_command_writes_the_sheet_and_names_the_fault(tmp_path: Path, monkeypatc
 THRESHOLD_V = 0.023
 
 
-def read_good_board(plan: BringUp, dc: float = 1.0, tone: float = 1.0) -> dict[str, float]:
-    """Readings of a good board with its direct voltages, and those of the tone [V], changed by a ratio."""
-    good = predict(plan.board, [draw_board(plan, np.random.default_rng(11))])[0]
-    return {n: v * (dc if not is_tone(n) else 1.0 if n.startswith("u3_") else tone) for n, v in good.items()}
-
-
-def verdict(plan: BringUp, values: dict[str, float]) -> str:
-    return str(assess_readings(plan, Readings(TONE_V, values), THRESHOLD_V)["verdict"])
-
-
-@pytest.mark.full
-@TWO
-@pytest.mark.parametrize("ratio", [0.91, 0.955, 1.09])
-def test_readings_that_follow_the_supply_name_it(changes: tuple[str, ...], ratio: float) -> None:
-    plan = plan_of(changes)[1]
-    nominal_v = plan.board.rails_v[VCC]
-    few = ("tp1_open_v", "j1_open_v", "r13_open_v", "tp2_open_v")
-    for names in (None, few) if abs(ratio - 1.0) > 0.05 else (None,):
-        said = verdict(plan, {n: v for n, v in read_good_board(plan, dc=ratio).items() if names is None or n in names})
-        assert said.startswith("No part need be faulty: all direct voltages are")
-        found = re.search(rf"would be ([\d.]+) V and has to be {nominal_v:g} V within 2 %", said)
-        assert found
-        assert float(found[1]) == pytest.approx(ratio * nominal_v, rel=0.02)
-    assert "check that the supply is on and not reversed" in verdict(plan, read_good_board(plan, dc=0.0))
-
-
-@pytest.mark.full
-def test_a_fault_beside_a_low_supply_is_not_denied() -> None:
-    plan = plan_of(CONTROLLER)[1]
-    values = read_good_board(plan, dc=0.9) | {"tp3_134hz_v": 0.02}
-    assert verdict(plan, values).startswith("First, all direct voltages are 0.9")
-
-
-@TWO
-def test_readings_that_follow_the_tone_name_it_beside_the_fault(changes: tuple[str, ...]) -> None:
-    said = verdict(plan_of(changes)[1], read_good_board(plan_of(changes)[1], tone=0.5))
-    tone = re.search(r"the tone would be ([\d.]+) V RMS; check that tone_v = 0.3 is", said)
-    assert tone
-    assert float(tone[1]) == pytest.approx(0.15, abs=0.011)
-    assert "Or: Likely fault, one of these" in said
-    assert "R4 has twice its value" in said
-
-
 @pytest.mark.full
 @TWO
 def test_no_fault_of_a_part_looks_like_another_supply(changes: tuple[str, ...]) -> None:
@@ -463,39 +339,84 @@ def test_no_fault_of_a_part_looks_like_another_supply(changes: tuple[str, ...]) 
         assert not any("supply" in each for each in said), fault.sentence
 
 
-def hints(plan: BringUp, values: dict[str, float]) -> str:
-    return " ".join(assess_readings(plan, Readings(TONE_V, values), THRESHOLD_V)["hints"])
+# Report on readings, compared whole with approved files
+
+THRESHOLD_V = 0.023
 
 
-def test_an_offset_of_the_envelope_raises_the_threshold_of_analog_alone() -> None:
-    plan = plan_of(CONTROLLER)[1]
-    said = hints(plan, {QUIET_ENVELOPE: 0.020})
-    noise_v = plan.levels[QUIET_ENVELOPE].expected_v
-    assert noise_v > 1e-3
-    assert f"`--detector analog --set detector.threshold_v={THRESHOLD_V + 0.020 - noise_v:.3f}`" in said
-    assert "Never change it for `digital`" in said
-    assert "E minus M at J3" in said
-    assert not hints(plan, {QUIET_ENVELOPE: 0.008})
+def assess(plan: BringUp, title: str, readings: Mapping[str, float]) -> Iterator[str]:
+    """Yield what is said of readings. Faults that cannot be told apart are sorted: rounding decides their order."""
+    data = assess_readings(plan, Readings(TONE_V, readings), THRESHOLD_V)
+    yield f"{title}: {', '.join(row['name'] for row in data['readings'] if not row['passed'])}"
+    yield "  " + data["verdict"].replace("; ".join(data["likely"]), "; ".join(sorted(data["likely"])))
+    yield from (f"  {hint}" for hint in data["hints"])
 
 
-@pytest.mark.full
-def test_no_threshold_follows_from_a_reading_that_is_wrong() -> None:
-    plan = plan_of(CONTROLLER)[1]
-    assert "threshold" not in hints(plan, {QUIET_ENVELOPE: 1.474})
-    # Within its limits, but beside a mistake of the measurement.
-    good = read_good_board(plan) | {QUIET_ENVELOPE: 0.02}
-    assert "threshold" in hints(plan, good)
-    values = {n: v - good["tp5_open_v"] * (n.startswith("j3_") and n.endswith("open_v")) for n, v in good.items()}
-    assert "at J3 were taken with the black probe at signal ground" in verdict(plan, values)
-    assert "threshold" not in hints(plan, values)
+@pytest.fixture(scope="module")
+def single_plan(predict_once: None) -> BringUp:
+    """Plan of the article's board on a single supply, whose faults are predicted."""
+    plan = plan_of(BOARD_CONFIGURATIONS["article_single"].changes)[1]
+    diagnose(plan.board, plan.levels, dict.fromkeys(plan.levels, 0.0), TONE_V)
+    return plan
 
 
-def test_no_current_is_a_supply_that_is_not_connected() -> None:
-    plan = plan_of(CONTROLLER)[1]
-    data = assess_readings(plan, Readings(TONE_V, {SUPPLY_MA: 0.0}))
-    assert data["verdict"] == "Readings fail: supply_ma. No voltage was entered."
-    assert "supply_ma: no current: the supply is reversed or not connected" in data["hints"][0]
-    assert "not soldered" not in data["hints"][0]
-    little = assess_readings(plan, Readings(TONE_V, {SUPPLY_MA: 1.5, "tp1_open_v": 1.2145}))
-    assert "an amplifier is not soldered" in little["hints"][0]
-    assert little["verdict"].startswith("The voltages entered are within their limits")
+def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(single_plan: BringUp) -> None:
+    """Readings [mV] of every fifth fault."""
+    board, lines = single_plan.board, list[str]()
+    faults = list(list_faults(board.circuit, board.ends_v))[::5]
+    for fault, readings in zip(faults, predict(board, faults), strict=True):
+        lines += assess(single_plan, fault.sentence, readings)
+        lines.append("  " + ", ".join(f"{name} {round(1e3 * v, 1) + 0.0:g}" for name, v in readings.items()))
+    check_approved("article_single_faults.txt", ("\n".join(lines) + "\n").encode())
+
+
+def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield readings of a good board that are taken in a wrong way, or with another supply or tone."""
+    board = plan.board
+    fault = next(f for f in list_faults(board.circuit, board.ends_v) if f.sentence.startswith("C2 has half"))
+    good, half_c2 = (dict(v) for v in predict(board, [draw_board(plan, np.random.default_rng(11)), fault]))
+    ground_v = good["tp5_open_v"]
+    tones = {name for name in good if is_tone(name) and not name.startswith("u3_")}
+
+    def scale(dc: float, tone: float) -> dict[str, float]:
+        return {n: v * (tone if n in tones else 1.0 if is_tone(n) else dc) for n, v in good.items()}
+
+    def at_supply_ground(readings: dict[str, float]) -> dict[str, float]:
+        """Alternating voltages are the same there, and those at J3 are taken against it by design."""
+        moved = {n for n in readings if n.endswith(("open_v", "ohm_v")) and n[:2] != "j3"} | {
+            "tp4_134hz_v",
+            "u3_134hz_v",
+        }
+        return {n: v + readings["tp5_open_v"] * (n in moved - {"tp5_open_v"}) for n, v in readings.items()}
+
+    at_signal_ground = {n: v - ground_v * (n[:2] == "j3" and n.endswith("open_v")) for n, v in good.items()}
+    yield "good board", good
+    for ratio in (0.91, 0.955, 1.09, 0.0):
+        yield f"supply x {ratio}", scale(ratio, 1.0)
+    few = ("tp1_open_v", "j1_open_v", "r13_open_v", "tp2_open_v")
+    yield "supply x 0.91, four readings", {n: 0.91 * good[n] for n in few}
+    yield "two readings", {n: 0.91 * good[n] for n in few[:2]}
+    yield "supply x 0.9 and a weak tone", scale(0.9, 1.0) | {"tp3_134hz_v": 0.02}
+    for ratio in (0.5, 0.0):
+        yield f"tone x {ratio}", scale(1.0, ratio)
+    yield "black probe at GND", at_supply_ground(good)
+    yield "black probe at GND, no tone", {n: v for n, v in at_supply_ground(good).items() if not n.endswith("hz_v")}
+    yield "black probe at GND, C2 with half its value", at_supply_ground(half_c2)
+    yield "probes exchanged at TP5", good | {"tp5_open_v": -ground_v}
+    yield "both probes at TP5", good | {"tp5_open_v": 0.0}
+    yield "black probe at TP5 for J3", at_signal_ground
+    for name, volts in (("tp1_open_v", 1.14), ("tp5_open_v", 1.40)):
+        yield f"{name} of {volts} V alone is odd", good | {name: volts}
+    for volts in (0.020, 0.008, 1.474):
+        yield f"envelope at rest of {volts} V", {QUIET_ENVELOPE: volts}
+    yield "envelope at rest of 0.02 V, good board", good | {QUIET_ENVELOPE: 0.02}
+    yield "envelope at rest of 0.02 V, black probe at TP5 for J3", at_signal_ground | {QUIET_ENVELOPE: 0.02}
+    yield "no current", {SUPPLY_MA: 0.0}
+    yield "little current", {SUPPLY_MA: 1.5, "tp1_open_v": good["tp1_open_v"]}
+
+
+@pytest.mark.parametrize("name", ["article_single", pytest.param("precision_single_3v3", marks=pytest.mark.full)])
+def test_what_is_said_of_wrong_readings_is_the_approved_text(single_plan: BringUp, name: str) -> None:
+    plan = single_plan if name == "article_single" else plan_of(CONTROLLER)[1]
+    lines = [line for title, readings in list_wrong_readings(plan) for line in assess(plan, title, readings)]
+    check_approved(f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())

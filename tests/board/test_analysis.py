@@ -142,30 +142,18 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
     assert table.read_text().startswith("frequency_hz,")
     assert str(table) in data["files"]
     text = run_fingertip("board", *ARTICLE_OPTIONS, "--analysis", "--quiet", "--out", tmp_path / "pcb").stdout
-    for phrase in (
-        "RMS noise, 0.1 Hz to 1 MHz",
-        "203 mV",
-        "lower -3 dB [Hz]",
-        "sensitivity [%/%]",
-        "below the diode's",
-    ):
-        assert phrase in text
+    assert analysis_text(analyse(ARTICLE)).strip() in text
 
 
-def test_tolerances_are_those_of_the_parts_and_their_cost_is_stated() -> None:
+def test_tolerances_are_those_of_the_parts() -> None:
     """With C1 to C3 of twice the article's tolerance the cutoff spreads almost twice as much."""
     analysis = analyse(ARTICLE, boards=2000)
     assert analysis.component_percent == {name: 1.0 if name[0] == "R" else 10.0 for name in COMPONENTS[:8]}
     own, article = (spread["cutoff_hz"] for spread in (analysis.spread, analysis.article_spread))
     assert 1.7 < own.deviation / article.deviation < 2.0
     assert own.worst_low < article.worst_low < article.worst_high < own.worst_high
-    text = analysis_text(analysis)
-    assert "tolerances: filter resistors 1 %, capacitors 10 %, as in the bill of materials" in text
-    assert f"from {own.low_95:.1f} to {own.high_95:.1f} Hz with C1 to C3 of 10 %" in text
-    assert f"the article's 5 % it would be {article.low_95:.1f} to {article.high_95:.1f} Hz" in text
     stated = analyse(load_article(["board.capacitor_tolerance_percent=5"]), boards=2000)
     assert stated.spread == stated.article_spread == analysis.article_spread
-    assert "the article's" not in analysis_text(stated)
 
 
 def test_alias_attenuation_of_the_default_board() -> None:
@@ -265,12 +253,11 @@ def test_plot_shows_the_band(band: ResponseBand, monkeypatch: pytest.MonkeyPatch
 @pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
 def test_command_writes_the_same_plot_twice(tmp_path: Path, suffix: str, start: bytes) -> None:
     require_module("matplotlib")
-    plots = [tmp_path / f"{name}{suffix}" for name in "ab"]
-    for plot in plots:
-        run = run_fingertip("board", "--out", tmp_path / "pcb", "--plot", plot, "--json")
-        assert run.returncode == 0, run.stderr
-        assert plot.as_posix() in json.loads(run.stdout)["files"]
-    data = plots[0].read_bytes()
-    assert data.startswith(start)
-    assert data == plots[1].read_bytes()
-    assert b"<dc:date>" not in data
+    plot, data = tmp_path / f"a{suffix}", set()
+    for _ in range(2):
+        run = run_fingertip("board", "--out", tmp_path / "pcb", "--plot", plot, "--json", "--force")
+        assert plot.as_posix() in json.loads(run.stdout)["files"], run.stderr
+        data.add(plot.read_bytes())
+    (once,) = data
+    assert once.startswith(start)
+    assert b"<dc:date>" not in once

@@ -248,9 +248,6 @@ def test_good_boards_pass(changes: tuple[str, ...]) -> None:
         assert not diagnose(plan.board, plan.levels, readings, TONE_V).failed
 
 
-GROUND_READING = "tp5_open_v"
-
-
 def draw_board(plan: BringUp, random: np.random.Generator) -> Fault:
     """Board of components within their tolerances."""
     drawn = plan.board.circuit
@@ -383,11 +380,9 @@ def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]
 
     def at_supply_ground(readings: dict[str, float]) -> dict[str, float]:
         """Alternating voltages are the same there, and those at J3 are taken against it by design."""
-        moved = {n for n in readings if n.endswith(("open_v", "ohm_v")) and n[:2] != "j3"} | {
-            "tp4_134hz_v",
-            "u3_134hz_v",
-        }
-        return {n: v + readings["tp5_open_v"] * (n in moved - {"tp5_open_v"}) for n, v in readings.items()}
+        own = ("tp5_open_v", *(n for n in readings if n.startswith("j3")))
+        ends = ("open_v", "ohm_v", "tp4_134hz_v", "u3_134hz_v")
+        return {n: v + readings["tp5_open_v"] * (n.endswith(ends) and n not in own) for n, v in readings.items()}
 
     at_signal_ground = {n: v - ground_v * (n[:2] == "j3" and n.endswith("open_v")) for n, v in good.items()}
     yield "good board", good

@@ -10,7 +10,6 @@ import functools
 import json
 import math
 import re
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -476,17 +475,6 @@ def test_kicad_exports_every_part_in_its_place(
             math.dist((x, y, z - board_top), centre) < 0.01 and abs(found_volume - size) < 1e-4
             for size, centre in expected
         ), (x, y, z)
-
-
-@pytest.mark.full
-def test_variable_selects_another_folder_of_models(board_folder: BoardFolder, tmp_path: Path) -> None:
-    require_module("cadquery")
-    folder = board_folder(*BOARD_CONFIGURATIONS["article_split"].changes)
-    own = export_step(folder, tmp_path / "own.step")
-    assert len(export_step(folder, tmp_path / "none.step", "-D", f"{MODEL_VARIABLE}={tmp_path}")) == 1
-    shutil.copytree(folder / MODEL_FOLDER, tmp_path / "other")
-    other = export_step(folder, tmp_path / "other.step", "-D", f"{MODEL_VARIABLE}={tmp_path / 'other'}")
-    assert sorted(other) == sorted(own)
 
 
 def test_changed_model_is_kept_and_reported(tmp_path: Path) -> None:

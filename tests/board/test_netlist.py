@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +29,6 @@ from fingertip.design import Design
 from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import write_board
 from tests.board.kicad import read_netlist
-from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import filter_transfer, tactile_pin_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
@@ -186,16 +184,3 @@ def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_p
     poles = sorted(circuit.poles("/TACTILE").real)[::-1]
     assert poles[0] < 0 if name == "article_single" else poles[0] == 0 > poles[1]
     assert circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2
-
-
-@pytest.mark.full
-def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
-    digests = []
-    for seed in ("1", "2"):
-        out = tmp_path / seed / "pcb"
-        run = run_fingertip("board", "--out", out, "--quiet", PYTHONHASHSEED=seed)
-        assert run.returncode == 0, run.stderr
-        files = sorted(path for path in out.rglob("*") if path.is_file())
-        digests.append({p.relative_to(out): hashlib.sha256(p.read_bytes()).hexdigest() for p in files})
-    assert digests[0] == digests[1]
-    assert sorted({path.parts[0] for path in digests[0]}) == FILES

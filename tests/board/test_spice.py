@@ -13,7 +13,6 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.limits import (
     adc_range_warnings,
     describe_adc_range,
-    describe_filter_swing,
 )
 from fingertip.board.analysis.loads import load_warnings
 from fingertip.board.analysis.response import decibel
@@ -23,12 +22,6 @@ from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import Circuit
-from fingertip.catalogues.amplifiers import (
-    ARTICLE_AMPLIFIER,
-    LOW_OFFSET_AMPLIFIER,
-    LOW_VOLTAGE_AMPLIFIER,
-    RAIL_TO_RAIL_AMPLIFIER,
-)
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.tasks.board import write_board
@@ -297,28 +290,6 @@ def test_an_adc_range_below_the_boards_signals_is_reported() -> None:
     assert list(adc_range_warnings(sufficient)) == []
     (warning,) = adc_range_warnings(insufficient)
     assert describe_adc_range(insufficient) in warning
-
-
-def test_only_the_articles_board_has_an_amplifier_with_phase_reversal() -> None:
-    """The TL082's input range ends 3 V above the negative rail (typical) or 4 V (guaranteed)."""
-    for name, configuration in BOARD_CONFIGURATIONS.items():
-        values = board_values(load_article(configuration.changes))
-        limits, is_article = values.voltage_limits, name == "article_split"
-        amplifier = RAIL_TO_RAIL_AMPLIFIER
-        if name.startswith("comparator"):
-            amplifier = LOW_VOLTAGE_AMPLIFIER if name.endswith("3v3") else LOW_OFFSET_AMPLIFIER
-        assert values.amplifier == (ARTICLE_AMPLIFIER if is_article else amplifier)
-        assert limits.has_phase_reversal == is_article == ("jumps up" in describe_filter_swing(limits))
-        if is_article:
-            assert (limits.filter_trough_v, limits.filter_guaranteed_trough_v) == (2.0, 1.0)
-        else:
-            below_v = limits.signal_ground_v if "single" in name else 5.0
-            above_v = configuration.supply.nominal_v - limits.signal_ground_v
-            assert limits.filter_trough_v == limits.filter_guaranteed_trough_v
-            assert above_v - limits.filter_peak_v == pytest.approx(below_v - limits.filter_trough_v, rel=1e-3)
-        assert f"{limits.filter_trough_v:.1f} V down" in describe_filter_swing(limits)
-    higher_supply = board_values(load_article(["board.supply_v=5.5"])).voltage_limits
-    assert (higher_supply.filter_peak_v, higher_supply.filter_trough_v) == (4.0, 2.5)
 
 
 AMPLIFIER_OUTPUTS = {"U1a": "stage1_out", "U1b": "filtered", "U2": "tactile", "U3a": "rect_out", "U3b": "envelope"}

@@ -13,11 +13,10 @@ from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.catalogues.controllers import BOARDS
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.documents.firmware import BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION, find_load
+from fingertip.documents.firmware import BUFFER_SAMPLES
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings
-from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.slip.detectors.fast_coefficients import NODES, load_model
+from fingertip.firmware.sources import HEADER, SOURCE
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
@@ -27,19 +26,6 @@ PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
 
 def read_readme(design: Design) -> str:
     return firmware_files(design)["."]["README.md"].decode()
-
-
-def test_tables_hold_the_trees() -> None:
-    source = library_sources(Design())[SOURCE].decode()
-    model = load_model()
-    tables = re.findall(r"static const \w+ (\w+)\[[^\]]*\] = \{(.*?)\n\};", source, re.DOTALL)
-    forms = {"slip_features": r"(\d+),", "slip_thresholds": r"KEY\(([^,]+), \w+\),", "slip_leaves": r"R\((.+?)\),"}
-    found = {name: re.findall(forms[name], text) for name, text in tables}
-    nodes = [i for i in range(model.trees * (NODES + 1)) if i % (NODES + 1)]
-    features, thresholds = found["slip_features"], found["slip_thresholds"]
-    assert [float(features[i]) for i in nodes] == model.features.tolist()
-    assert [float(thresholds[i]) for i in nodes] == model.thresholds.tolist()
-    assert [float(leaf) for leaf in found["slip_leaves"]] == model.leaves.tolist()
 
 
 def test_arduino_and_platformio_know_the_library() -> None:
@@ -78,20 +64,6 @@ def test_controllers_and_ports_of_the_readme_stand_in_the_manual() -> None:
         core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
         known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
         assert known == (board.timer == "yes"), board.name
-
-
-def test_load_of_each_controller_follows_from_its_clock_and_the_measured_instructions() -> None:
-    targets = costs.read_costs()["targets"]
-    for board in BOARDS:
-        target = targets["Cortex-M4F" if "with floats" in board.core else "Cortex-M0+"]
-        found = {rate_hz: find_load(board, rate_hz) for rate_hz in (100.0, 2000.0, 2e6)}
-        for load in found.values():
-            assert load.mean == pytest.approx(CYCLES_PER_INSTRUCTION * target["instructions"]["slip"], abs=100)
-            assert load.longest == pytest.approx(CYCLES_PER_INSTRUCTION * target["max_instructions"], abs=100)
-        # On every controller of the table loop() keeps up at 2 kHz; a faster rate is refused to the slow ones.
-        assert found[100.0].longest <= found[100.0].available
-        assert found[2000.0].mean <= found[2000.0].available == pytest.approx(1e6 * board.clock_mhz / 2000, abs=100)
-        assert found[2e6].mean > found[2e6].available
 
 
 def test_sketches_agree_with_readme_and_board() -> None:

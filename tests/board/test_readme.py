@@ -218,6 +218,16 @@ def test_what_is_said_of_wrong_readings_is_the_approved_text(single_plan: BringU
     check_approved(f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
 
 
+@pytest.mark.parametrize("name", ["comparator_split", "comparator_single_3v3", "precision_single"])
+def test_limits_of_the_readings_are_the_approved_ones(name: str) -> None:
+    """Lowest, expected and highest reading, in the unit that its name ends in."""
+    lines = [
+        " ".join([key, *(f"{round(v, 5) + 0.0:g}" for v in (limits.low_v, limits.expected_v, limits.high_v))])
+        for key, limits in plan_of(BOARD_CONFIGURATIONS[name].changes)[1].all.items()
+    ]
+    check_approved(f"{name}_limits.txt", ("\n".join(lines) + "\n").encode())
+
+
 # Legibility of the diagrams
 
 

@@ -1,20 +1,36 @@
-"""`fingertip board`: output, errors, files and imports."""
+"""`fingertip board`: output, errors, files, reports of differences, and fabrication files."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
+import re
+import zipfile
 from pathlib import Path
 
 import pytest
 
-from fingertip.board.kicad.project import MODEL_FOLDER
+from fingertip.board import board_circuit, board_values
+from fingertip.board.fabrication.bom import placement_file
+from fingertip.board.fabrication.fabrication_files import (
+    export_gerbers,
+    find_outdated_files,
+    kicad_session,
+    provenance_record,
+)
+from fingertip.board.kicad.project import MODEL_FOLDER, load_project
+from fingertip.catalogues.output_files import LAYOUT, PROVENANCE, README
+from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import MANIFEST
+from fingertip.tasks.board import board_differences, board_files, write_board
+from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_netlist import FILES
-from tests.conftest import run_fingertip, run_python
-from tests.designs import ARTICLE_OPTIONS
+from tests.conftest import run_fingertip
+from tests.designs import ARTICLE, ARTICLE_OPTIONS
+from tests.tools import require_tool
 
 DETAILS = ((), ("--verbose",), ("--article",))
-HEAVY_MODULES = ("cadquery", "OCP", "trimesh", "vtk", "numba", "scipy", "matplotlib", "manifold3d")
 
 
 def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
@@ -65,22 +81,6 @@ def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("arguments", [["board", "--out", "OUT"], ["board", "--out", "OUT", "--json"]])
-def test_command_imports_no_heavy_modules(tmp_path: Path, arguments: list[str]) -> None:
-    script = (
-        "import sys, contextlib, io\n"
-        "from fingertip.cli import app\n"
-        "with contextlib.redirect_stdout(io.StringIO()):\n"
-        "    app(sys.argv[1:], standalone_mode=False)\n"
-        f"print([name for name in {HEAVY_MODULES!r} if name in sys.modules])\n"
-    )
-    run = run_python("-c", script, *(a.replace("OUT", str(tmp_path)) for a in arguments))
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.strip() == "[]"
-    assert (tmp_path / "values.json").is_file()
-
-
 NOISY = ("board.variant=precision", "board.passband_gain=300", "board.amplifier=OPA2197")
 SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
 
@@ -128,3 +128,139 @@ def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeyp
     assert run_fingertip("board", *other, "--out", remedy).returncode == 0
     assert run_fingertip("board", *other, "--force").returncode == 0
     assert layout.read_bytes() == (Path(remedy) / layout.name).read_bytes() != before
+
+
+CIRCUIT = board_circuit(board_values(ARTICLE))
+ARTICLE_PLACEMENT = load_project("article_split").placement
+
+
+def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
+    write_board(ARTICLE, tmp_path)
+    (tmp_path / "slip_filter.net").write_bytes((tmp_path / "slip_filter.net").read_bytes().replace(b'"4.7k"', b'"47k"'))
+    (tmp_path / "bom.csv").unlink()
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--json", "--out", tmp_path)
+    assert run.returncode == 1
+    data = json.loads(run.stdout)
+    assert data["current"] is False
+    text = "\n".join(data["differences"])
+    assert "slip_filter.net: differs" in text
+    assert '(value "47k")' in text
+    assert '(value "4.7k")' in text
+    assert "bom.csv: cannot be read" in text
+    assert "kicad_pcb" not in text
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.full
+def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
+    (tmp_path / README).write_text("# Mine\n")
+    with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):
+        write_board(ARTICLE, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [README]
+    write_board(ARTICLE, tmp_path, force=True)
+    assert board_differences(ARTICLE, tmp_path) == []
+    (tmp_path / README).write_text("# Mine\n")
+    assert any("README.md: differs" in line for line in board_differences(ARTICLE, tmp_path))
+
+
+def parse_csv(data: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(data.decode())))
+
+
+@pytest.mark.full
+def test_placement_file_equals_kicads(tmp_path: Path) -> None:
+    write_board(ARTICLE, tmp_path / "pcb")
+    run = kicad_cli(
+        tmp_path / "pcb", "pcb", "export", "pos", LAYOUT, "--use-drill-file-origin", "--format", "csv", "--units", "mm",
+        "-o", "pos.csv",
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    kicad_rows = {r["Ref"]: r for r in parse_csv((tmp_path / "pcb" / "pos.csv").read_bytes())}
+    own_rows = parse_csv(placement_file(CIRCUIT, ARTICLE_PLACEMENT, for_house=False))
+    assert {r["Designator"] for r in own_rows} == {ref for ref in kicad_rows if ref[0] != "J"}
+    for row in own_rows:
+        kicad_row = kicad_rows[row["Designator"]]
+        assert float(row["Mid X"].removesuffix("mm")) == pytest.approx(float(kicad_row["PosX"]), abs=1e-4)
+        assert float(row["Mid Y"].removesuffix("mm")) == pytest.approx(float(kicad_row["PosY"]), abs=1e-4)
+        assert float(row["Rotation"]) % 360 == float(kicad_row["Rot"]) % 360
+        assert kicad_row["Side"] == row["Layer"].lower()
+
+
+@pytest.mark.full
+def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None:
+    require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--fab", "--quiet", "--out", tmp_path)
+    assert (run.returncode, run.stderr) == (0, "")
+    fab = tmp_path / "fab"
+    archive = zipfile.ZipFile(fab / "slip_filter_gerbers.zip")
+    with kicad_session(board_files(ARTICLE), lambda message: None) as (folder, run_kicad):
+        assert export_gerbers(folder, run_kicad, "slip_filter") == (fab / "slip_filter_gerbers.zip").read_bytes()
+    names = {name.removeprefix("slip_filter").split(".")[0] for name in archive.namelist()}
+    assert {"-F_Cu", "-B_Cu", "-F_Mask", "-B_Mask", "-F_Silkscreen", "-F_Paste", "-Edge_Cuts", "-PTH", "-NPTH"} <= names
+    for layer in ("F_Cu.gtl", "B_Cu.gbl"):
+        assert archive.read(f"slip_filter-{layer}").count(b"D01*") > 20  # tracks and pour are drawn
+    plated, unplated = (archive.read(f"slip_filter-{kind}.drl") for kind in ("PTH", "NPTH"))
+    assert re.findall(rb"T\d+C([\d.]+)", unplated) == [b"2.200"]
+    assert unplated.count(b"\nX") == 2
+    assert re.findall(rb"T\d+C([\d.]+)", plated) == [b"0.300", b"1.000"]
+    assert (fab / "slip_filter_front.png").read_bytes().startswith(b"\x89PNG")
+    assert (fab / "slip_filter_schematic.pdf").read_bytes().startswith(b"%PDF")
+    assert (fab / "slip_filter_assembly.pdf").read_bytes().startswith(b"%PDF")
+    recorded = [line.split("  ")[1] for line in (fab / PROVENANCE).read_text().splitlines()]
+    own = {PROVENANCE, MANIFEST}
+    assert {path.name for path in fab.iterdir()} == {name for name in recorded if "/" not in name} | own
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--check", "--fab", "--out", tmp_path).returncode == 0
+
+
+BOARD_FILES = {
+    "slip_filter.kicad_pcb": b"pcb",
+    "slip_filter.kicad_sch": b"sch",
+    "bom.csv": b"bom",
+    "values.json": b"{}",
+}
+
+
+def test_provenance_record_reveals_outdated_and_changed_files(tmp_path: Path) -> None:
+    made = {"slip_filter_gerbers.zip": b"zip", "bom_assembly.csv": b"parts"}
+    for name, data in (made | {"record": provenance_record(BOARD_FILES, made)}).items():
+        (tmp_path / name).write_bytes(data)
+    assert find_outdated_files(tmp_path, "record", BOARD_FILES) == []
+    assert find_outdated_files(tmp_path, "record", BOARD_FILES | {"values.json": b"other"}) == []
+    for name in ("slip_filter.kicad_pcb", "slip_filter.kicad_sch", "bom.csv"):
+        (difference,) = find_outdated_files(tmp_path, "record", BOARD_FILES | {name: b"other"})
+        assert f"was made from another {name} than this design gives; write it again with --fab" in difference
+    (tmp_path / "slip_filter_gerbers.zip").write_bytes(b"older")
+    (tmp_path / "bom_assembly.csv").unlink()
+    changed, missing = find_outdated_files(tmp_path, "record", BOARD_FILES)
+    assert "slip_filter_gerbers.zip: was changed after it was made" in changed
+    assert "bom_assembly.csv: cannot be read" in missing
+    for record in (b"hello", b"\xff\xfe"):
+        (tmp_path / "record").write_bytes(record)
+        assert "has no valid record that names the board" in find_outdated_files(tmp_path, "record", BOARD_FILES)[0]
+
+
+@pytest.mark.full
+def test_gerbers_of_an_earlier_board_are_reported(tmp_path: Path) -> None:
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr.count("warning") == 0
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--check", "--fab").returncode == 1, (
+        "there are no fabrication files"
+    )
+    (tmp_path / "fab").mkdir()
+    (tmp_path / "fab" / "slip_filter_gerbers.zip").write_bytes(b"zip")
+    (tmp_path / "fab" / PROVENANCE).write_bytes(
+        provenance_record(board_files(ARTICLE), {"slip_filter_gerbers.zip": b"zip"})
+    )
+    assert run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--check", "--fab").returncode == 0
+    assert "warning" not in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr
+
+    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path, "--set", "board.cutoff_hz=80", "--json")
+    assert run.returncode == 0
+    assert f"warning: {tmp_path / 'fab'}: was made from another slip_filter.kicad_pcb than this design" in run.stderr
+    assert any("bom.csv" in text for text in json.loads(run.stdout)["fabrication_differences"])
+    for options in (("--check",), ("--check", "--fab")):
+        run = run_fingertip("board", "--out", tmp_path, "--set", "board.cutoff_hz=80", *options)
+        assert run.returncode == 1
+        assert "write it again with --fab" in run.stdout
+    (tmp_path / "fab" / PROVENANCE).unlink()
+    assert "has no valid made_from.sha256" in run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path).stderr

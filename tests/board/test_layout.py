@@ -1,27 +1,42 @@
-"""The layout: KiCad's design rules check, parity with the schematic, size, decoupling and pads."""
+"""The layout: KiCad's design rules check, parity with the schematic, pads, print on both sides, and 3D models.
+
+The check measures size and clearances of texts with the true shapes of KiCad's letters. STEP files are those that a
+B-rep kernel reads, alone and in the board as KiCad exports it.
+"""
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import re
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.kicad.placement import PlacedPart
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values, print_values
+from fingertip.board.kicad.netlist import REVISION
+from fingertip.board.kicad.placement import PlacedPart, Placement
+from fingertip.board.kicad.project import (
+    BOARD_CONFIGURATIONS,
+    MODEL_FOLDER,
+    MODEL_FOLDER_OF_KICAD,
+    MODEL_VARIABLE,
+    model_files,
+)
 from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.symbols import M2_HOLE
 from fingertip.catalogues.output_files import LAYOUT
-from fingertip.tasks.board import write_board
+from fingertip.foundation.errors import BoardError, OutputError
+from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article
-from tests.oracles.sexpressions import children, parse
-from tests.tools import require_tool
+from tests.oracles.sexpressions import Expression, children, parse
+from tests.tools import require_module, require_tool
 
 
 def load_circuit(name: str) -> Circuit:
@@ -125,3 +140,348 @@ def test_pads_equal_those_of_kicads_library(footprint: str) -> None:
         size = (own.width, own.height, own.drill, round(own.rounding, 4))
         own_pads.add((own.name, own.shape, round(x, 4) + 0.0, round(y, 4) + 0.0, *size))
     assert own_pads == kicad_pads
+
+
+Box = tuple[float, float, float, float]
+ADVANCES = {
+    "iI.,": 0.48,
+    "lftr ": 0.77,
+    "jJTLk": 0.82,
+    "+-": 1.05,
+    "M": 1.0,
+    "m": 1.34,
+    "abcdeghnopqsuvxyzACEFKSVXYZ": 1.01,
+}
+ADVANCES |= {"0123456789": 0.953, "": 1.05}
+"""Advance of KiCad's letters relative to the height, measured and rounded up; "" stands for all others."""
+GAP = 0.2
+"""What the last letter leaves empty."""
+ABOVE, BELOW = 0.62, {"": 0.53, "Q": 0.625, "gjpqy,": 0.863}
+"""Extents of KiCad's letters above and below the centre of a text, with the width of their strokes, both measured."""
+
+
+@dataclass(frozen=True)
+class Text:
+    """Printed text: what it says, the reference of its component or "", side, and box on the page."""
+
+    text: str
+    owner: str
+    side: str
+    box: Box
+
+
+@dataclass(frozen=True)
+class Board:
+    """What the board file says of print, pads and bodies."""
+
+    tree: Expression
+    texts: list[Text]
+    pads: list[tuple[str, str, str, Box]]
+    """Reference, side ("F" or "B"), net and box of each pad."""
+    parts: dict[str, Box]
+    """Box around pads, body and printed outline of each component."""
+
+
+def first(item: Expression, head: str) -> list[str]:
+    return next(children(item, head))
+
+
+def numbers(item: Expression, head: str) -> list[float]:
+    return [float(word) for word in first(item, head)[1:]]
+
+
+def text_box(item: Expression, x: float, y: float, angle: float) -> Box:
+    effects = first(item, "effects")
+    height = numbers(first(effects, "font"), "size")[0]  # type: ignore[arg-type]
+    justify = [word for words in children(effects, "justify") for word in words[1:]]
+    text = item[2] if item[0] == "property" else item[1]
+    advances = (next((a for letters, a in ADVANCES.items() if c in letters), ADVANCES[""]) for c in text)
+    width = height * (sum(advances) - GAP)
+    below = height * max(depth for letters, depth in BELOW.items() if not letters or set(letters) & set(text))
+    above = height * ABOVE + (0.048 if "4" in text else 0.0)
+    if justify == ["left", "mirror"]:
+        x -= width / 2
+    if angle % 180 == 0:
+        return (x - width / 2, y - above, x + width / 2, y + below)
+    return (x - above, y - width / 2, x + below, y + width / 2)
+
+
+def rotate(angle: float, x: float, y: float) -> tuple[float, float]:
+    """Offset of a footprint that is rotated anticlockwise, the y axis pointing down."""
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    return (c * x + s * y, c * y - s * x)
+
+
+@functools.cache
+def read_board(name: str, changes: tuple[str, ...] = ()) -> Board:
+    design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
+    return parse_board(board_files(design)[LAYOUT].decode())
+
+
+def parse_board(text: str) -> Board:
+    tree = parse(text)
+    texts, pads, parts = [], [], {}
+    for item in children(tree, "gr_text"):
+        x, y, *angle = numbers(item, "at")
+        layer = first(item, "layer")[1]
+        texts.append(Text(item[1], "", layer[0], text_box(item, x, y, angle[0] if angle else 0.0)))
+    for footprint in children(tree, "footprint"):
+        x, y, *rest = numbers(footprint, "at")
+        angle = rest[0] if rest else 0.0
+        reference = next(p[2] for p in children(footprint, "property") if p[1] == "Reference")
+        boxes = []
+        for pad in children(footprint, "pad"):
+            px, py, *_ = numbers(pad, "at")
+            w, h = numbers(pad, "size")
+            margin = next((float(m[1]) for m in children(pad, "solder_mask_margin")), 0.0)
+            dx, dy = rotate(angle, px, py)
+            w, h = (w, h) if angle % 180 == 0 else (h, w)
+            box = (x + dx - w / 2, y + dy - h / 2, x + dx + w / 2, y + dy + h / 2)
+            box = (box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin)
+            net = next((n[2] for n in children(pad, "net")), "")
+            sides = "FB" if pad[2].endswith("thru_hole") else "F"
+            pads += [(reference, side, net, box) for side in sides]
+            boxes.append(box)
+        outlines = [r for r in children(footprint, "fp_rect") if first(r, "layer")[1] == "F.Fab"]
+        outlines += [r for r in children(footprint, "fp_line") if first(r, "layer")[1] == "F.SilkS"]
+        for body in outlines:
+            corners = [rotate(angle, *numbers(body, end)) for end in ("start", "end")]
+            xs, ys = [x + c[0] for c in corners], [y + c[1] for c in corners]
+            boxes.append((min(xs), min(ys), max(xs), max(ys)))
+        parts[reference] = (
+            min(b[0] for b in boxes), min(b[1] for b in boxes), max(b[2] for b in boxes), max(b[3] for b in boxes)
+        )  # fmt: skip
+        for field in children(footprint, "property"):
+            layer = first(field, "layer")[1]
+            if layer.endswith("SilkS") and not list(children(field, "hide")):
+                fx, fy, text_angle = numbers(field, "at")
+                dx, dy = rotate(angle, fx, fy)
+                texts.append(Text(field[2], reference, layer[0], text_box(field, x + dx, y + dy, text_angle)))
+    return Board(tree, texts, pads, parts)
+
+
+def distance(a: Box, b: Box) -> float:
+    return math.hypot(max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0))
+
+
+def misleading(board: Board) -> list[str]:
+    """References that are as near to another component as to their own."""
+    found = []
+    for text in board.texts:
+        if text.owner:
+            own = distance(text.box, board.parts[text.owner])
+            nearest = min((distance(text.box, box), ref) for ref, box in board.parts.items() if ref != text.owner)
+            if nearest[0] <= own + 1e-6:
+                found.append(f"{text.text} at {nearest[1]}")
+    return found
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_each_reference_is_nearest_to_its_own_part(name: str) -> None:
+    assert misleading(read_board(name)) == []
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: str) -> None:
+    board = read_board(name)
+    printed = {text.owner for text in board.texts if text.owner}
+    missing = {ref for ref in board.parts if ref not in printed and not ref.startswith(("H", "FID"))}
+    assert {re.sub(r"\d", "", ref) for ref in missing} <= {"R", "C"}
+    assert all(text.text == text.owner for text in board.texts if text.owner)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
+    """The pad of J2 nearest to each sign is on the net of that polarity."""
+    board, supply = read_board(name), BOARD_CONFIGURATIONS[name].supply
+    positive = "/POWER_IN" if supply.is_for_controller else "VCC"
+    signs = {"+": positive, "-": "VEE", "0": "GND"} if supply.negative_rail == "VEE" else {"+": positive, "-": "GND"}
+    power = [(net, box) for reference, side, net, box in board.pads if reference == "J2" and side == "F"]
+    for sign, net in signs.items():
+        boxes = [text.box for text in board.texts if text.text == sign and text.side == "F"]
+        box = min(boxes, key=lambda box: min(distance(box, pad) for _, pad in power))
+        assert min(power, key=lambda item: distance(box, item[1]))[0] == net
+    only = [text for text in board.texts if "3.3 V only" in text.text]
+    assert {text.side for text in only} == ({"F", "B"} if supply.is_for_controller else set())
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
+    configuration = BOARD_CONFIGURATIONS[name]
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
+    texts = [text.text for text in read_board(name).texts if text.side == "B"]
+    assert texts[0] == f"fingertip {name.replace('_', ' ')}"
+    assert texts[1] == f"rev {REVISION}"
+    warning = [f"{configuration.supply.nominal_v:g} V only"] if configuration.supply.is_for_controller else []
+    listed = [f"{c.reference} {c.value}" for c in circuit.components if c.reference[0] in "RC"]
+    assert sorted(texts[2:]) == sorted([*warning, *listed])
+
+
+def long_values(name: str) -> tuple[Circuit, Placement]:
+    """A board whose values are as long as the list prints them."""
+    configuration = BOARD_CONFIGURATIONS[name]
+    circuit = board_circuit(board_values(load_article(configuration.changes)))
+    for component in circuit.components:
+        if component.reference[0] in "RC" and component.reference != "RV1":
+            circuit = circuit.replace(component.reference, "14.321987k")
+    return circuit, configuration.placement
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_back_has_room_for_values_of_any_length(name: str) -> None:
+    circuit, placement = long_values(name)
+    texts = list_back_texts(circuit, placement)
+    values = [text.text for text in texts]
+    assert values == list_values(circuit)
+    assert all(value.endswith(" 14.3k") for value in values if value[:2] != "RV")
+    left, top, right, bottom = zip(*map(find_text_box, texts), strict=True)
+    assert min(*left, *top) > 0.3
+    assert max(right) < placement.width - 0.3
+    assert max(bottom) < placement.height - 0.3
+
+
+def test_list_that_does_not_fit_is_refused() -> None:
+    circuit, placement = long_values("comparator_single_3v3")
+    with pytest.raises(BoardError, match="no room for the list of values"):
+        list_back_texts(circuit, replace(placement, width=24.0))
+
+
+def test_layout_that_prints_no_value_of_a_part_is_refused() -> None:
+    circuit, placement = long_values("article_split")
+    layout = BOARD_CONFIGURATIONS["article_split"].project.layout.replace('(gr_text "R4 ', '(gr_text "R44 ')
+    with pytest.raises(BoardError, match=r"prints no value of R4 on its back; add a text there in KiCad"):
+        print_values(layout, circuit, placement)
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_three_fiducial_marks_span_the_board(name: str) -> None:
+    """1 mm of copper in an opening of 2 mm, clear of all other copper, and not on one line."""
+    board, placement = read_board(name), BOARD_CONFIGURATIONS[name].placement
+    marks = [item for item in children(board.tree, "footprint") if item[1] == "Fiducial:Fiducial_1mm_Mask2mm"]
+    points = [tuple(numbers(item, "at")[:2]) for item in marks]
+    (ax, ay), (bx, by), (cx, cy) = points
+    assert abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2 > 0.25 * placement.width * placement.height
+    for item, (x, y) in zip(marks, points, strict=True):
+        pad = first(item, "pad")
+        assert numbers(pad, "size") == [1.0, 1.0]  # type: ignore[arg-type]
+        assert numbers(pad, "solder_mask_margin") == [0.5]  # type: ignore[arg-type]
+        mark = (x - 1.0, y - 1.0, x + 1.0, y + 1.0)
+        assert all(distance(mark, box) > 0 for ref, side, _, box in board.pads if side == "F" and ref[:3] != "FID")
+        assert placement.corner[0] + 1.0 < x < placement.corner[0] + placement.width - 1.0
+
+
+EXPORTED = ("article_split", "precision_single_3v3", "comparator_single")
+"""Boards that together have every package."""
+Centre = tuple[float, float, float]
+
+
+def model_path(footprint: str) -> str:
+    library, name = footprint.split(":")
+    return f"{library}.3dshapes/{name}.step"
+
+
+def read_solids(path: Path) -> list[tuple[float, Centre]]:
+    """Volume and centre of each valid solid of a STEP file."""
+    cadquery = require_module("cadquery")
+    solids = cadquery.importers.importStep(str(path)).solids().vals()
+    assert all(solid.isValid() for solid in solids)
+    return [(solid.Volume(), solid.Center().toTuple()) for solid in solids]
+
+
+@pytest.fixture(scope="session")
+def solids(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[tuple[float, Centre]]]:
+    """Solids of each model, by its path."""
+    path = tmp_path_factory.mktemp("models") / "model.step"
+    found = {}
+    for name, data in model_files().items():
+        path.write_bytes(data)
+        found[name] = read_solids(path)
+    return found
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_every_part_to_buy_has_a_model_in_the_pose_of_kicads_and_nothing_else(name: str) -> None:
+    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+    pose_here = [["0"] * 3, ["1"] * 3, ["0"] * 3]
+    for footprint in children(parse(BOARD_CONFIGURATIONS[name].project.layout), "footprint"):
+        models = list(children(footprint, "model"))
+        reference = next(field[2] for field in children(footprint, "property") if field[1] == "Reference")
+        is_bought = reference[:3] != "FID" and bool(circuit.component(reference).rating)
+        assert [model[1] for model in models] == [f"${{{MODEL_VARIABLE}}}/{model_path(footprint[1])}"] * is_bought
+        for model in models:
+            assert model_path(footprint[1]) in model_files()
+            keys = ("offset", "scale", "rotate")
+            assert [next(children(next(children(model, key)), "xyz"))[1:] for key in keys] == pose_here
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("package", "top_mm"),
+    [
+        ("SOIC-8", 1.75), ("MSOP-8", 1.1), ("SOT-23-5", 1.45), ("SOT-23", 1.12),  # JEDEC MS-012, MO-187, MO-178, TO-236
+        ("PinHeader", 8.54),  # 2.54 mm of plastic, and 6 mm of pins
+        ("JST_SH", 2.95), ("JST_PH", 4.8), ("R_0603", 0.45), ("C_0805", 1.25),  # of the makers
+    ],
+)  # fmt: skip
+def test_packages_are_as_high_as_their_outlines(tmp_path: Path, package: str, top_mm: float) -> None:
+    cadquery = require_module("cadquery")
+    path = tmp_path / "model.step"
+    path.write_bytes(model_files()[min((name for name in model_files() if package in name), key=len)])
+    assert cadquery.importers.importStep(str(path)).val().BoundingBox().zmax == pytest.approx(top_mm, abs=0.03)
+
+
+def test_kicads_library_has_models_of_these_paths_in_the_same_pose() -> None:
+    folder = require_tool("/usr/share/kicad/footprints", HOW_TO_INSTALL_KICAD)
+    for path in model_files():
+        library, name = path.removesuffix(".step").split(".3dshapes/")
+        module = parse((folder / f"{library}.pretty" / f"{name}.kicad_mod").read_text("utf-8"))
+        (model,) = children(module, "model")
+        assert model[1] == f"{MODEL_FOLDER_OF_KICAD}/{path}"
+        pose = [next(children(next(children(model, key)), "xyz"))[1:] for key in ("offset", "scale", "rotate")]
+        assert [[float(word) for word in words] for words in pose] == [[0.0] * 3, [1.0] * 3, [0.0] * 3]
+
+
+def expected_solids(placement: Placement, solids: dict[str, list[tuple[float, Centre]]]) -> list[tuple[float, Centre]]:
+    """Volume and centre of each solid on a board, relative to its lower left corner and its upper face."""
+    found = []
+    for part in placement.parts.values():
+        for volume, (x, y, z) in solids.get(model_path(part.footprint), ()):
+            dx, dy = turn(x, -y, part.angle)
+            found.append((volume, (part.x + dx, placement.height - part.y - dy, z)))
+    return found
+
+
+def export_step(folder: Path, target: Path, *options: str) -> list[tuple[float, Centre]]:
+    run = kicad_cli(folder, "pcb", "export", "step", LAYOUT, "--drill-origin", "-f", *options, "-o", str(target))
+    assert run.returncode == 0, run.stderr
+    return read_solids(target)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", EXPORTED)
+def test_kicad_exports_every_part_in_its_place(
+    board_folder: BoardFolder, solids: dict[str, list[tuple[float, Centre]]], tmp_path: Path, name: str
+) -> None:
+    placement = BOARD_CONFIGURATIONS[name].placement
+    board, *parts = sorted(
+        export_step(board_folder(*BOARD_CONFIGURATIONS[name].changes), tmp_path / "b.step"), reverse=True
+    )
+    expected = sorted(expected_solids(placement, solids), reverse=True)
+    assert len(parts) == len(expected) > 2 * len(placement.parts)
+    assert board[0] > 0.8 * placement.width * placement.height
+    board_top = max(centre[2] for _, centre in parts) - max(centre[2] for _, centre in expected)
+    for found_volume, (x, y, z) in parts:
+        assert any(
+            math.dist((x, y, z - board_top), centre) < 0.01 and abs(found_volume - size) < 1e-4
+            for size, centre in expected
+        ), (x, y, z)
+
+
+def test_changed_model_is_kept_and_reported(tmp_path: Path) -> None:
+    write_board(ARTICLE, tmp_path)
+    model = tmp_path / MODEL_FOLDER / next(iter(model_files()))
+    model.write_bytes(b"mine")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(OutputError, match="was changed since"):
+        write_board(load_article(["board.cutoff_hz=80"]), tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

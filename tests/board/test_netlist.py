@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.kicad.netlist import component_uuid
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
@@ -31,7 +29,6 @@ from fingertip.design import Design
 from fingertip.foundation.errors import BoardError
 from fingertip.tasks.board import write_board
 from tests.board.kicad import read_netlist
-from tests.conftest import ROOT, run_fingertip
 from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import filter_transfer, tactile_pin_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
@@ -42,21 +39,6 @@ from tests.oracles.sexpressions import children, descendants, parse, word
 
 
 CIRCUIT = board_circuit(board_values(ARTICLE))
-
-
-@pytest.mark.full
-def test_amplifiers_are_ordered_with_a_grade_whose_offset_is_known() -> None:
-    """The TL082 without a grade may have 15 mV, nearly the threshold."""
-    for name, order_name, offset in (
-        ("article_split", "TL082BC", "3 mV"),
-        ("precision_split", "TLV2372", "4.5 mV"),
-        ("comparator_split", "OPA2197ID", "0.1 mV"),
-    ):
-        circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
-        duals = [c for c in circuit.components if c.footprint == symbols.SOIC_8]
-        assert len(duals) == (1 if name.startswith("article") else 2)
-        assert all(c.value == order_name and f"offset {offset} at most" in c.rating for c in duals)
-        assert f"{order_name},SOIC-8" in bill_of_materials(circuit).decode()
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
@@ -146,25 +128,19 @@ def write_netlist(folder: Path, changes: list[str]) -> tuple[Design, Path]:
     return design, folder / NETLIST
 
 
-def max_deviation(circuit: NetlistCircuit, design: Design) -> float:
-    """Maximum relative deviation of the wired circuit from eq. (9), from 1 Hz to 100 kHz."""
-    values = board_values(design).preferred
-    expected = [(f, ideal_filter_transfer(f, values)) for f in FREQUENCIES]
-    return max(abs(circuit.gain(f, "/TACTILE", "/FILTERED") / H - 1) for f, H in expected)
-
-
-@pytest.mark.full
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
-def test_wiring_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
+def test_wiring_has_the_transfer_function_of_the_filter_and_negative_feedback(
+    tmp_path: Path, changes: list[str]
+) -> None:
     design, path = write_netlist(tmp_path, changes)
-    assert max_deviation(NetlistCircuit(path), design) < 1e-9
-
-
-def test_feedback_is_negative(tmp_path: Path) -> None:
-    _, path = write_netlist(tmp_path, [])
-    poles = NetlistCircuit(path).poles("/TACTILE")
+    circuit, values = NetlistCircuit(path), board_values(design).preferred
+    for f in FREQUENCIES:
+        assert abs(circuit.gain(f, "/TACTILE", "/FILTERED") / ideal_filter_transfer(f, values) - 1) < 1e-9
+    poles = circuit.poles("/TACTILE")
     assert len(poles) == 10  # one for each of C1 to C4, C7 to C9 and C19, one for each amplifier
     assert max(poles.real) < 0
+    # Identifiers do not depend on values, so that KiCad keeps what somebody placed.
+    assert component_uuid(board_circuit(board_values(design)), "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
 
 
 @pytest.mark.parametrize("name", ["article_split", "comparator_single"])
@@ -191,7 +167,6 @@ def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None
     }
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
 def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
     """All signals refer to VMID, the buffered mid-supply. Nothing of the filter returns to ground."""
@@ -209,33 +184,3 @@ def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_p
     poles = sorted(circuit.poles("/TACTILE").real)[::-1]
     assert poles[0] < 0 if name == "article_single" else poles[0] == 0 > poles[1]
     assert circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2
-
-
-def test_uuids_do_not_depend_on_values() -> None:
-    first, second = (board_circuit(board_values(load_article(c))) for c in ([], ["board.series=E96"]))
-    assert first != second
-    assert component_uuid(first, "R1") == component_uuid(second, "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
-
-
-@pytest.mark.full
-def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
-    digests = []
-    for seed in ("1", "2"):
-        out = tmp_path / seed / "pcb"
-        run = run_fingertip("board", "--out", out, "--quiet", PYTHONHASHSEED=seed)
-        assert run.returncode == 0, run.stderr
-        files = sorted(path for path in out.rglob("*") if path.is_file())
-        digests.append({p.relative_to(out): hashlib.sha256(p.read_bytes()).hexdigest() for p in files})
-    assert digests[0] == digests[1]
-    assert sorted({path.parts[0] for path in digests[0]}) == FILES
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(("design", "folder"), [("fsr400", "pcb"), ("article", "pcb/article")])
-def test_bundled_board_files_are_up_to_date(tmp_path: Path, design: str, folder: str) -> None:
-    """The folder pcb/ holds the default board with its bring-up sheet, pcb/article/ that of the article."""
-    write_board(Design.load(design), tmp_path, bring_up=True)
-    for name in (file.relative_to(tmp_path) for file in tmp_path.rglob("*") if file.is_file()):
-        assert (ROOT / folder / name).read_bytes() == (tmp_path / name).read_bytes(), (
-            f"run: fingertip board {design} --out {folder} --bringup ({name})"
-        )

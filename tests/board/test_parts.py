@@ -1,4 +1,4 @@
-"""Parts table: its shape, numbers against their makers' codes, and a number or a reason on every line of every BOM."""
+"""Parts table, bill of materials, and files for the assembly house by makers' codes and the house's columns."""
 
 from __future__ import annotations
 
@@ -11,16 +11,20 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.selection import SOLD, capacitances_in_range, nearest_capacitance
-from fingertip.board.fabrication.bom import COLUMNS, bill_of_materials, purchased_components
+from fingertip.board.fabrication.bom import (
+    COLUMNS,
+    assembly_bom_file,
+    bill_of_materials,
+    is_assembled,
+    placement_file,
+    purchased_components,
+)
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts.circuit import CapacitorRequirement, Component, ResistorRequirement, parse_component_value
 from fingertip.board.parts.select_part import (
-    find_capacitors,
     find_package,
-    find_resistors,
     list_capacitances,
     load_ordering_codes,
-    require_capacitor,
     resistance_code,
     select_part,
 )
@@ -222,19 +226,65 @@ def test_choice_of_sold_capacitors_is_the_nearest() -> None:
     assert capacitances_in_range(1e-7, 3e-7, "E6", "1206") == (100e-9, 150e-9, 220e-9)
 
 
-def test_requirements_select_the_dielectric() -> None:
-    assert require_capacitor(10e-9, "0603").dielectrics == ("C0G",)
-    assert require_capacitor(15e-9, "0603").dielectrics == ("X7R",)
-    assert require_capacitor(100e-9, "1206").dielectrics == ("C0G",)
-    assert require_capacitor(1e-6, "1206", 5.0).tolerance_percent == 5.0
-    assert require_capacitor(22e-6, "1206").dielectrics == ("X5R", "X7R")
-    assert [item.part.number for item in find_capacitors(100e-9, "1206", require_capacitor(100e-9, "1206"))] == [
-        "GRM31C5C1H104JA01L"
-    ]
-    assert [item.part.number for item in find_resistors(10e3, ResistorRequirement(1.0, 0.1))] == [
-        "0603WAF1002T5E", "RT0603BRD0710KL", "RC0603FR-0710KL", "RC0603DR-0710KL",
-    ]  # fmt: skip
-    assert [item.part.number for item in find_resistors(10e3, ResistorRequirement(0.1, 0.1, 25.0))] == [
-        "RT0603BRD0710KL"
-    ]
-    assert not list(find_resistors(10e3, ResistorRequirement(1.0, 0.25)))
+TABLE = {"JST_PH_S": 180, "MSOP-": 270, "SOIC-": 270, "SOT-23": 180}
+"""Rotations of the packages used here, read from the source a second time."""
+
+
+def parse_bom(data: bytes) -> list[dict[str, str]]:
+    """Parse a bill of materials by the house's column rules; AssertionError if it breaks one."""
+    assert max(map(len, data.decode().splitlines())) <= 2048, "the longest row that the house accepts"
+    rows = list(csv.DictReader(io.StringIO(data.decode()), strict=True))
+    for row in rows:
+        # The house ignores the last two; people read them. A line without comment or footprint cannot be matched.
+        assert list(row) == ["Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer"]
+        assert row["Comment"] and row["Footprint"]  # noqa: PT018
+        assert all(re.fullmatch(r"[A-Z]+[1-9]\d*", name) for name in row["Designator"].split(","))
+        assert re.fullmatch(r"(C[1-9]\d*)?", row["JLCPCB Part #"])
+    return rows
+
+
+def parse_placement(data: bytes) -> dict[str, tuple[float, float, float]]:
+    """Position [mm] and rotation [deg] of each part of a placement file; AssertionError if it breaks a column rule."""
+    placed: dict[str, tuple[float, float, float]] = {}
+    for row in csv.DictReader(io.StringIO(data.decode()), strict=True):
+        assert list(row) == ["Designator", "Mid X", "Mid Y", "Layer", "Rotation"]
+        assert row["Designator"] not in placed
+        assert row["Layer"] == "Top"
+        assert all(re.fullmatch(r"-?\d+\.\d+mm", row[name]) for name in ("Mid X", "Mid Y"))
+        placed[row["Designator"]] = (float(row["Mid X"][:-2]), float(row["Mid Y"][:-2]), float(row["Rotation"]))
+    return placed
+
+
+@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+def test_independent_parser_reads_the_parts_of_the_circuit_in_both_files(name: str) -> None:
+    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+    placement = BOARD_CONFIGURATIONS[name].placement
+    house, kicad = (parse_placement(placement_file(circuit, placement, for_house=own)) for own in (True, False))
+    listed = dict[str, tuple[str, ...]]()
+    for row in parse_bom(assembly_bom_file(circuit)):
+        comments = set()
+        for reference in row["Designator"].split(","):
+            component, fields = circuit.component(reference), select_part(circuit.component(reference)).fields
+            assert reference not in listed, "a designator stands in one line only"
+            listed[reference] = row["JLCPCB Part #"], row["MPN"], row["Manufacturer"], row["Footprint"]
+            assert listed[reference] == (
+                fields["LCSC"], fields["MPN"], fields["Manufacturer"], component.footprint.split(":")[1]
+            )  # fmt: skip
+            comments.add(component.value + f", {component.rating}" * (reference[0] in "RC"))
+        assert comments == {row["Comment"]}, "components of different ratings are never merged"
+    assert set(listed) == set(house) == set(kicad)
+    assert set(house) == {c.reference for c in purchased_components(circuit) if is_assembled(c)}
+    for reference, (x_mm, y_mm, rotation_deg) in house.items():
+        assert 0 < x_mm < placement.width
+        assert 0 < y_mm < placement.height
+        package = listed[reference][-1]
+        expected = sum(angle for prefix, angle in TABLE.items() if package.startswith(prefix))
+        assert (rotation_deg - kicad[reference][2]) % 360 == expected, reference
+        assert 0 <= rotation_deg < 360
+        # Only a footprint whose origin is not at its middle is moved: that of J2 is pin 1, and its pins are 2 mm apart.
+        moved = [a - b for a, b in zip((x_mm, y_mm), kicad[reference], strict=False)]
+        part = placement.parts[reference]
+        assert (moved == [0, 0]) == (part.pad_centre == pytest.approx((part.x, part.y)))
+        if reference == "J2" and moved != [0, 0]:
+            ahead = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}[int(kicad[reference][2])]
+            assert moved == pytest.approx(ahead), "y points up in both files"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,23 +17,16 @@ from fingertip.board.kicad.project import (
     IGNORED_ON_BOARD,
     MODEL_FOLDER,
     MODEL_VARIABLE,
-    PROJECT_FILES,
-    PROJECTS,
     read_archive,
 )
-from fingertip.board.parts.circuit import Circuit, Net
+from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.select_part import symbol_fields
-from fingertip.board.parts.symbols import C_0805, DUAL_AMPLIFIERS, SYMBOLS
-from fingertip.catalogues.output_files import LAYOUT, PROJECT, SCHEMATIC
+from fingertip.catalogues.output_files import LAYOUT, SCHEMATIC
 from fingertip.foundation.errors import BoardError
-from tests.board.kicad import HOW_TO_INSTALL_KICAD
 from tests.designs import load_article
 from tests.oracles.sexpressions import Expression, children, parse, word
-from tests.tools import require_tool
 from tools import boards
 
-LIMIT = 1_000_000
-"""Greatest size of all archives [byte]."""
 AMPLIFIERS = {"split": ("OPA2197", "TL082"), "single": ("MCP6022",), "single_3v3": ("OPA2376", "MCP6022")}
 """Amplifiers for each supply: at least one is not the default of a board."""
 SUPPLY_NETS = ("GND", "POWER_IN", "VCC", "VEE", "VMID", "VREF")
@@ -51,11 +42,6 @@ def fields_of(tree: Expression, kind: str) -> list[tuple[Expression, dict[str, s
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_project_is_that_of_its_circuit(name: str) -> None:
-    assert list(BOARD_CONFIGURATIONS[name].project.find_differences(load_circuit(name))) == []
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_most_of_the_supply_tracks_is_wide(name: str) -> None:
     """Half of their length is 0.5 mm wide or more; they are narrow only where other copper is near."""
     board = parse(read_archive(name)[LAYOUT].decode())
@@ -66,53 +52,6 @@ def test_most_of_the_supply_tracks_is_wide(name: str) -> None:
             start, end = ([float(each) for each in next(children(track, key))[1:]] for key in ("start", "end"))
             lengths[float(word(track, "width")) >= 0.5] += math.dist(start, end)
     assert lengths[True] > lengths[False]
-
-
-def test_dual_amplifiers_have_the_same_pins() -> None:
-    assert len({symbol.pins for symbol in DUAL_AMPLIFIERS.values()}) == 1
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_changed_circuit_is_refused_in_words(name: str) -> None:
-    circuit, project = load_circuit(name), BOARD_CONFIGURATIONS[name].project
-    r4 = circuit.component("R4")
-    nets = {net.name: net for net in circuit.nets}
-    moved = {
-        "GND": Net("GND", (*nets["GND"].nodes, ("R1", "1"))),
-        "STAGE1_IN": Net("STAGE1_IN", tuple(node for node in nets["STAGE1_IN"].nodes if node != ("R1", "1"))),
-    }
-    changes = {
-        "adds R99": replace(circuit, components=(*circuit.components, replace(r4, reference="R99"))),
-        "removes R4": circuit.without("R4"),
-        "changes the symbol or the footprint of R4": with_part(circuit, footprint=C_0805),
-        "changes the symbol or the footprint of R4.": with_part(circuit, symbol=SYMBOLS["C"]),
-        "changes the nets GND and STAGE1_IN": replace(
-            circuit, nets=tuple(moved.get(net.name, net) for net in circuit.nets)
-        ),
-    }
-    for words, changed in changes.items():
-        with pytest.raises(BoardError) as caught:
-            project.enter(changed)
-        assert f"the stored KiCad project {name} is not that of its circuit (it {words.rstrip('.')}" in str(
-            caught.value
-        )
-        assert "python -m tools.boards" in str(caught.value)
-
-
-def with_part(circuit: Circuit, **changes: object) -> Circuit:
-    """The circuit with another R4."""
-    parts = (replace(c, **changes) if c.reference == "R4" else c for c in circuit.components)  # type: ignore[arg-type]
-    return replace(circuit, components=tuple(parts))
-
-
-def test_field_that_a_project_lacks_is_refused() -> None:
-    project = BOARD_CONFIGURATIONS["article_split"].project
-    for changed in (
-        replace(project, layout=project.layout.replace('"LCSC"', '"House"')),
-        replace(project, schematic=project.schematic.replace('"LCSC"', '"House"')),
-    ):
-        with pytest.raises(BoardError, match=r"[A-Z]+\d+ has no field LCSC in its KiCad project"):
-            changed.enter(load_circuit("article_split"))
 
 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
@@ -173,47 +112,13 @@ def test_archive_is_packed_again_to_the_same_files(tmp_path: Path, monkeypatch: 
         assert (tmp_path / f"{name}.zip").read_bytes() == packed
 
 
-def test_archives_are_small() -> None:
-    sizes = {path.stem: path.stat().st_size for path in PROJECTS.glob("*.zip")}
-    assert set(sizes) == {*BOARD_CONFIGURATIONS, "models"}
-    assert sum(sizes.values()) < LIMIT
-
-
-SAVE_WITH_KICAD = """
-import sys, pcbnew
-board = pcbnew.LoadBoard(sys.argv[1])
-board.FindFootprintByReference("C11").Move(pcbnew.VECTOR2I(0, pcbnew.FromMM(0.05)))
-pcbnew.ZONE_FILLER(board).Fill(board.Zones())
-board.Save(sys.argv[1])
-"""
-
-
-@pytest.mark.full
-def test_layout_that_kicad_saved_is_stored_and_takes_values(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """KiCad indents with tabs, divides every field, and orders texts and tracks anew."""
-    require_tool("/usr/lib/python3/dist-packages/pcbnew.py", HOW_TO_INSTALL_KICAD)
-    boards.unpack("article_split", tmp_path)
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    home = {"HOME": str(tmp_path), "KICAD_CONFIG_HOME": str(tmp_path)}
-    subprocess.run(
-        ["/usr/bin/python3", "-c", SAVE_WITH_KICAD, tmp_path / LAYOUT], check=True, capture_output=True,
-        env=environment | home,
-    )  # fmt: skip
-    monkeypatch.setattr(boards, "PROJECTS", tmp_path)
-    before = BOARD_CONFIGURATIONS["article_split"].project
-    assert boards.pack("article_split", tmp_path) == ""
-    saved = replace(before, layout=(tmp_path / LAYOUT).read_text("utf-8"), project=(tmp_path / PROJECT).read_bytes())
-    assert saved.layout.startswith("(kicad_pcb\n\t(version")
-    circuit = load_circuit("article_split", "board.cutoff_hz=90")
-    trees = [parse(project.enter(circuit)[LAYOUT].decode()) for project in (before, saved)]
-    own, kicads = ({fields["Reference"]: fields for _, fields in fields_of(tree, "footprint")} for tree in trees)
-    assert own.keys() == kicads.keys()
-    assert all(fields.items() <= kicads[reference].items() for reference, fields in own.items())
-    own_texts, kicads_texts = (
-        {(text[1], *next(children(text, "at"))[1:]) for text in children(tree, "gr_text")} for tree in trees
-    )
-    assert own_texts == kicads_texts
-    places = [{n: (p.x, p.y, p.angle) for n, p in project.placement.parts.items()} for project in (before, saved)]
-    moved = {reference for reference in places[0] if places[0][reference] != places[1][reference]}
-    assert moved == {"C11"}
-    assert list(read_archive("article_split")) == list(PROJECT_FILES)
+def test_project_of_another_circuit_or_without_a_field_is_refused_in_words() -> None:
+    """Each change of a circuit is described in `test_edited_files.py`."""
+    circuit, project = load_circuit("article_split"), BOARD_CONFIGURATIONS["article_split"].project
+    words = r"the stored KiCad project article_split is not that of its circuit \(it removes R4"
+    with pytest.raises(BoardError, match=rf"{words}.*python -m tools\.boards"):
+        project.enter(circuit.without("R4"))
+    for name in ("layout", "schematic"):
+        changed = replace(project, **{name: getattr(project, name).replace('"LCSC"', '"House"')})
+        with pytest.raises(BoardError, match=r"[A-Z]+\d+ has no field LCSC in its KiCad project"):
+            changed.enter(circuit)

@@ -1,4 +1,4 @@
-"""Documents of a board, compared whole with approved ones: README, bring-up sheet and tables of the analysis.
+"""Documents of a board, compared whole with approved ones: README, bring-up, wiring, analysis, report on readings.
 
 The approved documents of the default board and of the article's are those in `pcb/`, which the manifest compares.
 After a change that is meant, `FINGERTIP_APPROVE=1 FINGERTIP_FULL=1 pytest tests/board/test_readme.py` writes the rest.
@@ -7,20 +7,37 @@ After a change that is meant, `FINGERTIP_APPROVE=1 FINGERTIP_FULL=1 pytest tests
 from __future__ import annotations
 
 import functools
+import math
 import os
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
+from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import NETS, Contribution, NoiseAlternative
 from fingertip.board.analysis.report import Analysis, analyse
+from fingertip.board.bringup.bench import TONE_V, list_faults
+from fingertip.board.bringup.diagnosis import diagnose
+from fingertip.board.bringup.plan import QUIET_ENVELOPE, SUPPLY_MA, BringUp
+from fingertip.board.bringup.prediction import is_tone, predict
+from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
+from fingertip.board.bringup.wiring import wiring_diagram
+from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
 from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
-from fingertip.tasks.board import board_files, bring_up_files
+from fingertip.tasks.board import board_files, bring_up_files, write_board
+from tests.board.test_bringup import draw_board, plan_of
+from tests.conftest import ROOT
 from tests.designs import load_article
 
 APPROVED = Path(__file__).parent / "approved"
+SLOW_SHEETS = ("precision_split", "comparator_split", "comparator_single_3v3")
 
 
 def check_approved(name: str, data: bytes) -> None:
@@ -32,14 +49,43 @@ def check_approved(name: str, data: bytes) -> None:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_readme_is_the_approved_one(name: str) -> None:
-    check_approved(f"{name}.md", board_files(load_article(BOARD_CONFIGURATIONS[name].changes))["README.md"])
+def test_readme_and_wiring_are_the_approved_ones(name: str) -> None:
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    files, circuit = board_files(design), board_circuit(board_values(design))
+    check_approved(f"{name}.md", files["README.md"])
+    if name == "comparator_single_3v3":  # has the most parts; the folder `pcb` holds these files of two other boards
+        for file in ("values.json", "slip_filter.cir", "bom.csv"):
+            check_approved(f"{name}_{file}", files[file])
+        check_approved(f"{name}_bom_assembly.csv", assembly_bom_file(circuit))
+        placement = BOARD_CONFIGURATIONS[name].placement
+        check_approved(f"{name}_placement.csv", placement_file(circuit, placement, for_house=True))
+    check_approved(f"{name}_wiring.svg", wiring_diagram(circuit, design.board.supply_v, design.name))
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["article_single", "precision_split", "comparator_split", "comparator_single_3v3"])
-def test_bring_up_sheet_is_the_approved_one(name: str) -> None:
-    check_approved(f"{name}_bringup.md", bring_up_files(load_article(BOARD_CONFIGURATIONS[name].changes))["bringup.md"])
+SHEETS = ["article_single", *(pytest.param(name, marks=pytest.mark.full) for name in SLOW_SHEETS)]
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_bring_up_sheet_and_readings_are_the_approved_ones(name: str) -> None:
+    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    files = bring_up_files(design)
+    check_approved(f"{name}_bringup.md", files["bringup.md"])
+    check_approved(f"{name}_readings.toml", files["bringup_readings.toml"])
+    check_approved(f"{name}_wiring.svg", files["wiring.svg"])
+
+
+@pytest.mark.parametrize(
+    ("name", "folder", "has_bring_up"),
+    [("fsr400", "pcb", False), pytest.param("fsr400", "pcb", True, marks=pytest.mark.full),
+     ("article", "pcb/article", True)],
+)  # fmt: skip
+def test_bundled_board_is_up_to_date(name: str, folder: str, has_bring_up: bool, tmp_path: Path) -> None:
+    """The folder pcb/ holds the default board with its bring-up sheet, pcb/article/ that of the article."""
+    write_board(Design.load(name), tmp_path, bring_up=has_bring_up)
+    for path in (path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()):
+        if has_bring_up or path.name != "manifest.json":
+            hint = f"run: fingertip board {name} --out {folder} --bringup ({path})"
+            assert (tmp_path / path).read_bytes() == (ROOT / folder / path).read_bytes(), hint
 
 
 @functools.cache
@@ -90,3 +136,114 @@ def test_cost_of_the_capacitors_is_stated_unless_they_are_the_articles() -> None
         text = analysis_text(replace(analysis, component_percent=own))
         assert ("95 % of the boards" in text) == stated
         assert (f"with C1 to C3 of {percent:g} %; with the article's 5 %" in text) == stated
+
+
+# Report on readings, compared whole with approved files
+
+THRESHOLD_V = 0.023
+
+
+def assess(plan: BringUp, title: str, readings: Mapping[str, float]) -> Iterator[str]:
+    """Yield what is said of readings. Faults that cannot be told apart are sorted: rounding decides their order."""
+    data = assess_readings(plan, Readings(TONE_V, readings), THRESHOLD_V)
+    yield f"{title}: {', '.join(row['name'] for row in data['readings'] if not row['passed'])}"
+    yield "  " + data["verdict"].replace("; ".join(data["likely"]), "; ".join(sorted(data["likely"])))
+    yield from (f"  {hint}" for hint in data["hints"])
+
+
+@pytest.fixture(scope="module")
+def single_plan(predict_once: None) -> BringUp:
+    """Plan of the article's board on a single supply, whose faults are predicted."""
+    plan = plan_of(BOARD_CONFIGURATIONS["article_single"].changes)[1]
+    diagnose(plan.board, plan.levels, dict.fromkeys(plan.levels, 0.0), TONE_V)
+    return plan
+
+
+def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(single_plan: BringUp) -> None:
+    """Readings [mV] of every fifth fault."""
+    board, lines = single_plan.board, list[str]()
+    faults = list(list_faults(board.circuit, board.ends_v))[::5]
+    for fault, readings in zip(faults, predict(board, faults), strict=True):
+        lines += assess(single_plan, fault.sentence, readings)
+        lines.append("  " + ", ".join(f"{name} {round(1e3 * v, 1) + 0.0:g}" for name, v in readings.items()))
+    check_approved("article_single_faults.txt", ("\n".join(lines) + "\n").encode())
+
+
+def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield readings of a good board that are taken in a wrong way, or with another supply or tone."""
+    board = plan.board
+    fault = next(f for f in list_faults(board.circuit, board.ends_v) if f.sentence.startswith("C2 has half"))
+    good, half_c2 = (dict(v) for v in predict(board, [draw_board(plan, np.random.default_rng(11)), fault]))
+    ground_v = good["tp5_open_v"]
+    tones = {name for name in good if is_tone(name) and not name.startswith("u3_")}
+
+    def scale(dc: float, tone: float) -> dict[str, float]:
+        return {n: v * (tone if n in tones else 1.0 if is_tone(n) else dc) for n, v in good.items()}
+
+    def at_supply_ground(readings: dict[str, float]) -> dict[str, float]:
+        """Alternating voltages are the same there, and those at J3 are taken against it by design."""
+        own = ("tp5_open_v", *(n for n in readings if n.startswith("j3")))
+        ends = ("open_v", "ohm_v", "tp4_134hz_v", "u3_134hz_v")
+        return {n: v + readings["tp5_open_v"] * (n.endswith(ends) and n not in own) for n, v in readings.items()}
+
+    at_signal_ground = {n: v - ground_v * (n[:2] == "j3" and n.endswith("open_v")) for n, v in good.items()}
+    yield "good board", good
+    for ratio in (0.91, 0.955, 1.09, 0.0):
+        yield f"supply x {ratio}", scale(ratio, 1.0)
+    few = ("tp1_open_v", "j1_open_v", "r13_open_v", "tp2_open_v")
+    yield "supply x 0.91, four readings", {n: 0.91 * good[n] for n in few}
+    yield "two readings", {n: 0.91 * good[n] for n in few[:2]}
+    yield "supply x 0.9 and a weak tone", scale(0.9, 1.0) | {"tp3_134hz_v": 0.02}
+    for ratio in (0.5, 0.0):
+        yield f"tone x {ratio}", scale(1.0, ratio)
+    yield "black probe at GND", at_supply_ground(good)
+    yield "black probe at GND, no tone", {n: v for n, v in at_supply_ground(good).items() if not n.endswith("hz_v")}
+    yield "black probe at GND, C2 with half its value", at_supply_ground(half_c2)
+    yield "probes exchanged at TP5", good | {"tp5_open_v": -ground_v}
+    yield "both probes at TP5", good | {"tp5_open_v": 0.0}
+    yield "black probe at TP5 for J3", at_signal_ground
+    for name, volts in (("tp1_open_v", 1.14), ("tp5_open_v", 1.40)):
+        yield f"{name} of {volts} V alone is odd", good | {name: volts}
+    for volts in (0.020, 0.008, 1.474):
+        yield f"envelope at rest of {volts} V", {QUIET_ENVELOPE: volts}
+    yield "envelope at rest of 0.02 V, good board", good | {QUIET_ENVELOPE: 0.02}
+    yield "envelope at rest of 0.02 V, black probe at TP5 for J3", at_signal_ground | {QUIET_ENVELOPE: 0.02}
+    yield "no current", {SUPPLY_MA: 0.0}
+    yield "little current", {SUPPLY_MA: 1.5, "tp1_open_v": good["tp1_open_v"]}
+
+
+@pytest.mark.parametrize("name", ["article_single", pytest.param("precision_single_3v3", marks=pytest.mark.full)])
+def test_what_is_said_of_wrong_readings_is_the_approved_text(single_plan: BringUp, name: str) -> None:
+    plan = single_plan if name == "article_single" else plan_of(BOARD_CONFIGURATIONS[name].changes)[1]
+    lines = [line for title, readings in list_wrong_readings(plan) for line in assess(plan, title, readings)]
+    few = {"supply_ohm": math.inf, SUPPLY_MA: 1.5, "tp1_open_v": 1.9, "tp5_open_v": 2.0, "tp3_134hz_v": 0.7}
+    table = format_assessment(assess_readings(plan, Readings(TONE_V, few)))
+    lines += [line.rstrip() for line in table.splitlines()]
+    check_approved(f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
+
+
+@pytest.mark.parametrize("name", ["comparator_split", "comparator_single_3v3", "precision_single"])
+def test_limits_of_the_readings_are_the_approved_ones(name: str) -> None:
+    """Lowest, expected and highest reading, in the unit that its name ends in."""
+    lines = [
+        " ".join([key, *(f"{round(v, 5) + 0.0:g}" for v in (limits.low_v, limits.expected_v, limits.high_v))])
+        for key, limits in plan_of(BOARD_CONFIGURATIONS[name].changes)[1].all.items()
+    ]
+    check_approved(f"{name}_limits.txt", ("\n".join(lines) + "\n").encode())
+
+
+# Legibility of the diagrams
+
+
+@pytest.mark.parametrize("path", sorted(APPROVED.glob("*_wiring.svg")), ids=lambda path: path.stem)
+def test_texts_of_the_wiring_diagram_are_apart_and_inside_it(path: Path) -> None:
+    """A character is taken to be 0.6 of the font size wide, which is more than Helvetica has on average."""
+    root, size, boxes = ElementTree.parse(path).getroot(), 13.0, []
+    for text in root.iter("{http://www.w3.org/2000/svg}text"):
+        x, y, length = float(text.attrib["x"]), float(text.attrib["y"]), 0.6 * size * len(text.text or "")
+        left = x - {"start": 0.0, "middle": 0.5, "end": 1.0}[text.attrib.get("text-anchor", "start")] * length
+        boxes.append((left, y - 0.8 * size, left + length, y + 0.2 * size, text.text))
+    width, height = float(root.attrib["width"]), float(root.attrib["height"])
+    assert all(box[0] >= 0 and box[1] >= 0 and box[2] <= width and box[3] <= height for box in boxes)
+    for a, b in combinations(boxes, 2):
+        assert min(a[2], b[2]) <= max(a[0], b[0]) or min(a[3], b[3]) <= max(a[1], b[1]), (a[4], b[4])

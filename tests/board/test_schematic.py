@@ -1,19 +1,29 @@
-"""The schematic: KiCad's electrical rules check passes, and KiCad's netlist of the drawing equals ours."""
+"""Schematic and netlist against KiCad: its rules check, its netlist of the drawing, its libraries, its PCB editor."""
 
 from __future__ import annotations
 
 import csv
+import fnmatch
+import functools
 import json
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
-from fingertip.catalogues.output_files import BOM, NETLIST, SCHEMATIC
-from fingertip.tasks.board import board_files, write_board
+from fingertip.board import board_circuit, board_values
+from fingertip.board.kicad.netlist import component_uuid
+from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
+from fingertip.board.parts.circuit import kicad_net_name
+from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.catalogues.output_files import BOM, LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
+from fingertip.tasks.board import write_board
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
-from tests.board.test_kicad_libraries import load_symbols
 from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 from tests.tools import require_tool
@@ -58,25 +68,6 @@ def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, chan
     assert run_erc(board_folder(*changes)) == []
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("original", "corrupted"),
-    [
-        ('(label "STAGE2_IN"', '(label "STAGE2_MID"'),
-        ("(xy 45.72 53.34) (xy 45.72 58.42)", "(xy 45.72 53.34) (xy 45.72 57.15)"),
-        ('(property "Value" "4.7k"', '(property "Value" "47k"'),
-    ],
-    ids=["label", "wire", "value"],
-)
-def test_kicads_netlist_reveals_a_corrupted_drawing(tmp_path: Path, original: str, corrupted: str) -> None:
-    """The comparison of netlists can fail."""
-    write_board(ARTICLE, tmp_path / "pcb")
-    path = tmp_path / "pcb" / SCHEMATIC
-    assert original in path.read_text("utf-8")
-    path.write_text(path.read_text("utf-8").replace(original, corrupted), encoding="utf-8")
-    assert export_netlist(tmp_path / "pcb") != read_netlist(tmp_path / "pcb" / NETLIST)
-
-
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
@@ -102,11 +93,163 @@ def pin_places(symbol: Expression) -> dict[str, tuple[float, ...]]:
     }
 
 
+CIRCUIT = board_circuit(board_values(ARTICLE))
+# Distinct components of all boards. The same reference may be another component on another supply.
+COMPONENTS = {
+    (component.reference, component.symbol.name, component.footprint): component
+    for variant in BOARD_CONFIGURATIONS.values()
+    for component in board_circuit(board_values(load_article(variant.changes))).components
+}.values()
+SYMBOLS = sorted(
+    {component.symbol for component in COMPONENTS} | set(DUAL_AMPLIFIERS.values()), key=lambda s: (s.library, s.name)
+)
+
+
+class LazySymbols(dict[str, Expression]):
+    """Symbols of a library by name. Each is parsed on first access, because the whole library takes seconds."""
+
+    def __init__(self, library: Path) -> None:
+        chunks = library.read_text("utf-8").split('\n\t(symbol "')[1:]
+        self.texts = {chunk.split('"', 1)[0]: chunk[: chunk.index("\n\t)") + 3] for chunk in chunks}
+
+    def __missing__(self, name: str) -> Expression:
+        self[name] = parse(f'(symbol "{self.texts[name]}')
+        return self[name]
+
+
+@functools.cache
+def load_symbols(library: Path) -> LazySymbols:
+    return LazySymbols(library)
+
+
+def library_symbol(library: str, name: str) -> tuple[dict[str, str], dict[str, tuple[str, str]]]:
+    """Properties and pins (number -> name, type) of a symbol, including those of the symbol that it extends."""
+    symbols = load_symbols(require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD) / f"{library}.kicad_sym")
+    assert name in symbols.texts, f"{library} has no {name}"
+    chain = [symbols[name]]
+    while extended := next(children(chain[-1], "extends"), None):
+        chain.append(symbols[extended[1]])
+    properties = {p[1]: p[2] for symbol in reversed(chain) for p in children(symbol, "property")}
+    pins = {}
+    for pin in descendants(chain[-1], "pin"):
+        number, label = next(children(pin, "number"))[1], next(children(pin, "name"))[1]
+        pins[number] = (label, pin[1])
+    return properties, pins
+
+
+def test_library_has_the_symbols_with_these_pins() -> None:
+    wrong = []
+    for symbol in SYMBOLS:
+        pins = {pin.number: (pin.name, pin.electrical_type) for pin in symbol.pins}
+        if pins != library_symbol(symbol.library, symbol.name)[1]:
+            wrong.append((symbol.library, symbol.name))
+    assert wrong == []
+
+
+def test_footprints_match_the_filters_of_their_symbols() -> None:
+    wrong = []
+    for component in COMPONENTS:
+        properties, _ = library_symbol(component.symbol.library, component.symbol.name)
+        filters = properties["ki_fp_filters"].split()
+        candidates = (component.footprint, component.footprint.split(":")[1])
+        if not any(fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters):
+            wrong.append((component.reference, component.footprint))
+    assert wrong == []
+
+
+@pytest.fixture(scope="module")
+def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Function that imports a netlist file in KiCad's PCB editor and returns the record of the import."""
+    editor, server, cli = (require_tool(name, HOW_TO_INSTALL_KICAD) for name in ("pcbnew", "Xvfb", "kicad-cli"))
+    home = tmp_path_factory.mktemp("kicad")
+    version = ".".join(subprocess.check_output([cli, "version"], text=True).split(".")[:2])
+    plugins, settings = home / "documents" / "kicad" / version / "scripting" / "plugins", home / "settings" / version
+    plugins.mkdir(parents=True)
+    settings.mkdir(parents=True)
+    shutil.copy(Path(__file__).with_name("pcbnew_import.py"), plugins)
+    templates = require_tool("/usr/share/kicad/template", HOW_TO_INSTALL_KICAD)
+    for table in ("fp-lib-table", "sym-lib-table"):
+        shutil.copy(templates / table, settings)
+    # Suppress the dialogs of a first start.
+    settings_file = {"do_not_show_again": {"data_collection_prompt": True, "update_check_prompt": True}}
+    (settings / "kicad_common.json").write_text(json.dumps(settings_file))
+    board = '(kicad_pcb (version 20221018) (generator pcbnew) (layers (0 "F.Cu" signal) (31 "B.Cu" signal)))'
+
+    readable, writable = os.pipe()
+    xvfb = subprocess.Popen(
+        [server, "-displayfd", str(writable), "-screen", "0", "1280x900x24"],
+        pass_fds=[writable], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    os.close(writable)
+    with os.fdopen(readable) as pipe:
+        display = pipe.readline().strip()  # read the whole line: the server exits if its last byte is not read
+
+    def run(netlist: Path) -> dict[str, Any]:
+        folder = tmp_path_factory.mktemp("import")
+        (folder / "empty.kicad_pcb").write_text(board)
+        environment = os.environ | {
+            "HOME": str(home), "KICAD_CONFIG_HOME": str(home / "settings"), "DISPLAY": f":{display}",
+            "KICAD_DOCUMENTS_HOME": str(home / "documents"), "XDG_CACHE_HOME": str(home / "cache"),
+            "FINGERTIP_NETLIST": str(netlist), "FINGERTIP_RECORD": str(folder / "record.json"),
+        }  # fmt: skip
+        record = folder / "record.json"
+        command = [editor, folder / "empty.kicad_pcb"]
+        process = subprocess.run(command, env=environment, timeout=180, capture_output=True, text=True, check=False)
+        assert record.exists(), f"the PCB editor exited with {process.returncode}: {process.stderr}"
+        return json.loads(record.read_text("utf-8"))  # type: ignore[no-any-return]
+
+    yield run
+    xvfb.terminate()
+    xvfb.wait()
+
+
 @pytest.mark.full
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_title_fits_the_title_block(name: str) -> None:
-    """KiCad's block holds about 107 mm: 45 characters of 2 mm behind the word Title."""
-    (block,) = children(
-        parse(board_files(load_article(BOARD_CONFIGURATIONS[name].changes))[SCHEMATIC].decode()), "title_block"
-    )
-    assert 10 < len(next(children(block, "title"))[1]) <= 45
+def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> None:
+    write_board(ARTICLE, tmp_path)
+    record = import_netlist(tmp_path / NETLIST)
+    assert "failed" not in record, record
+    assert "Total warnings: 0, errors: 0." in record["tested"]
+    assert "Total warnings: 0, errors: 0." in record["updated"]
+    nets = {node: kicad_net_name(net.name) for net in CIRCUIT.nets for node in net.nodes}
+    for component in record["board"].values():
+        component["nets"].pop("", None)  # a hole is a pad without a number
+    assert record["board"] == {
+        component.reference: {
+            "value": component.value,
+            "footprint": component.footprint,
+            "path": f"/{component_uuid(CIRCUIT, component.reference)}",
+            "nets": {pin.number: nets[component.reference, pin.number] for pin in component.symbol.pins},
+        }
+        for component in CIRCUIT.components
+    }
+
+
+@pytest.mark.full
+def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
+    """With KiCad's libraries, the mismatches report every symbol and footprint, and the others nothing."""
+    require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
+    templates = require_tool("/usr/share/kicad/template", HOW_TO_INSTALL_KICAD)
+    folder = tmp_path / "pcb"
+    write_board(ARTICLE, folder)
+    project = json.loads((folder / PROJECT).read_text("utf-8"))
+    off = project["board"]["design_settings"]["rule_severities"], project["erc"]["rule_severities"]
+    assert [set(checks) for checks in off] == [set(IGNORED_ON_BOARD), set(IGNORED_IN_SCHEMATIC)]
+    text = " ".join((folder / README).read_text("utf-8").split())
+    for severities in off:
+        for name in severities:
+            assert f"`{name}`: {(IGNORED_ON_BOARD | IGNORED_IN_SCHEMATIC)[name]}." in text
+            severities[name] = "error"
+    (folder / PROJECT).write_text(json.dumps(project))
+    settings = tmp_path / "kicad-home" / ".".join(kicad_cli(folder, "version").stdout.split(".")[:2])
+    settings.mkdir(parents=True, exist_ok=True)
+    for table in ("fp-lib-table", "sym-lib-table"):
+        shutil.copy(templates / table, settings)
+    kicad_cli(folder, "pcb", "drc", LAYOUT, "--severity-all", "--format", "json", "-o", "drc.json")
+    kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json")
+    drc, erc = (json.loads((folder / name).read_text("utf-8")) for name in ("drc.json", "erc.json"))
+    on_board = [violation["type"] for violation in drc["violations"]]
+    footprints = (folder / LAYOUT).read_text("utf-8").count("\n  (footprint ")
+    assert footprints == len(CIRCUIT.components) + 3  # fiducials
+    assert on_board == ["lib_footprint_mismatch"] * footprints
+    in_schematic = {violation["type"] for sheet in erc["sheets"] for violation in sheet["violations"]}
+    assert in_schematic == {"lib_symbol_mismatch"}

@@ -8,20 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SKETCH_PINS
 from fingertip.board.components.bridge import POWER_UP_S
-from fingertip.board.components.values import select_components
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.catalogues.controllers import BOARDS
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.documents.firmware import BUFFER_SAMPLES, CYCLES_PER_INSTRUCTION, find_load
+from fingertip.documents.firmware import BUFFER_SAMPLES
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.packaging import controller_changes, find_warnings
-from fingertip.firmware.sources import HEADER, SOURCE, library_sources
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fast_coefficients import NODES, FastCoefficients, load_model
+from fingertip.firmware.sources import HEADER, SOURCE
 from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
@@ -31,73 +26,6 @@ PLACES = {".", "src", "examples/slip_pin", "examples/slip_stream"}
 
 def read_readme(design: Design) -> str:
     return firmware_files(design)["."]["README.md"].decode()
-
-
-def defined(header: str) -> dict[str, float]:
-    """Constants of the header."""
-    found = re.findall(r"^#define (SLIP_\w+) \(\(slip_real\)(\S+)\)$", header, re.MULTILINE)
-    whole = re.findall(r"^#define (SLIP_\w+) (\d+)u?$", header, re.MULTILINE)
-    return {name: float(value) for name, value in [*found, *whole]}
-
-
-def _list_constants(coefficients: FastCoefficients) -> dict[str, float]:
-    constants = dict[str, float]()
-    for name, value in coefficients._asdict().items():
-        terms = value._asdict() if isinstance(value, tuple) else {}
-        constants |= {f"{name}_{key}": term for key, term in terms.items()} or {name: value}
-    constants["board_1_b"] = constants.pop("board_1_b0")
-    assert constants.pop("board_1_b1") == -constants["board_1_b"]
-    return constants
-
-
-def test_constants_are_those_of_the_detector() -> None:
-    design = Design(detector={"sample_rate_hz": 3000.0})
-    values = defined(library_sources(design)[HEADER].decode())
-    alone, both = (FastDetector(FastSettings.from_design(design)) for _ in range(2))
-    alone.step(1.0)
-    both.step(1.0, 1.0)
-    coefficients, with_filtered = _list_constants(alone.coefficients), _list_constants(both.coefficients)
-    names = {"sample_rate_hz", "short_smoothing", "long_smoothing", "threshold", "stay_threshold", "statistic_gain"}
-    for name, value in coefficients.items():
-        if name in ("filtered_gain", "filtered_limit"):
-            assert values[f"SLIP_{name.upper()}"] == with_filtered[name] != value
-        elif name not in names:
-            assert values[f"SLIP_{name.upper()}"] == value, name
-        if name in ("min_floor", "min_upper_floor"):
-            assert values[f"SLIP_FILTERED_{name.upper()}"] == with_filtered[name] != value
-    assert values["SLIP_SHORT"] == coefficients["short_smoothing"]
-    assert values["SLIP_LONG"] == coefficients["long_smoothing"]
-    assert values["SLIP_ON_SCORE"] == coefficients["threshold"]
-    assert values["SLIP_STAY_SCORE"] == coefficients["stay_threshold"]
-    assert values["SLIP_SAMPLE_RATE_HZ"] == 3000.0
-    assert values["SLIP_SAMPLE_RATE_MILLIHZ"] == 3_000_000
-    assert values["SLIP_ADC_STEP_V"] == design.detector.adc_step_v
-
-
-@pytest.mark.full
-def test_every_constant_that_is_used_is_defined_and_every_defined_one_used() -> None:
-    files = firmware_files(Design())
-    texts = [data.decode() for place in files.values() for name, data in place.items() if name.endswith((".h", ".c"))]
-    texts += [data.decode() for place in files.values() for name, data in place.items() if name.endswith(".ino")]
-    known = set(re.findall(r"#define (SLIP_\w+)|\b(SLIP_LINE_BYTES|SLIP_PERIOD_US|SLIP_PIN)\b", "\n".join(texts)))
-    names = {name for pair in known for name in pair if name}
-    count = {name: sum(len(re.findall(rf"\b{name}\b", text)) for text in texts) for name in names}
-    assert not [name for name, uses in count.items() if uses < 2]
-    used = set(re.findall(r"\bSLIP_[A-Z0-9_]+\b", "\n".join(texts)))
-    assert not used - names
-
-
-def test_tables_hold_the_trees() -> None:
-    source = library_sources(Design())[SOURCE].decode()
-    model = load_model()
-    tables = re.findall(r"static const \w+ (\w+)\[[^\]]*\] = \{(.*?)\n\};", source, re.DOTALL)
-    forms = {"slip_features": r"(\d+),", "slip_thresholds": r"KEY\(([^,]+), \w+\),", "slip_leaves": r"R\((.+?)\),"}
-    found = {name: re.findall(forms[name], text) for name, text in tables}
-    nodes = [i for i in range(model.trees * (NODES + 1)) if i % (NODES + 1)]
-    features, thresholds = found["slip_features"], found["slip_thresholds"]
-    assert [float(features[i]) for i in nodes] == model.features.tolist()
-    assert [float(thresholds[i]) for i in nodes] == model.thresholds.tolist()
-    assert [float(leaf) for leaf in found["slip_leaves"]] == model.leaves.tolist()
 
 
 def test_arduino_and_platformio_know_the_library() -> None:
@@ -112,23 +40,6 @@ def test_arduino_and_platformio_know_the_library() -> None:
     assert (manifest["name"], manifest["version"]) == (fields["name"], fields["version"])
     assert manifest["headers"] == fields["includes"] == HEADER
     assert "12 bits" in fields["paragraph"]
-
-
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
-def test_wiring_is_that_of_the_board(name: str) -> None:
-    """Every pin of the output connector is listed with the net of the circuit, for each board."""
-    loaded = load_tables([], BOARD_CONFIGURATIONS[name].changes)
-    design = Design.from_tables(loaded.tables, loaded.before, loaded.changed)
-    circuit = board_circuit(select_components(design))
-    wiring = read_readme(design).split("## Wiring\n\n")[1].split("\n\n")[0]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in wiring.splitlines()[2:]]
-    pins = {pin: net for (reference, pin), net in circuit.net_by_pin.items() if reference == "J3" and pin.isdigit()}
-    assert {row[0] for row in rows} == set(pins)
-    for number, print_, _, use in rows:
-        assert (print_ in ("T", "S")) >= ("reads" in use) == (pins[number] in ("ADC_TACTILE", "ADC_FILTERED"))
-        assert (use == "ground") == (pins[number] == "GND")
-    read = {row[1] for row in rows if "reads" in row[3]}
-    assert read == ({"T", "S"} if design.board.supply == "single_3v3" else {"T"})
 
 
 def test_warnings_name_changes_that_end_them() -> None:
@@ -153,20 +64,6 @@ def test_controllers_and_ports_of_the_readme_stand_in_the_manual() -> None:
         core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
         known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
         assert known == (board.timer == "yes"), board.name
-
-
-def test_load_of_each_controller_follows_from_its_clock_and_the_measured_instructions() -> None:
-    targets = costs.read_costs()["targets"]
-    for board in BOARDS:
-        target = targets["Cortex-M4F" if "with floats" in board.core else "Cortex-M0+"]
-        found = {rate_hz: find_load(board, rate_hz) for rate_hz in (100.0, 2000.0, 2e6)}
-        for load in found.values():
-            assert load.mean == pytest.approx(CYCLES_PER_INSTRUCTION * target["instructions"]["slip"], abs=100)
-            assert load.longest == pytest.approx(CYCLES_PER_INSTRUCTION * target["max_instructions"], abs=100)
-        # On every controller of the table loop() keeps up at 2 kHz; a faster rate is refused to the slow ones.
-        assert found[100.0].longest <= found[100.0].available
-        assert found[2000.0].mean <= found[2000.0].available == pytest.approx(1e6 * board.clock_mhz / 2000, abs=100)
-        assert found[2e6].mean > found[2e6].available
 
 
 def test_sketches_agree_with_readme_and_board() -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from fingertip.design import Design
 from fingertip.lab.campaign.plan import CampaignPlan
-from fingertip.lab.report.tables import list_protocol_rows, protocol_as_data, protocol_as_lines
 from fingertip.lab.studies import article as article_protocol
 from fingertip.lab.studies.article import (
     DEVICES,
@@ -52,23 +49,6 @@ def test_every_device_and_zero_is_there_and_a_later_zero_shortens_delays(study: 
         assert means == sorted(means, reverse=True)
         assert means[0] - means[2] == pytest.approx(0.014, abs=0.006)
     assert study.find("precision board").threshold_v < study.find("digital chain").threshold_v
-
-
-def test_the_table_states_the_article_s_figures_and_what_differs(study: ProtocolStudy) -> None:
-    summary = article_protocol.ClosedLoopSummary("analog", 4, 3, 4, (0.05, 0.06), 0, 1, 2, 0)
-    shown = replace(study, manipulations={"article's board": summary, "precision board": summary})
-    rows = {row.figure: row for row in list_protocol_rows(shown)}
-    assert rows["slips found"].article == "120 of 120"
-    assert rows["slips found"].ours["precision board"] == "4 of 4"
-    assert rows["below 30 ms"].article.startswith("69 of 120")
-    assert rows["objects held"].ours["article's board"] == "3 of 4"
-    assert rows["false positives"].ours["precision board"] == "3 in 4"
-    assert rows["reaction of the hand"].ours["precision board"] == "60.0 ms at most"
-    assert all(row.differs and row.article for row in rows.values())
-    text = "\n".join(protocol_as_lines(shown))
-    assert "encoders at 100 Hz" in text
-    assert all(row.figure in text for row in rows.values())
-    assert len(protocol_as_data(shown)["results"]) == len(DEVICES) * len(MOVED_M)
 
 
 def test_the_finger_stays_and_the_board_is_the_article_s():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,24 +10,15 @@ import pytest
 from fingertip.design import Design
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, Case
 from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
-from fingertip.lab.report import omissions, robustness
 from fingertip.lab.studies.sensitivity import (
-    BOTH,
-    ELASTO_PLASTIC,
-    PATCH_AVERAGE,
-    STICK_SLIP,
     VARIATIONS,
     Factor,
     Variation,
-    VariationResult,
     change_converter,
     study_assumptions,
 )
 from fingertip.lab.studies.steps import (
     SIGNALS,
-    DelayShift,
-    SignalError,
-    StepSensitivity,
     _find_shift_s,
     _pool_shifts,
     compare_grids,
@@ -98,41 +88,6 @@ def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     assert twice.alarms_per_minute < 10
 
 
-def make_result(label: str, found: float = 1.0, median_s: float = 0.015, is_realistic: bool = True) -> VariationResult:
-    change_s = median_s - 0.015 if math.isfinite(median_s) else math.nan
-    return VariationResult(label, is_realistic, 24, found, median_s, change_s, 0.25, 0.0045, 0.001 * len(label))
-
-
-def page_items(title: str, **studies: object) -> list[str]:
-    """Items of one section of the page of omissions of a validation that has these studies."""
-    rows = {"variations": [make_result("unchanged", is_realistic=False)], "steps": StepSensitivity(0, 16, (), ())}
-    found = SimpleNamespace(patch_radius_m=2.05e-3, **(rows | studies))
-    page = omissions.as_markdown(SimpleNamespace(detectors={}), ["too late"], [], found, "fast")  # type: ignore[arg-type]
-    assert "## Requirements missed\n\n- too late\n" in page
-    return [line.removeprefix("- ") for line in page.split(f"## {title}\n\n")[1].split("\n\n")[0].splitlines()]
-
-
-def test_table_and_remarks_state_every_realistic_effect() -> None:
-    base = make_result("unchanged", is_realistic=False)
-    labels = (PATCH_AVERAGE, STICK_SLIP, BOTH, ELASTO_PLASTIC, "mains hum of 1 mV")
-    results = [base, make_result("half the force", is_realistic=False)]
-    results += [make_result(label, 0.25, math.inf) for label in labels]
-    text = "\n".join(robustness.variation_table(results, "fast"))
-    remarks = page_items("Effects of real fingers that the trials leave out", variations=results)
-    assert text.index("half the force") < text.index("by default") < text.index(STICK_SLIP)
-    assert text.count(" missed ") == 2 * len(labels)
-    assert "25 % of 24 slips" in remarks[0]
-    assert "radius 2.05 mm" in remarks[0]
-    assert "moves by +4.5 ms" in remarks[1]
-    assert remarks[2].startswith("Mains hum")
-    assert remarks[-1] == robustness.LEVELS_ARE_ASSUMED
-    data = robustness.variations_as_data(results)
-    assert data[-1]["median_s"] is None
-    assert data[-1]["realistic"]
-    assert (data[-1]["slips"], data[-1]["found_share"]) == (24, 0.25)
-    assert data[-1]["vibration_n"] == pytest.approx(results[-1].vibration_n)
-
-
 SHORT = SceneFile(
     scene="sliding_finger",
     hold={"wait_s": 0.1, "release": False},
@@ -171,15 +126,3 @@ def test_a_finer_step_changes_little() -> None:
     assert found.shifts_samples["fast"] <= 1.0
     same = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 1)
     assert set(same.errors.values()) == {0.0}
-
-
-def test_table_and_remarks_name_a_missed_goal() -> None:
-    shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
-    steps = StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),))
-    text, remarks = "\n".join(robustness.step_table(steps)), page_items("Time step", steps=steps)
-    assert "0.040 mN" in text
-    assert text.count("MISSED") == 1
-    assert "digital 4 of 20 (worst not found)" in remarks[0]
-    assert "missed by digital" in remarks[0]
-    assert remarks[1] == "Found with one step only: digital 1."
-    assert robustness.steps_as_data(steps)["delay_shifts"][1]["worst_s"] is None

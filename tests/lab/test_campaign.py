@@ -13,21 +13,19 @@ from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign.plan import (
     HELD_OUT_FROM,
-    REPORTED_SEPARATELY,
     TUNING_SEEDS,
     CampaignPlan,
     Case,
     generate_cases,
 )
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult, evaluate, run_campaign
-from fingertip.lab.report import plots
 from fingertip.lab.report.numbers import ONSETS
 from fingertip.lab.studies.article import compute_spectra, study_windows, with_window
 from fingertip.lab.studies.boards import study_board_variants
 from fingertip.lab.studies.bounds import study_knock_rejection, study_motor_discrimination
 from fingertip.lab.studies.sensitivity import VARIATIONS, study_accelerations
 from fingertip.lab.studies.steps import study_sampling_rates
-from fingertip.lab.validation import RequirementLimits, check_detection
+from fingertip.lab.validation import FILES, RequirementLimits, check_detection
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import DETECTORS, Trace
 from tests.designs import ARTICLE, article_design
@@ -154,20 +152,18 @@ def test_skin_attenuates_high_frequencies():
     assert noise * 1000 == pytest.approx(4e-4**2 + (20 / 65536) ** 2 / 12, rel=0.3)
 
 
-@pytest.fixture(scope="module")
-def validated(tmp_path_factory):
-    out = tmp_path_factory.mktemp("validation")
-    arguments = ["validate", "article", "--trials", "8", "--minutes", "1", "--json", "--out"]
-    return out, CliRunner().invoke(app, [*arguments, str(out)])
-
-
 @pytest.mark.full
-def test_validate_writes_results_and_assumptions(validated):
-    out, done = validated
+def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
+    """What its files say is compared with approved ones in test_report.py."""
+    done = CliRunner().invoke(
+        app, ["validate", "article", "--trials", "8", "--minutes", "1", "--json", "--out", str(tmp_path)]
+    )
     assert done.exit_code == 0, done.stdout
+    assert {path.name for path in tmp_path.iterdir()} >= set(FILES)
+    assert re.match(
+        r"article, detector fast: all \d+ requirements are met\n", (tmp_path / "validation.txt").read_text()
+    )
     data = json.loads(done.stdout)
-    assert data == json.loads((out / "validation.json").read_text())
-    assert data["passed"]
     assert set(data["detectors"]) == {"analog", "digital", "fft", "fast"}
     fast, digital = data["detectors"]["fast"], data["detectors"]["digital"]
     assert fast["found_share"] == digital["found_share"] == 1.0
@@ -183,40 +179,6 @@ def test_validate_writes_results_and_assumptions(validated):
     # One in six of the hardest, 2 N within 2 ms, is taken for slip: the pad loses contact.
     assert all(row["false_alarm_share"] == 0.0 or row["rise_s"] == 0.002 for row in hard)
     assert sum(row["false_alarm_share"] for row in hard) <= 0.5
-    assert {cause for cause, count in fast["alarms"].items() if count["reported_separately"]} == set(
-        REPORTED_SEPARATELY
-    )
-    assert any(str(TUNING_SEEDS.start) in line for line in data["assumptions"])
-    text = (out / "validation.txt").read_text()
-    assert re.match(r"article, detector fast: all \d+ requirements are met\n  met     ", text), (
-        "the verdict comes first"
-    )
-    assert "on the wider mix" in text
-    plot_names = {path.name for path in out.iterdir() if path.name.endswith(".png")}
-    assert plot_names >= {"delays.png", "surfaces.png", "spectra.png", "windows.png", "comparison.png", "trial.png"}
-    for name in plot_names:
-        assert (out / name).read_bytes().startswith(b"\x89PNG")
-    page = (out / "omissions.md").read_text()
-    assert "None." in page.split("## Missed")[0]
-    assert page.count("(reported separately)") > 4
-    assert page.count(": object lost.") == sum(row["count"] - row["held"] for row in data["closed_loop"])
-    assert all(said in page for said in [*data["assumptions"], *plot_names, "## Time step"])
-
-
-@pytest.mark.full
-def test_missed_requirement_gives_exit_code_1(tmp_path, monkeypatch):
-    monkeypatch.setattr(plots.style, "to_png", lambda figure: b"")  # drawn by the test above
-    arguments = ["validate", "article", "--trials", "1", "--minutes", "0.5", "--json", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, [*arguments, "--detector", "analog"])
-    assert done.exit_code == 1
-    assert "validate: trials: 0 % done" in done.stderr
-    assert re.search(
-        r"^article, detector analog: \d of \d+ requirements are MISSED$",
-        (tmp_path / "validation.txt").read_text(),
-        re.MULTILINE,
-    )
-    assert not json.loads(done.stdout)["passed"]
-    assert (tmp_path / "validation.json").exists()
 
 
 def test_validate_refuses_bad_options_before_it_computes(tmp_path):

@@ -25,7 +25,6 @@ from fingertip.lab.campaign.run import (
     speed_m_s,
     surface,
 )
-from fingertip.lab.report import tables
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 
@@ -80,10 +79,6 @@ def test_delays_since_the_robot_moved_include_the_creep_before_the_slip() -> Non
     pooled = pool(trial([0.01], creep_s=0.2), trial([0.05], creep_s=0.1))
     assert pooled.motion_delay_s(0.0) == pytest.approx(0.15)
     assert pooled.motion_delay_s(1.0) == pytest.approx(0.21)
-
-
-def test_times_of_the_report_are_milliseconds() -> None:
-    assert [tables._ms(time_s).strip() for time_s in (0.0085, 0.25, math.inf)] == ["8.5 ms", "250.0 ms", "missed"]
 
 
 def test_without_slips_nothing_is_found() -> None:

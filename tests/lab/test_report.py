@@ -143,7 +143,7 @@ def studies() -> StudyResults:
         steps=StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),)),
         patch_radius_m=2.05e-3,
         windows=[WindowResult(0.01, 0.02, 1.0, 0.012, 0.02, 3.0), WindowResult(0.03, 0.015, 0.9, 0.03, math.inf, 1.5)],
-        spectra=[Spectrum(name, hz, 1e-6 / (1 + (hz / hz_3db) ** 2)) for name, hz_3db in (("soft", 90.0), ("bare", 230.0))],
+        spectra=[Spectrum(name, hz, 1e-6 / (1 + (hz / hz_3db) ** 2)) for name, hz_3db in (("soft", 90), ("bare", 230))],
         accelerations=[
             AccelerationResult(a, name, 1.0, 0.02 / a + late, 0.03 / a + late)
             for a in (0.5, 1.0) for name, late in (("bound", 0.0), ("fast", 0.005), ("fft", math.inf))

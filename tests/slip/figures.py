@@ -63,7 +63,7 @@ def _describe(artist: Any, axes: Any) -> str:
         boxes = [_numbers(path.get_extents().extents) for path in artist.get_paths()]
         return f"areas {[colors.to_hex(c) for c in artist.get_edgecolor()[:1]]}: {' '.join(boxes)}"
     if isinstance(artist, text.Annotation):
-        return f"note {artist.get_text()!r} at {_numbers(artist.xy)} from {artist.get_position()}"
+        return f"note {artist.get_text()!r} at {_numbers(artist.xy)} from {_numbers(artist.get_position())}"
     if isinstance(artist, legend.Legend):
         return f"legend: {[one.get_text() for one in artist.get_texts()]}"
     return (

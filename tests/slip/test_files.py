@@ -16,8 +16,7 @@ import pytest
 
 import fingertip
 from fingertip.design import Design
-from tests.conftest import ROOT
-from tests.slip.recordings import ONSET, T, V, burst, csv, run, single_onset
+from tests.slip.recordings import ONSET, PLAIN, T, V, csv, run, single_onset
 
 
 @pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", False), (";", True), ("\t", False), ("\t", True)])
@@ -38,8 +37,6 @@ def test_quoted_numbers_are_read(tmp_path, delimiter, comma):
     stderr = run("detect", tmp_path / "t.csv").stderr
     assert "'\"NA\"' in line 3 is not a number" in stderr
 
-
-PLAIN = csv(T, V)
 
 SAVED = {
     "a spreadsheet's first line": "sep=;\n" + csv(T, V, ";", comma=True),
@@ -127,86 +124,7 @@ def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 
-OUTSIDE_GAP = (np.arange(2000) < 300) | (np.arange(2000) >= 400)
-
 # Name -> text of the file, part of the message, exit code.
-UNUSUAL = {
-    "constant": (csv(T, np.full(2000, 2.3)), "the voltage is constant at 2.3 V; is a sensor connected?", 0),
-    "saturated": (csv(T, np.minimum(V + 1.0, 3.3)), "samples are at the limits of the ADC range", 0),
-    "wrong delimiter": (csv(T, V, "|"), "does not separate its names by comma, semicolon or tab", 2),
-    "decimal commas between commas": (csv(T, V, comma=True), "has 4 cells, but the header has 2 (and 1999 more", 2),
-    "negative time": (csv(T - 0.3, V), "", 0),  # times relative to a trigger are valid
-    "time that runs backwards": (csv(-T, V), "does not increase in most of its steps", 2),
-    "duplicate times": (csv(np.floor(T * 1000) / 1000, V), "0 s in line 3 repeats the time before it, as do 999", 2),
-    "counts": (csv(T, np.round(V / 20 * 65536)), "the values are whole numbers, as ADC counts are", 2),
-    "millivolts": (csv(T, 1000 * V), "exceeds the ADC range of 0 to 3.3 V; use --scale", 2),
-    "milliseconds": (csv(1000 * T, V), "if they are in milliseconds, add --time-scale ms.", 2),
-    "too slow": (csv(*burst(500.0)), "is sampled at 500 Hz, too low for a detector; record at 1000 Hz or more.", 2),
-    "a gap": (csv(T[OUTSIDE_GAP], V[OUTSIDE_GAP]), "0.2 s in line 302 comes after a gap", 2),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", UNUSUAL)
-def test_unusual_input_gives_an_error_or_a_correct_result(tmp_path, name):
-    text, message, code = UNUSUAL[name]
-    (tmp_path / "t.csv").write_text(text)
-    done = run("detect", tmp_path / "t.csv")
-    assert done.exit_code == code, done.stderr
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
-    expected = {"constant": "never ON", "saturated": "detected ", "negative time": "detected "}
-    if code == 0:
-        first, second, *_ = done.stdout.splitlines()
-        assert first.startswith("detector digital, on voltage_v, mean of the envelope: threshold ")
-        assert second.startswith(expected[name])
-    else:
-        assert done.stdout == ""
-
-
-INVALID_ARRAYS = {
-    "nothing": ({}, "t.npz: contains no arrays; save time_s and voltage_v."),
-    "objects": ({"time_s": T, "voltage_v": np.array(["a"] * 2000)}, "give an array of numbers"),
-    "no voltage": (
-        {"time_s": T, "volts": V},
-        "did you mean volts? Or name the file's column: --column voltage_v=",
-    ),
-    "no time": ({"voltage_v": V}, "Or give --rate-hz, or sample_rate_hz in the file."),
-    "other length": ({"time_s": T, "voltage_v": V[:-1]}, "has shape (1999,), but time_s has shape (2000,)"),
-}
-
-
-@pytest.mark.parametrize("name", INVALID_ARRAYS)
-def test_invalid_arrays_give_an_error(tmp_path, name):
-    arrays, message = INVALID_ARRAYS[name]
-    np.savez(tmp_path / "t.npz", **arrays)
-    done = run("detect", tmp_path / "t.npz")
-    assert done.exit_code == 2
-    assert message in done.stderr
-
-
-INVALID_RATES = {
-    "words": (np.array("2 kHz"), "contains '2 kHz'"),
-    "nothing": (np.zeros(0), "contains no value"),
-    "zero": (0, "contains 0"),
-    "infinite": (np.inf, "contains inf"),
-    "two": (np.array([2000.0, 5000.0]), "contains 2 values"),
-    "complex": (2000 + 1j, "contains (2000+1j)"),
-}
-
-
-@pytest.mark.parametrize("name", INVALID_RATES)
-def test_invalid_rates_in_an_archive_give_an_error(tmp_path, name):
-    stated, message = INVALID_RATES[name]
-    np.savez(tmp_path / "t.npz", voltage_v=np.array(["a"] * 2000), sample_rate_hz=stated)
-    done = run("detect", tmp_path / "t.npz")
-    assert done.exit_code == 2, done.stderr
-    first, second = done.stderr.splitlines()
-    assert first.endswith(
-        f"t.npz, sample_rate_hz: {message}; save the rate in Hz as one number, such as 2000, or give --rate-hz."
-    )
-    assert "give an array of numbers" in second
-    np.savez(tmp_path / "t.npz", voltage_v=np.round(V, 6), sample_rate_hz=stated)
-    assert single_onset(run("detect", tmp_path / "t.npz", "--rate-hz", 2000, "--json")) == ONSET
 
 
 def test_read_trace_in_python(tmp_path):
@@ -219,38 +137,6 @@ def test_read_trace_in_python(tmp_path):
         fingertip.read_trace(
             tmp_path / "t.csv", Design(detector={"sample_rate_hz": 4000.0}), {"time_s": "t", "voltage_v": "AI0"}
         )
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("params/fsr400.toml", "is a design file, not a trace; give a trace first, and the design after --design."),
-        ("params/scenes/hard_tap.toml", "is a scene file, not a trace; make a trace of it with `fingertip simulate`."),
-    ],
-)
-def test_a_toml_file_in_place_of_a_trace_gives_an_error(name, message):
-    done = run("detect", ROOT / name)
-    assert done.exit_code == 2
-    assert message in done.stderr
-
-
-def test_a_column_of_the_file_is_not_suggested_for_itself(tmp_path):
-    (tmp_path / "t.csv").write_text(PLAIN)
-    stderr = run("detect", tmp_path / "t.csv", "--column", "voltage_v=nope").stderr
-    assert "there is no column nope; known names: time_s, voltage_v." in stderr
-    assert "--column" not in stderr
-
-
-def test_an_empty_cell_is_reported_as_missing(tmp_path):
-    lines = PLAIN.splitlines()
-    for number in (50, 60):
-        lines[number - 1] = lines[number - 1].split(",")[0] + ","
-    (tmp_path / "t.csv").write_text("\n".join(lines))
-    stderr = run("detect", tmp_path / "t.csv").stderr
-    assert "t.csv, voltage_v: is missing in line 50 (and 1 more); fill it in" in stderr
-    assert (
-        "line 50: has an empty cell; give one number per column." in run("detect", "-", lines="\n".join(lines)).stderr
-    )
 
 
 @pytest.mark.full
@@ -308,25 +194,7 @@ def test_a_tdms_file_of_many_segments_is_refused(tmp_path):
     assert "1 segments or more, with 16777245 bytes of names" in run("detect", tmp_path / "t.tdms").stderr
 
 
-def test_a_line_without_end_is_refused(tmp_path):
-    (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v" + b" " * 2**20 + b"\n0,1\n")
-    message = "line 1: is longer than 1048576 characters; a trace has one sample per line, so break the lines."
-    assert message in run("detect", tmp_path / "t.csv").stderr
-    assert message in run("detect", "-", lines="x" * (2**20 + 1)).stderr
-    (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v\n" + b"0.0,1\n" * 10 + b"1" * 2**21)
-    assert "line 12: is longer than" in run("detect", tmp_path / "t.csv").stderr
-
-
 def test_a_file_of_comments_is_bounded(tmp_path, monkeypatch):
     monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "100")
     (tmp_path / "t.csv").write_bytes(b"time_s,voltage_v\n" + b"#\n" * 20_000)
     assert "has more than 10200 lines" in run("detect", tmp_path / "t.csv").stderr
-
-
-@pytest.mark.parametrize("rate", ["1e308", "1e-308", "-1e308", "nan", "inf", "0"])
-def test_a_rate_far_out_of_bounds_is_refused(tmp_path, rate):
-    (tmp_path / "t.csv").write_text("voltage_v\n" + "4.0\n" * 500)
-    for more in ((), ("--set", "detector.window_samples=40")):
-        done = run("detect", tmp_path / "t.csv", "--rate-hz", rate, *more)
-        assert done.exit_code == 2, done.stderr
-        assert "Hz" in done.stderr

@@ -5,15 +5,11 @@ Every file is generated here. The recording is the same in all of them, so that 
 
 from __future__ import annotations
 
-import datetime
-import gzip
 import io
 import itertools
 import json
-import pickle
 import re
 import resource
-import sqlite3
 import struct
 import wave
 import zipfile
@@ -31,44 +27,12 @@ from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import restore_even_times
 from fingertip.slip.traces.trace import ColumnMap
 from tests.conftest import ROOT, run_python
-from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
+from tests.slip.recordings import DATES, ONSET, PLAIN, T, V, csv, iso, lvm, rows, run, single_onset
 
-START = datetime.datetime(2024, 5, 31, 23, 59, 59, 700_000)  # midnight falls into the recording
 BY_NUMBER = ("--column", "time_s=1", "--column", "voltage_v=2")
 VOLTS = np.round(V, 6)
 
 
-def rows(times, delimiter=",", volts=V) -> str:
-    return "".join(f"{a}{delimiter}{b:.6f}\n" for a, b in zip(times, volts, strict=True))
-
-
-def iso(form: str) -> list[str]:
-    moments = [START + datetime.timedelta(seconds=float(t)) for t in T]
-    return [form.format(moment.isoformat(timespec="microseconds"), moment) for moment in moments]
-
-
-def lvm(x_columns: str, segments: int = 1) -> str:
-    """Text of a LabVIEW measurement file with tabs and one channel."""
-    text = (
-        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
-        f"Multi_Headings\t{'Yes' if segments > 1 else 'No'}\nX_Columns\t{x_columns}\nTime_Pref\tRelative\n"
-        "Date\t2024/05/31\nTime\t12:00:00.5\n***End_of_Header***\t\n\n"
-    )
-    step = len(T) // segments
-    for first in range(0, len(T), step):
-        part = slice(first, first + step)
-        text += (
-            f"Channels\t1\t\nSamples\t{step}\t\nDate\t2024/05/31\t\nTime\t12:00:00.5\t\nY_Unit_Label\tVolts\t\n"
-            f"X_Dimension\tTime\t\nX0\t{T[first]:E}\t\nDelta_X\t0.000500\t\n***End_of_Header***\t\t\n"
-            "X_Value\tVoltage\tComment\n"
-        )
-        lines = [f"{'' if x_columns == 'No' else f'{t:.6f}'}\t{v:.6f}" for t, v in zip(T[part], V[part], strict=True)]
-        lines[0] += "\tpressed"
-        text += "\n".join(lines) + "\n"
-    return text
-
-
-PLAIN = csv(T, V)
 LINES = PLAIN.splitlines(keepends=True)
 
 # Name -> content of the file, options, part of the warning ("" for none).
@@ -138,29 +102,6 @@ def _column_map(options: tuple[object, ...]) -> ColumnMap:
     return ColumnMap({column: name for column, _, name in pairs}, rate, time_scale=scale)
 
 
-def test_a_line_number_in_a_message_counts_lines_that_were_passed_over(tmp_path: Path) -> None:
-    lines = [*LINES[:701], LINES[0], "\n", *LINES[701:]]
-    lines[1000] = "nan,2.3\n"
-    (tmp_path / "t.csv").write_text("".join(lines))
-    assert "time_s: nan in line 1001 is not a finite number" in run("detect", tmp_path / "t.csv").stderr
-    lines[1000] = "word,2.3\n"
-    (tmp_path / "t.csv").write_text("".join(lines))
-    assert "'word' in line 1001 is not a number" in run("detect", tmp_path / "t.csv").stderr
-
-
-def test_only_the_last_line_is_passed_over(tmp_path: Path) -> None:
-    for change, message in (("0.5000", "line 1001: has 1 cells"), ("0.5000,x", "'x' in line 1001 is not a number")):
-        lines = [*LINES]
-        lines[1000] = change + "\n"
-        (tmp_path / "t.csv").write_text("".join(lines))
-        done = run("detect", tmp_path / "t.csv")
-        assert done.exit_code == 2
-        assert message in done.stderr
-    # A last line with a line break was written whole; what is wrong with it is said.
-    (tmp_path / "t.csv").write_text(PLAIN + "1.000000,NA\n")
-    assert "'NA' in line 2002 is not a number" in run("detect", tmp_path / "t.csv").stderr
-
-
 def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     done = run("detect", "-", "--json", lines="".join([*LINES[:701], LINES[0], *LINES[701:]]))
     assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
@@ -190,51 +131,6 @@ def test_a_stream_in_other_units_and_by_number() -> None:
     assert json.loads(done.stdout)["transitions"][0] == {"on": True, "time_s": ONSET}
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (
-            ("--time-scale", "minutes"),
-            "'minutes' is no unit of time; give seconds per unit, such as 1e-3, or one of s,",
-        ),
-        (("--time-scale", "0"), "--time-scale: 0 is not a unit of time"),
-        (("--time-scale", "nan"), "--time-scale: nan is not a unit of time"),
-        (("--column", "voltage_v=0", "--column", "time_s=1"), "by number"),
-        (("--column", "voltage_v=99999999999999", "--column", "time_s=1"), "by number"),
-        (
-            ("--column", "voltage_v=2", "--column", "time_s=none"),
-            "its times are left out: give the sampling rate with --rate-hz, such as 2000.",
-        ),
-        (("--rate-hz", "nan"), "--rate-hz: nan is not a sampling rate; choose 1000 to 20000 Hz."),
-    ],
-)
-def test_options_that_cannot_be_used(tmp_path: Path, words: tuple[str, ...], message: str) -> None:
-    (tmp_path / "t.csv").write_text(rows(T))
-    done = run("detect", tmp_path / "t.csv", *words)
-    assert done.exit_code == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
-
-
-def test_a_time_scale_of_dates_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text("time_s,voltage_v\n" + rows(iso("{0}")))
-    np.savez(tmp_path / "t.npz", time_s=np.array(iso("{0}"), dtype="datetime64[us]"), voltage_v=V)
-    for name in ("t.csv", "t.npz"):
-        done = run("detect", tmp_path / name, "--time-scale", "ms")
-        assert done.exit_code == 2
-        assert "--time-scale: does not apply to the dates in" in done.stderr
-
-
-def test_lvm_of_several_channels_asks_for_one(tmp_path: Path) -> None:
-    text = lvm("One").replace("X_Value\tVoltage\tComment", "X_Value\tVoltage\tLoad cell").replace("\n", "\t1.5\n")
-    (tmp_path / "t.lvm").write_text(text)
-    done = run("detect", tmp_path / "t.lvm")
-    assert done.exit_code == 2
-    assert "holds 3 channels; choose one with --column voltage_v='Voltage' or" in done.stderr
-    (tmp_path / "t.lvm").write_text(lvm("No").replace("Delta_X\t0.000500", "Delta_X\tnan"))
-    assert "states the step 'nan' between samples; give --rate-hz." in run("detect", tmp_path / "t.lvm").stderr
-
-
 def save_mat(path: Path, **arrays: object) -> None:
     pytest.importorskip("scipy.io").savemat(path, arrays, do_compression=True)
 
@@ -259,7 +155,7 @@ def save_wav(path: Path, width: int = 2, channels: int = 1, rate: int = 2000) ->
 ARRAYS: dict[str, tuple[Callable[[Path], None], tuple[object, ...], float]] = {
     "column vectors.mat": (lambda p: save_mat(p, time_s=T[:, None], voltage_v=V[:, None], other=np.eye(3)), (), 0.0),
     "dates.parquet": (
-        lambda p: save_parquet(p, time_s=np.array(iso("{0}"), dtype="datetime64[ns]"), voltage_v=V), (), 0.0,
+        lambda p: save_parquet(p, time_s=np.array(DATES, dtype="datetime64[ns]"), voltage_v=V), (), 0.0,
     ),
     "24 bits.wav": (lambda p: save_wav(p, 3), ("--scale", 10), 1e-6),
     "stereo.wav": (lambda p: save_wav(p, 3, 2), ("--scale", 10, "--column", "voltage_v=2"), 1e-6),
@@ -296,49 +192,7 @@ def test_files_of_arrays_are_read(tmp_path: Path, name: str) -> None:
     assert ("dates are read as seconds since" in done.stderr) == ("dates" in name)
 
 
-def zip_of(*names: str) -> bytes:
-    data = io.BytesIO()
-    with zipfile.ZipFile(data, "w") as archive:
-        for name in names:
-            archive.writestr(name, "x")
-    return data.getvalue()
-
-
-def sqlite(path: Path) -> bytes:
-    connection = sqlite3.connect(path / "s")
-    connection.execute("create table messages (data blob)")
-    connection.commit()
-    connection.close()
-    return (path / "s").read_bytes()
-
-
-FLOAT_WAV = b"RIFF" + struct.pack("<I", 44) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 3, 1, 2000, 8000, 4, 32)
-
 # Name of the file -> content, and the sentence that says how to convert it.
-CONVERT: dict[str, tuple[bytes, str]] = {
-    "t.xlsx": (
-        zip_of("[Content_Types].xml", "xl/workbook.xml"),
-        "is a workbook of a spreadsheet; save its sheet as CSV.",
-    ),
-    "t.xls": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(504), "is a workbook of a spreadsheet"),
-    "v7.3.mat": (b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + b"\x89HDF\r\n\x1a\n", "save it with -v7,"),
-    "t.db3": (b"", "`ros2 topic echo --csv /topic > trace.csv`"),
-    "t.csv.gz": (gzip.compress(PLAIN.encode()), "is compressed; unpack it first"),
-    "t.pkl": (pickle.dumps([1, 2]), "is a pickle, which may run programs when it is read"),
-    "t.json": (json.dumps({"t": [1, 2]}).encode(), "is a JSON file; convert it to CSV"),
-    "float.wav": (FLOAT_WAV + b"data" + struct.pack("<I", 8) + bytes(8), "save it as PCM of 16 or 24 bits"),
-}
-
-
-@pytest.mark.parametrize("name", CONVERT)
-def test_other_files_are_answered_in_one_sentence(tmp_path: Path, name: str) -> None:
-    content, sentence = CONVERT[name]
-    (tmp_path / name).write_bytes(content or sqlite(tmp_path))
-    done = run("detect", tmp_path / name)
-    assert done.exit_code == 2
-    (line,) = done.stderr.splitlines()
-    assert line.startswith("error: ")
-    assert sentence in line
 
 
 def npy_header(shape: str, dtype: str = "<f8") -> bytes:

@@ -12,7 +12,6 @@ from fingertip.board.analysis.noise import add_noise
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.errors import TraceError
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.signal.converter import (
     AdcRange,
@@ -101,12 +100,6 @@ def test_filtered_signal_is_sampled_around_the_signal_ground():
     delayed = AntiAliasFilter.ahead_of(ADC_FILTERED, CONTROLLER).process(found["filtered_v"])
     assert np.abs(found["sampled_filtered_v"] - delayed).max() < 0.05 * np.ptp(delayed)
     assert np.ptp(found["sampled_filtered_v"]) > 20 * np.ptp(found["voltage_v"][-200:])
-
-
-def test_filtered_signal_of_another_supply_is_refused():
-    scene = SceneFile(outputs=["sampled_filtered_v"])
-    with pytest.raises(TraceError, match=r"board\.supply is split; use --set board\.supply=single_3v3"):
-        run_scene(ARTICLE, scene, 0)
 
 
 @pytest.mark.parametrize(("longest", "refinement"), [(1.0, 1), (1.01e-4, 1), (9.9e-5, 2), (4.9e-5, 3), (1e-6, 100)])

@@ -45,7 +45,6 @@ def slide(
     )
 
 
-@pytest.mark.full
 def test_motion_agrees_with_scipy_radau():
     """scipy solves an independent copy of the equations and restarts at the kinks of the drive."""
     from scipy.integrate import solve_ivp
@@ -199,7 +198,6 @@ def draw_friction(rng: np.random.Generator, elastic: float) -> Friction:
     return Friction(mu_s, mu_c, 10 ** rng.uniform(-3, -2), 10 ** rng.uniform(4, 4.7), sigma1, sigma2, elastic)
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 def test_jacobian_agrees_with_finite_differences(elastic):
     """Also in flight, next to the loss of contact, and with both signs of velocity and deflection."""
@@ -266,36 +264,6 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
     assert np.array_equal(contact.process(*second).position_m, expected)
     with pytest.raises(TraceError, match=r"max_pressing_n: -1 N .* at least 0"):
         CoupledContact(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, -1.0)
-
-
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_non_finite_input_is_reported_with_its_sample(place):
-    columns = [np.zeros(20), np.zeros(20), np.zeros(20)]
-    columns[place][7] = -math.inf
-    names = ("carriage_m", "carriage_m_s", "pressing_n")
-    with pytest.raises(TraceError, match=rf"{names[place]}: -inf at sample 7 is not a finite number"):
-        integrate(FRICTION, MOUNT, NORMAL, 1 / RATE_HZ, *columns)
-    with pytest.raises(TraceError, match="-inf at sample 7"):
-        drag(FRICTION, MOUNT, 1 / RATE_HZ, *columns)
-
-
-def test_all_issues_are_reported_at_once():
-    still = np.zeros(5)
-    with pytest.raises(TraceError) as caught:
-        integrate(FRICTION, MOUNT, NORMAL, 0.0, still, still * math.nan, still[:3], -1.0)
-    assert [issue.field for issue in caught.value.issues] == ["step_s", "tolerance_n", "carriage_m_s", "pressing_n"]
-
-
-def test_invalid_contacts_are_refused():
-    for mass in (0.0, math.nan, math.inf):
-        with pytest.raises(TraceError, match=r"mount\.mass_kg: .* give a finite number above 0, such as 0\.002 kg"):
-            Mount(mass, 1.0, 0.0)
-    with pytest.raises(TraceError, match=r"normal\.resonance_hz: 0 Hz"):
-        NormalContact(0.0, 0.15)
-    with pytest.raises(TraceError, match=r"friction\.elastic: 1 is refused"):
-        Friction(0.6, 0.48, elastic=1.0)
-    with pytest.raises(TraceError, match="use coupled"):
-        drag(Friction(0.6, 0.48, elastic=0.7), MOUNT, 1e-4, *(np.zeros(3) for _ in range(3)))
 
 
 def test_few_steps_are_rejected():

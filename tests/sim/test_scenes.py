@@ -8,7 +8,6 @@ import re
 import numpy as np
 import pytest
 
-from fingertip.foundation.errors import TraceError
 from fingertip.sim import SceneFile, Trial, run_scene, simulate
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
@@ -167,43 +166,6 @@ def test_feedback_and_elasto_plastic_bristles_change_slip_little():
         assert runs[name][0] == pytest.approx(runs["plain"][0], abs=0.006)
         assert runs[name][1] == pytest.approx(runs["plain"][1], abs=0.03)
     assert len({onset for onset, _ in runs.values()}) > 1
-
-
-@pytest.mark.parametrize(
-    ("tables", "field", "message"),
-    [
-        ({"contact": {"surface": "woood"}}, "contact.surface", "'woood' is not known; choose 'smooth'"),
-        ({"tap": {"forc_n": 1.0}}, "tap.forc_n", "did you mean tap.force_n?"),
-        ({"slid": {}}, "slid", "did you mean slide?"),
-        ({"slide": {"distance_m": 0.5}}, "slide.distance_m", "longer than contact.length_m; at most 0.1 m"),
-        ({"slide": {"speed_m_s": 0.0}}, "slide.speed_m_s", "0.0 m/s is too small; at least 0.005 m/s"),
-        ({"hold": {"min_force_n": 3.0}}, "hold.min_force_n", "at most 2 N"),
-        ({"outputs": ["volt_v"]}, "outputs", "did you mean voltage_v?"),
-        ({"outputs": []}, "outputs", "name at least one of voltage_v"),
-        ({"outputs": ["slip", "slip"]}, "outputs", "named 2 times"),
-        ({"load_change": {"by_n": -0.5}}, "load_change.by_n", "ends the contact; it must be above -0.2 N"),
-        (
-            {"tap": {"force_n": 1.0, "count": 2, "interval_s": 0.01, "rise_s": 0.01}},
-            "tap.interval_s",
-            "at least 0.02 s",
-        ),
-        ({"hold": {"wait_s": float("nan")}}, "hold.wait_s", "nan is not a finite number"),
-    ],
-    ids=str,
-)
-def test_invalid_scene_is_refused(tables, field, message):
-    with pytest.raises(TraceError) as caught:
-        SceneFile(**tables)
-    (issue,) = caught.value.issues
-    assert issue.field == field
-    assert message in issue.message
-
-
-def test_all_issues_are_reported_at_once():
-    with pytest.raises(TraceError) as caught:
-        SceneFile(tap={"forc_n": 1.0}, slide={"distance_m": 0.5, "speed_m_s": 9.0}, outputs=["volts"])
-    fields = [issue.field for issue in caught.value.issues]
-    assert fields == ["slide.speed_m_s", "tap.forc_n", "outputs", "slide.distance_m"]
 
 
 def test_jump_of_the_cable_is_a_jump_for_the_board():

@@ -65,46 +65,6 @@ def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement
             assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, contact)
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
-def test_plain_python_and_compiled_loops_give_the_same_bytes(path):
-    scene = record_all(path)
-    scene = scene.model_copy(update={"hold": scene.hold.model_copy(update={"wait_s": 0.1, "min_s": 0.5})})
-    plain = run_scene(DESIGN, scene, 4)
-    with compiled():
-        fast = run_scene(DESIGN, scene, 4)
-    for name in SCENE_OUTPUTS:
-        assert np.array_equal(plain.columns[name], fast.columns[name]), name
-    assert len(plain.columns) == len(SCENE_OUTPUTS)
-
-
-@pytest.mark.full
-def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and_in_a_hand():
-    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*SCENE_OUTPUTS]} | EVERYTHING
-    hand = ManipulationFile(
-        outputs=["voltage_v", "force_n", "slip", "envelope_v", "slip_pin_v", "object_m", "sampled_envelope_v"],
-        grasp={"after_s": 0.2},
-        **EVERYTHING,
-    )
-    scenes = [
-        SceneFile(**tables, contact=contact)
-        for contact in (
-            {},
-            {"feedback": True},
-            {"bristles": "elasto_plastic"},
-            {"patch_average": True, "stick_slip": True},
-        )
-    ]
-    plain = [run_scene(DESIGN, scene, 4).columns for scene in scenes] + [
-        run_manipulation(DESIGN, hand, None, 4).columns
-    ]
-    with compiled():
-        fast = [run_scene(DESIGN, s, 4).columns for s in scenes] + [run_manipulation(DESIGN, hand, None, 4).columns]
-    for one, other in zip(plain, fast, strict=True):
-        assert one.keys() == other.keys()
-        for name in one:
-            assert np.array_equal(one[name], other[name]), name
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 @pytest.mark.parametrize("surface", ["wood", "gross"])

@@ -1,4 +1,4 @@
-"""Short simulations with every effect: summary, JSON, figure and first lines of the trace are the approved ones.
+"""Short simulations with every effect: compiled and plain loops give the same bits, and what is said is approved.
 
 Whether their numbers are right, the tests of each stage say: closed forms, independent solvers, orders of convergence.
 After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/sim/test_report.py` writes them; then read them.
@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.report import as_data, as_text, draw, encode_trace
 from fingertip.sim.runs.scene import SceneRecord
@@ -72,16 +73,22 @@ def describe(result: Any, figures: list[Any], **grips: Any) -> str:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", [*SCENES, *HANDS])
-def test_simulation_is_the_approved_one(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_simulation_is_the_approved_one_compiled_or_not(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     figures = collect_figures(monkeypatch)
     monkeypatch.setattr("fingertip.sim.report.to_png", figures.append)
+    grips: dict[str, Any] = {}
     if name in SCENES:
         board, tables = SCENES[name]
-        text = describe(run_scene(Design(board=BOARDS[board]), SceneFile(**tables), 4), figures)
+        run, scene = run_scene, SceneFile(**tables)
     else:
+        board, run = "comparator", lambda design, hand, seed: run_manipulation(design, hand, None, seed)
         scene = ManipulationFile(**({"outputs": [*ManipulationFile.known_outputs()]} | HANDS[name]))
-        grips = (0.25, 0.5) if "pinch" in name else ()
-        text = describe(run_manipulation(Design(board=BOARDS["comparator"]), scene, None, 4), figures, grips_s=grips)
+        grips = {"grips_s": (0.25, 0.5) if "pinch" in name else ()}
+    plain = run(Design(board=BOARDS[board]), scene, 4)
+    with compiled():
+        fast = run(Design(board=BOARDS[board]), scene, 4)
+    assert all(plain.columns[column].tobytes() == fast.columns[column].tobytes() for column in plain.columns)
+    text = describe(plain, figures, **grips)
     assert_approved(Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt", text + "\n")
 
 

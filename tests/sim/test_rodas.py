@@ -3,12 +3,39 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from tests.oracles.rodas import integrate_with_fixed_steps
+from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.coupled_loop import ALPHA, GAMMA, A, C, D
+
+
+def integrate_with_fixed_steps(
+    rates: Callable[[float, Array], Array],
+    jacobian: Callable[[float, Array], Array],
+    time_derivative: Callable[[float, Array], Array],
+    start: Array,
+    end_s: float,
+    steps: int,
+) -> Array:
+    """State at the end of equal steps from time 0: f(t, y), its derivative by y and its partial derivative by t."""
+    y, h = np.asarray(start, dtype=np.float64), end_s / steps
+    for n in range(steps):
+        t = n * h
+        inverse = np.linalg.inv(np.eye(len(y)) / (h * GAMMA) - jacobian(t, y))
+        drift = time_derivative(t, y)
+        u: list[Array] = []
+        stage = y
+        for i in range(6):
+            if i:
+                stage = y + sum(a * w for a, w in zip((*A, (*A[-1], 1.0))[i - 1], u, strict=True))
+            right = rates(t + ALPHA[i] * h, stage) + D[i] * h * drift
+            u.append(inverse @ (right + sum(c * w for c, w in zip(((), *C)[i], u, strict=True)) / h))
+        y = stage + u[5]
+    return y
 
 
 def prothero_robinson_errors(stiffness: float, steps: tuple[int, ...]) -> list[float]:

@@ -157,15 +157,3 @@ def test_outputs_do_not_depend_on_the_other_outputs(tables):
     for name in every:
         alone, _ = run(tables, [name])
         assert np.array_equal(alone.columns[name], full.columns[name]), name
-
-
-def test_states_and_evaluations_count_needed_stages_only():
-    _, slip_only = run(SLIDE, ["slip"])
-    _, everything = run(SLIDE, ["voltage_v", "force_n", "slip", "envelope_v"])
-    steps = everything["friction"].evaluations // 2
-    assert sum(stage.states for stage in slip_only.values()) == 3
-    assert sum(stage.evaluations for stage in slip_only.values()) == 2 * steps
-    assert sum(stage.states for stage in everything.values()) == 3 + 1 + 2 + 1 + 4
-    assert everything["contact"].evaluations == steps
-    _, still = run(STILL, ["voltage_v", "force_n", "slip"])
-    assert sum(stage.states for stage in still.values()) == 2 + 1

@@ -17,13 +17,25 @@ from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import simulate_envelope_v
 from fingertip.slip import Trace, detect, make_detector
-from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, noise_level
+from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
 from tests.designs import ARTICLE
-from tests.oracles.chain_response import analog_response, digital_response
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
 SETTINGS = ChainSettings.from_design(ARTICLE)
+
+
+def digital_response(settings: ChainSettings, frequency_hz: float) -> complex:
+    """Frequency response of the digital high-pass filter."""
+    (g0, g1, p1), (b0, b1, b2, a1, a2) = high_pass(settings)
+    d = cmath.exp(-2j * math.pi * frequency_hz / settings.sample_rate_hz)
+    return (g0 + g1 * d) / (1 + p1 * d) * (b0 + b1 * d + b2 * d * d) / (1 + a1 * d + a2 * d * d)
+
+
+def analog_response(settings: ChainSettings, frequency_hz: float) -> complex:
+    """Frequency response of the board's ideal high-pass filter (article, eq. 9, with the j that it omits); Q is 1."""
+    s = 1j * frequency_hz / settings.cutoff_hz
+    return settings.gain * s / (s + 1) * s * s / (s * s + s + 1)
 
 
 @pytest.mark.parametrize("cutoff", [5.0, 67.0, 200.0, 499.0])

@@ -277,34 +277,3 @@ def test_simulated_traces_carry_the_filtered_signal():
     assert not np.array_equal(signals[0], signals[1])
     with pytest.raises(TraceError, match="sampled_filtered_v"):
         run_manipulation(ARTICLE, hand, None, 1)
-
-
-def test_a_named_column_that_is_missing_is_refused(tmp_path: Path, recording):
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    path = tmp_path / "trace.csv"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    with pytest.raises(TraceError, match="there is no column nothing"):
-        detect_file(path, CONTROLLER, "fast", columns={"filtered_v": "nothing"})
-    with pytest.raises(TraceError, match="there is no column nothing"):
-        detect_stream(lines, CONTROLLER, "fast", columns={"filtered_v": "nothing"})
-
-
-def test_a_stream_may_begin_before_its_header(recording):
-    """A controller that runs already sends the rest of a line, samples, and its header with the next second."""
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    running = ["843,1.471948", *lines[1:500], *lines]
-    first = next(iter(detect_stream(running, CONTROLLER, "fast").transitions))
-    assert first == next(iter(detect_stream(lines, CONTROLLER, "fast").transitions))
-    with pytest.raises(TraceError, match="is not the header of a trace"):
-        detect_stream([lines[1]] * 6000, CONTROLLER, "fast")
-
-
-def test_a_wrong_value_in_the_column_is_named(tmp_path: Path, recording):
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    lines[20] = lines[20].rsplit(",", 1)[0] + ",abc"
-    with pytest.raises(TraceError, match="line 21"):
-        list(detect_stream(lines, CONTROLLER, "fast").transitions)
-    path = tmp_path / "trace.csv"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    with pytest.raises(TraceError, match="line 21"):
-        detect_file(path, CONTROLLER, "fast")

@@ -40,17 +40,3 @@ def test_ticks_are_labelled_by_the_slip_around_them():
     }
     assert {time_s: weights[at(time_s)] for time_s in expected} == expected
     assert np.array_equal(rows.label(make_signal("burst above 60 Hz"), TICKS)[1], rows.BURST_FACTOR * weights)
-
-
-def test_false_alarms_count_more_the_surer_they_were():
-    signal = make_signal()
-    labels, _ = rows.label(signal, TICKS)
-    scores = np.full(TICKS, -9.0)
-    for time_s, score in ((0.5, -2.0), (0.8, 0.5), (1.2, 0.5)):
-        scores[at(time_s)] = score
-    on = T_S >= ONSET_S + 0.01
-    factors = rows.emphasise(signal, labels, scores, on)
-    assert factors[at(0.5)] == 3.0
-    assert factors[at(0.8)] == 14.0
-    assert factors[at(1.2)] == 1.0  # a true slip
-    assert np.count_nonzero(factors > 1.0) == 2

@@ -191,7 +191,7 @@ def loop_parameters(f: Friction) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 def compute_rates(curve, sigma, mount, normal, pull, d, x, v, s, y, w) -> tuple[float, float, float]:
-    """Right-hand sides dv/dt, ds/dt and dw/dt; `pull` is (k X + c_m V) / m, and `mount` holds k / m, c_m / m and 1 / m."""
+    """Right-hand sides dv/dt, ds/dt and dw/dt; `pull` is (k X + c_m V) / m, `mount` holds k / m, c_m / m, 1 / m."""
     s0, s1, s2, _, n0 = sigma
     k_m, c_m, per_m = mount
     load = y if y > 0.0 else 0.0

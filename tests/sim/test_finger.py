@@ -15,12 +15,11 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
+from fingertip.sim import SceneFile, Trial, run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.report import encode_trace, open_trace
 from fingertip.sim.runs.scene import SceneRun, stream_scene
-from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
 from fingertip.sim.signal.interference import (
@@ -124,18 +123,6 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
     assert out.getvalue() == encode_trace(result.time_s, result.columns, path)
 
 
-@pytest.mark.full
-def test_hand_has_drift_cable_jitter_and_interference_too():
-    quick = {"outputs": ["voltage_v"], "grasp": {"kind": "pinch", "after_s": 0.0}, "knock": {"speed_m_s": 0.0}}
-    usual = run_manipulation(Design(), ManipulationFile(**quick), None, 1).output("voltage_v")
-    for table, values in EVERYTHING.items():
-        changed = run_manipulation(Design(), ManipulationFile(**quick, **{table: values}), None, 1).output("voltage_v")
-        assert np.abs(changed - usual).max() > 1e-4, table
-    # No two fingers share their noise.
-    noisy = run_manipulation(Design(), ManipulationFile(**quick, noise={"pink_v": 0.01}), None, 1).output("voltage_v")
-    assert abs(np.corrcoef(noisy[:, :500])[0, 1]) < 0.9
-
-
 def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tuple[np.ndarray, np.ndarray]:
     """Frequency [Hz] and one-sided power spectral density, by Welch's method."""
     window = np.hanning(length)
@@ -213,18 +200,6 @@ def test_hand_vibration_needs_contact():
     air = found["force_n"] == 0.0
     assert np.ptp(found["tactile_v"][air]) < 1e-12
     assert found["tactile_v"][~air].std() > 4e-3
-
-
-@pytest.mark.parametrize(("bits", "high_v"), [(10, 5.0), (12, 3.3)])
-def test_converter_of_a_microcontroller_gives_its_steps(bits, high_v):
-    scene = SceneFile(hold={"wait_s": 0.2}, converter={"bits": bits, "high_v": high_v})
-    volts = run_scene(Design(), scene, 0).columns["voltage_v"]
-    codes = volts / (high_v / 2**bits)
-    assert np.abs(codes - np.round(codes)).max() < 1e-6
-    assert volts.max() <= high_v - high_v / 2**bits + 1e-9
-    assert AdcRange(bits, 0.0, high_v).quantise_v(np.array([-1.0, 99.0])) == pytest.approx(
-        [0.0, high_v - high_v / 2**bits]
-    )
 
 
 def test_average_over_the_patch_is_the_pressure_weighted_mean():

@@ -131,25 +131,6 @@ def test_controller_receives_samples_and_encoders_only():
     assert np.abs(envelope_v - result.output("envelope_v")[:, : voltage.shape[1]]).max() > 1e-3
 
 
-@pytest.mark.parametrize(
-    ("outputs", "stages"),
-    [
-        (["slip", "object_m"], ["hand", "object", "slip"]),
-        (["force_n"], ["hand", "object", "profile", "contact", "force"]),
-        (["voltage_v"], ["hand", "object", "profile", "contact", "sensor", "bridge", "ADC"]),
-    ],
-    ids=str,
-)
-def test_only_needed_stages_run(outputs, stages):
-    scene = make_scene(outputs=outputs, grasp={"kind": "pinch", "after_s": 0.0})
-    result = run_manipulation(DESIGN, scene, None, 1)
-    assert [stage.name for stage in result.stages] == stages
-    assert {stage.name: stage.states for stage in result.stages}["object"] == 3 * 2 + 2
-    full = run_manipulation(DESIGN, make_scene(grasp={"kind": "pinch", "after_s": 0.0}), None, 1)
-    for name in set(outputs) & set(full.columns):
-        assert np.array_equal(result.columns[name], full.columns[name])
-
-
 def test_manipulations_of_the_article():
     found = list(article_manipulations())
     assert [(s.object.mass_kg, s.grasp.kind) for s, _ in found[::3]] == [

@@ -92,6 +92,36 @@ def test_simulation_is_the_approved_one_compiled_or_not(name: str, monkeypatch: 
     assert_approved(Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt", text + "\n")
 
 
+STILL: dict[str, Any] = {"hold": {"wait_s": 0.1, "release": False}}
+KINDS_OF_SCENES: dict[str, dict[str, Any]] = {
+    "slide": STILL | {"slide": {"distance_m": 0.01}},
+    "motor_and_cable": STILL | {"motor": {"force_n": 0.05}, "cable": {"hum_v": 0.1}},
+    "feedback": STILL | {"slide": {"distance_m": 0.004}, "contact": {"feedback": True}},
+    "still": STILL,
+}
+
+
+@pytest.mark.parametrize("kind", [*KINDS_OF_SCENES, "hand"])
+def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_others(kind: str) -> None:
+    names = [name for name in SceneFile.known_outputs() if not name.startswith(("sampled", "slip_pin"))]
+    names = ["slip", "object_m", "force_n", "voltage_v"] if kind == "hand" else names
+
+    def run(outputs: list[str]) -> Any:
+        if kind == "hand":
+            scene = ManipulationFile(**HANDS["power grasp"] | {"outputs": outputs})
+            return run_manipulation(Design(), scene, None, 4)
+        return run_scene(Design(), SceneFile(**KINDS_OF_SCENES[kind], outputs=outputs), 3)
+
+    told = []
+    with compiled():
+        full = run(names)
+        for name in names:
+            alone = run([name])
+            assert np.array_equal(alone.columns[name], full.columns[name]), name
+            told.append(f"{name}: {', '.join(f'{stage.name} {stage.states}' for stage in alone.stages)}")
+    assert_approved(Path(__file__).with_name("approved") / f"stages_{kind}.txt", "\n".join(told) + "\n")
+
+
 def test_summary_merges_slips_as_detection_does() -> None:
     time = np.arange(2000) / 2000
     slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))

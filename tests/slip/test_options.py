@@ -35,14 +35,6 @@ def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
     assert single_onset(run(*words, "--scale", 0.00080566406)) == pytest.approx(ONSET, abs=0.003)
 
 
-@pytest.mark.full
-def test_slip_that_begins_while_the_detector_is_already_on(tmp_path):
-    np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, slip=(T >= 0.6) & (T < 0.7))
-    done = run("detect", tmp_path / "t.npz", "--plot", tmp_path / "p.png")
-    assert f"already ON {round(1000 * (0.6 - ONSET), 1):g} ms before onset" in done.stdout
-    assert "detected after -" not in done.stdout
-
-
 def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
     t, v = burst(5000)
     (tmp_path / "t.csv").write_text(csv(t, v, header=("t", "AI0")))

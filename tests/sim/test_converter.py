@@ -173,10 +173,7 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
 
 def test_adc_adds_its_noise_behind_the_gain():
     """The sampled voltage has the ADC's noise and steps; the board's output has them only once it is sampled."""
-    noisy, silent = (
-        simulate_hold(ARTICLE, "voltage_v"),
-        simulate_hold(ARTICLE, "voltage_v", noise=False),
-    )
+    noisy, silent = (simulate_hold(ARTICLE, "voltage_v"), simulate_hold(ARTICLE, "voltage_v", noise=False))
     step = 2 * ARTICLE.detector.adc_range_v / 2**ARTICLE.detector.adc_bits
     expected = np.hypot(ARTICLE.detector.noise_v, step / np.sqrt(12))
     assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(expected * np.sqrt(2), rel=0.02)

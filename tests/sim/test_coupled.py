@@ -107,14 +107,7 @@ def test_fixed_steps_of_a_trial_agree():
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 @pytest.mark.parametrize("mass_kg", [PAD.mass_kg, LIGHT_KG])
 @pytest.mark.parametrize(
-    "stiff",
-    [
-        {"sigma0": 1e8},
-        {"stribeck_m_s": 1e-5},
-        {"sigma0": 1e8, "stribeck_m_s": 1e-5},
-        {"sigma0": 1.0},
-    ],
-    ids=str,
+    "stiff", [{"sigma0": 1e8}, {"stribeck_m_s": 1e-5}, {"sigma0": 1e8, "stribeck_m_s": 1e-5}, {"sigma0": 1.0}], ids=str
 )
 def test_stiff_bristles_and_light_pads_slide_steadily(stiff, mass_kg, elastic):
     friction = Friction(0.6, 0.48, elastic=elastic, **stiff)

@@ -163,34 +163,23 @@ def test_on_outlasts_the_envelope_by_the_memory() -> None:
 
 @pytest.mark.full
 def test_a_recorded_envelope_is_used(tmp_path):
+    def find(path, *words, **lines):
+        return run("detect", path, "--detector", "analog", "--json", *ARTICLE_DESIGN, *words, **lines)
+
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
-    done = run("detect", tmp_path / "t.npz", "--detector", "analog", *ARTICLE_DESIGN, "--json")
+    done = find(tmp_path / "t.npz")
     assert "simulating" not in done.stderr
     assert single_onset(done) == 0.5 + 4 / 2000  # five of sixty samples of 0.2 V: 17.6 mV
-    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.4", *ARTICLE_DESIGN, "--json")
+    quiet = find(tmp_path / "t.npz", "--calibrate", "0:0.4")
     assert json.loads(quiet.stdout)["threshold_v"] == pytest.approx(0.001 + 20 / 65536, abs=1e-4)
-    assert (
-        "covers 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.3").stderr
-    )
-    # A recording that contains only the board's output.
+    assert "covers 600 samples" in find(tmp_path / "t.npz", "--calibrate", "0:0.3").stderr
+    # A recording that contains only the board's output, and the same as a stream.
     (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
     both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
-    assert (
-        single_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, *ARTICLE_DESIGN, "--json"))
-        == 0.502
-    )
-    # The same recording as a stream.
-    lines = run(
-        "detect",
-        "-",
-        "--detector",
-        "analog",
-        "--json",
-        *ARTICLE_DESIGN,
-        lines=csv(T, envelope, header=("time_s", "envelope_v")),
-    )
-    assert json.loads(lines.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
+    assert single_onset(find(tmp_path / "e.csv", *both)) == 0.502
+    live = find("-", lines=csv(T, envelope, header=("time_s", "envelope_v")))
+    assert json.loads(live.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
 @pytest.mark.full

@@ -19,7 +19,6 @@ from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_sce
 from fingertip.slip import Trace, detect, make_detector
 from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
-from fingertip.slip.report import as_data, as_text
 from fingertip.slip.traces.truth import intervals
 
 RATE = 2000.0
@@ -231,26 +230,6 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
     first = next(iter(stream.transitions))
     assert first.on
     assert first.time_s == pytest.approx(expected[0].onset_s)
-
-
-def test_the_first_line_says_which_signals_were_used(tmp_path: Path, recording):
-    path, bare = tmp_path / "both.csv", tmp_path / "bare.csv"
-    path.write_text("\n".join(as_lines(recording, "time_s,voltage_v,sampled_filtered_v")) + "\n", encoding="utf-8")
-    bare.write_text("\n".join(as_lines(recording[:2], "time_s,voltage_v")) + "\n", encoding="utf-8")
-    both, alone = ["voltage_v", "filtered_v"], ["voltage_v"]
-    for given, design, detector, said, columns in (
-        (path, CONTROLLER, "fast", "fast, on voltage_v and filtered_v, ", both),
-        (bare, CONTROLLER, "fast", "fast, on voltage_v alone (no column filtered_v), ", alone),
-        (path, ARTICLE, "fast", "fast, on voltage_v, ", alone),
-        (path, CONTROLLER, "digital", "digital, on voltage_v, ", alone),
-        (path, CONTROLLER, "analog", "analog, on envelope_v, ", ["envelope_v"]),
-    ):
-        found = detect_file(given, design, detector).detection
-        assert as_text(found).startswith(f"detector {said}")
-        assert as_data(found, None)["signals"] == columns
-        if detector != "analog":
-            stream = detect_stream(iter(given.read_text(encoding="utf-8").splitlines()), design, detector)
-            assert list(stream.signals.columns) == columns
 
 
 def test_only_signals_that_a_detector_reads_are_simulated():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import itertools
 import json
@@ -10,8 +9,6 @@ import re
 import resource
 import shlex
 import struct
-import sys
-import types
 import wave
 import zipfile
 import zlib
@@ -464,26 +461,6 @@ def test_tdms_file_written_by_nptdms_is_read(tmp_path):
     channel = nptdms.ChannelObject("group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000})
     with nptdms.TdmsWriter(tmp_path / "t.tdms") as writer:
         writer.write_segment([channel])
-    assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
-
-
-class FakeChannel:
-    name, properties, dtype = "AI0", {"wf_increment": 1 / 2000}, np.dtype("f8")
-
-    def __len__(self):
-        return len(V)
-
-    def __getitem__(self, _):
-        return np.round(V, 6)
-
-
-def test_tdms_file_is_read_with_a_fake_library(tmp_path, monkeypatch):
-    group = types.SimpleNamespace(channels=lambda: [FakeChannel()])
-    file = types.SimpleNamespace(
-        open=lambda path: contextlib.nullcontext(types.SimpleNamespace(groups=lambda: [group]))
-    )
-    monkeypatch.setitem(sys.modules, "nptdms", types.SimpleNamespace(TdmsFile=file))
-    (tmp_path / "t.tdms").write_bytes(b"TDSm" + bytes(8 * len(V)))
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 

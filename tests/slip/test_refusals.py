@@ -97,6 +97,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         ({"time_s": T, "voltage_v": CLEAR_TEXT},),
         ({"time_s": T, "volts": V},),
         ({"voltage_v": V},),
+        ({"voltage_v": V, "sample_rate_hz": 0},),
         ({"time_s": T, "voltage_v": V[:-1]},),
         *(
             ({"voltage_v": volts, "sample_rate_hz": rate}, *options)
@@ -142,6 +143,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         ("".join(LINES[:100]), "-"), ("".join(LINES[:31]), "-"), ("x" * (2**20 + 1), "-"),
         *((csv(T, volts), "-") for volts in (np.round(V / 3.3 * 4096), 1000 * V, np.where(T < 0.1, V, 11.0))),
         (csv(T, 1000 * V), "-", "--scale", 0.001),
+        (csv(*burst(5000.0)), "-", "--rate-hz", 5000),
     ],
 }  # fmt: skip
 

@@ -157,6 +157,8 @@ ARRAYS: dict[str, tuple[Callable[[Path], None], tuple[object, ...], float]] = {
         lambda p: save_parquet(p, time_s=np.array(DATES, dtype="datetime64[ns]"), voltage_v=V), (), 0.0,
     ),
     "24 bits.wav": (lambda p: save_wav(p, 3), ("--scale", 10), 1e-6),
+    "16 bits.wav": (save_wav, ("--scale", 10), 2e-4),
+    "32 bits.wav": (lambda p: save_wav(p, 4), ("--scale", 10), 1e-8),
     "stereo.wav": (lambda p: save_wav(p, 3, 2), ("--scale", 10, "--column", "voltage_v=2"), 1e-6),
     "named columns.npy": (
         lambda p: np.save(p, np.array(list(zip(T, V, strict=True)), dtype=[("time_s", "f8"), ("voltage_v", "f8")])),

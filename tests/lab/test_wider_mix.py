@@ -1,4 +1,4 @@
-"""Wider mix: signals with known content, and what is made of a detector's flags on them."""
+"""Wider mix: signals with known content, what boards make of them, and what is made of a detector's flags on them."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from benchmarks import slip_robustness
+from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix import MixSize, assess, run_detector
-from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
+from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, filter_as_board
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.lab.report import robustness
 from fingertip.sim.simulation import article_trials
@@ -20,6 +21,7 @@ from fingertip.slip.traces.truth import Interval
 from tests.designs import ARTICLE
 
 DESIGN = ARTICLE
+
 SLIP = next(article_trials())[0]
 
 
@@ -127,3 +129,26 @@ def test_seeds_of_training_are_refused(seed):
     with pytest.raises(TraceError, match=f"--seed: {seed} is refused"):
         check_first_seed(seed)
     check_first_seed(HELD_OUT_FROM)
+
+
+def test_filtered_signal_ends_at_the_limits_of_the_board() -> None:
+    design = Design.load("fsr400")
+    rate_hz = design.detector.sample_rate_hz
+    tone_v = np.sin(2 * np.pi * 300.0 * np.arange(0.5 * rate_hz) / rate_hz)
+    settled = slice(len(tone_v) // 2, None)
+    peaks_v = []
+    for volts in (0.01, 0.02, 50.0):
+        filtered_v = filter_as_board(design, 1.6 + volts * tone_v)
+        assert filtered_v is not None
+        peaks_v.append(filtered_v[settled].max())
+        assert filtered_v[settled].min() == pytest.approx(-peaks_v[-1], rel=0.02)
+    assert peaks_v[1] == pytest.approx(2 * peaks_v[0])
+    assert peaks_v[1] < peaks_v[2] < design.board.supply_v / 2
+
+
+def test_the_last_seed_leaves_room_for_all_trials_in_32_bits() -> None:
+    last = 2**31 - 1 - 20_000_000
+    check_first_seed(HELD_OUT_FROM)
+    check_first_seed(last)
+    with pytest.raises(TraceError, match=f"is too large; choose {HELD_OUT_FROM} to {last}"):
+        check_first_seed(last + 1)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from fingertip.board.components.selection import FirstStageCapacitors
 from fingertip.board.components.values import AdcInterface
 from fingertip.design.formulas.filter import FilterComponents
@@ -45,39 +47,11 @@ def overall_cutoff_hz(first_pole_hz: float, section_hz: float, quality: float) -
     """Cutoff of the third-order high-pass: the frequency [Hz] at half the passband power (-3.0103 dB).
 
     With v = (f0 / f)^2 and r = (f1 / f0)^2, eq. (9) gives (G / |H|)^2 = (1 + r v)(1 + (1/Q^2 - 2) v + v^2), which is 2
-    at the cutoff. A high Q can cause several such frequencies. The function returns the highest: everything above it
-    passes.
-
-    Parameters
-    ----------
-    first_pole_hz
-        Pole f1 of the first-order stage.
-    section_hz, quality
-        f0 and Q of the second-order stage.
+    at the cutoff. A high Q can cause several such frequencies; everything passes above the highest, the least v.
     """
-    r = (first_pole_hz / section_hz) ** 2
-    beta = 1.0 / quality**2 - 2.0
-
-    def loss(v: float) -> float:
-        return (1.0 + r * v) * (1.0 + beta * v + v * v) - 2.0
-
-    # loss(0) = -1. The loss has at most two extrema, where 3 r v^2 + 2 (1 + r beta) v + r + beta = 0. Its first root
-    # lies before the first extremum if the loss is positive there, otherwise after the second.
-    low, high = 0.0, 1.0
-    discriminant = (1.0 + r * beta) ** 2 - 3.0 * r * (r + beta)
-    if discriminant > 0:
-        first_extremum = (-(1.0 + r * beta) - math.sqrt(discriminant)) / (3.0 * r)
-        second_extremum = (-(1.0 + r * beta) + math.sqrt(discriminant)) / (3.0 * r)
-        if first_extremum > 0 and loss(first_extremum) >= 0:
-            high = first_extremum
-        elif second_extremum > 0:
-            low, high = second_extremum, 2.0 * second_extremum
-    while loss(high) < 0:
-        high *= 2.0
-    while low < 0.5 * (low + high) < high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if loss(middle) < 0 else (low, middle)
-    return section_hz / math.sqrt(high)
+    r, beta = (first_pole_hz / section_hz) ** 2, 1.0 / quality**2 - 2.0
+    roots = np.roots([r, 1.0 + r * beta, r + beta, -1.0])
+    return section_hz / math.sqrt(min(v.real for v in roots if abs(v.imag) < 1e-9 * abs(v) and v.real > 0.0))
 
 
 def open_loop_transfer(f_hz: float, gain_bandwidth_hz: float) -> complex:
@@ -148,23 +122,11 @@ def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tu
 
 
 def comparator_threshold_v(
-    top_ohm: float,
-    hysteresis_ohm: float,
-    upper_v: float,
-    output_v: float,
-    output_ohm: float,
-    ratio: float = 0.5,
+    top_ohm: float, hysteresis_ohm: float, upper_v: float, output_v: float, output_ohm: float, ratio: float = 0.5
 ) -> float:
-    """Threshold [V] above the signal ground of a 10 kohm trimmer between two sources and the signal ground.
+    """Threshold [V] above the signal ground of a 10 kohm trimmer at a ratio, between two sources and this ground.
 
-    Parameters
-    ----------
-    top_ohm, upper_v
-        Resistance from the upper rail to the trimmer, and the rail's voltage above the signal ground.
-    hysteresis_ohm, output_v, output_ohm
-        Resistance from the output to the wiper, the output's source voltage and its own resistance.
-    ratio
-        Position of the wiper.
+    One source is the upper rail behind the top resistor, the other the output behind its own and the hysteresis's.
     """
     low, high = ratio * 10e3, (1.0 - ratio) * 10e3 + top_ohm
     feedback = hysteresis_ohm + output_ohm

@@ -9,7 +9,6 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.grid import Grid
-from fingertip.sim.simulation import article_trials
 from tests.conftest import ROOT
 
 SCENES = [path for path in sorted((ROOT / "params/scenes").glob("*.toml")) if path.stem != "real_manipulation"]
@@ -71,24 +70,3 @@ def test_manipulation_converges_with_order_2(kind, mass):
     orders = find_orders(columns)
     assert {"force_n", "velocity_m_s"} <= set(orders)
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
-def test_trials_of_the_article_are_within_a_tenth_of_a_millinewton_and_a_millivolt(variant):
-    """The strongest trial of variant article is the exception: 1.3 mV of an envelope of 2.4 V."""
-    design = Design(detector=QUIET, board={"variant": variant})
-    outputs = ["force_n", "voltage_v", "envelope_v"]
-    errors: dict[str, list[float]] = {name: [] for name in outputs}
-    with compiled():
-        for scene, seed in list(article_trials())[::10]:
-            quiet = scene.model_copy(
-                update={"outputs": outputs, "sensing": scene.sensing.model_copy(update={"noise": False})}
-            )
-            usual, fine = (run_scene(design, quiet, seed, grid=Grid(n)).columns for n in (1, 16))
-            for name in outputs:
-                errors[name].append(float(np.abs(usual[name] - fine[name]).max()))
-    assert max(errors["force_n"]) < 1e-4
-    assert max(errors["voltage_v"]) < 1e-4
-    assert np.quantile(errors["envelope_v"], 0.9) < 1e-3
-    assert max(errors["envelope_v"]) < (1.5e-3 if variant == "article" else 1e-3)

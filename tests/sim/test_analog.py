@@ -1,32 +1,45 @@
-"""Board in the time domain: against closed forms, scipy and ngspice, and with extreme components and inputs."""
+"""Board and slip pin in the time domain: against closed forms, scipy, fine steps and ngspice; extreme inputs."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fingertip.board import board_values
+from benchmarks.peers.spice import Spice, sampled_source
+from fingertip.board import board_circuit, board_values
+from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.parts.circuit import FILTERED
+from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
+from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, augment, compute_state_space, exponentials
 from fingertip.sim.signal.envelope_loop import wright_omega
-from fingertip.sim.signal.filter_board import AnalogStream, simulate_board
+from fingertip.sim.signal.filter_board import (
+    AnalogStream,
+    Comparator,
+    ComparatorSignals,
+    ComparatorStream,
+    simulate_board,
+)
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
-from tests.oracles.ngspice import simulate_with_ngspice
 from tests.tools import require_tool
 
 DESIGN = ARTICLE
+
 BOARD = AnalogBoard.from_design(DESIGN)
+
 STEP_S = 1 / 2000
+
 PRECISION = AnalogBoard.from_design(article_design(board={"variant": "precision"}))
+
 STIFF_BOARDS = {
     "as fitted": BOARD,
     "Is 1e-14": replace(BOARD, diode=Diode(1e-14, 1.0)),
@@ -86,7 +99,10 @@ def test_agrees_with_ngspice():
     voltage = burst()
     ours = simulate_board(BOARD, STEP_S, voltage, 1e-8)
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
-    filtered, envelope = simulate_with_ngspice(program, BOARD, STEP_S, voltage, reltol=1e-6, longest_s=2e-5)
+    time = np.arange(len(voltage)) * STEP_S
+    simulator = Spice(program, BOARD, sampled_source(STEP_S, voltage), STEP_S, float(time[-1]))
+    found, *columns = simulator.simulate(1e-6, 2e-5)
+    filtered, envelope = (np.interp(time, found, column) for column in columns)
     assert np.abs(filtered - ours.filtered_v).max() < 1e-4
     assert np.abs(envelope - ours.envelope_v).max() < 2e-4
     assert ours.envelope_v.max() > 0.5
@@ -172,7 +188,6 @@ def test_rails_limit_the_output_and_do_not_change_small_signals():
     assert np.abs(free.envelope_v - limited.envelope_v).max() < 1e-12
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_rails_agree_with_small_explicit_steps(variant):
     """Both amplifiers saturate; the comparison is the explicit Euler rule with small steps on separate equations."""
@@ -279,56 +294,112 @@ def test_any_chunks_give_the_same_bits(parts):
         stream.process(np.array([[1.0, 1.0, 1.0], [1.0, 1.0, math.nan], [0.0, 0.0, 0.0]]))
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda: BOARD.with_components(C1=0.0), r"C1: 0 F is refused; give a finite number above 0, such as 1e-6 F"),
-        (lambda: BOARD.with_components(R6=-1.0), r"board\.R6: -1 ohm"),
-        (lambda: BOARD.with_components(C2=np.array([1e-6, math.nan])), r"board\.C2: nan F"),
-        (lambda: replace(BOARD, diode=Diode(saturation_a=0.0)), r"diode\.saturation_a: 0 A"),
-        (lambda: replace(BOARD, diode=Diode(series_ohm=-1.0)), r"diode\.series_ohm: -1 ohm .* at least 0"),
-        (lambda: replace(BOARD, rail_v=math.nan), r"board\.rail_v: nan V"),
-        (
-            lambda: replace(AnalogBoard.from_design(DESIGN, 1e6), rail_v=3.0),
-            r"board\.rail_v: 3 V .*not modelled; leave one out",
-        ),
-        (lambda: PRECISION.with_components(C14=0.0), r"board\.C14: 0 F"),
-        (lambda: PRECISION.with_components(C20=0.0), r"board\.C20: 0 F"),
-        (lambda: BOARD.with_components(C14=1e-6), r"board\.C14: is no component of this board; choose from R1, R2, "),
-    ],
-    ids=lambda value: value if isinstance(value, str) else "",
-)
-def test_impossible_components_are_refused(change: Callable[[], AnalogBoard], message: str):
-    with pytest.raises(TraceError, match=message):
-        change()
+PIN_DESIGN = article_design(board={"variant": "comparator"})
+
+PIN_BOARD = AnalogBoard.from_design(PIN_DESIGN)
+
+PLAIN = Comparator(0.015, 0.02, 0.015)
 
 
-@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
-def test_steps_and_voltages_that_are_no_numbers_are_refused(bad):
-    with pytest.raises(TraceError, match=r"step_s: .* above 0, such as 0\.0005 s"):
-        simulate_board(BOARD, bad, burst())
-    voltage = burst()
-    voltage[[17, 30]] = math.inf if bad else math.nan
-    with pytest.raises(TraceError, match=r"voltage_v: (nan|inf) at sample 17 \(and 1 more after it\) is not a finite"):
-        simulate_board(BOARD, STEP_S, voltage)
+def simulate_comparator(comparator, board, step_s, filtered_v, envelope_v) -> ComparatorSignals:
+    return ComparatorStream(comparator, board, step_s).process(filtered_v, envelope_v)
 
 
-@pytest.mark.parametrize("volts", [1e300, 1e15, -1e15, 1.1e4])
-def test_voltages_that_no_board_meets_are_refused(volts):
-    """1e300 V once gave NaN, and 1e15 V never ended."""
-    with pytest.raises(TraceError, match=r"voltage_v: .* V at sample 3 is no voltage of a board; at most 10000 V\."):
-        simulate_board(BOARD, STEP_S, np.where(np.arange(10) == 3, volts, 0.0))
-    with pytest.raises(TraceError, match="after_v"):
-        simulate_board(BOARD, STEP_S, np.zeros(10), after_v=np.where(np.arange(10) == 3, volts, 0.0))
-    with pytest.raises(TraceError, match="voltage_v of board 1"):
-        AnalogStream(BOARD, STEP_S, 2).process(np.where(np.arange(10) == 3, [[0.0], [volts]], 0.0))
-    assert np.isfinite(simulate_board(BOARD, STEP_S, np.where(np.arange(10) == 3, 1e4, 0.0)).envelope_v).all()
+def slip_voltage(seconds: float = 0.6) -> np.ndarray:
+    """Tactile voltage with a slow increase of force and then a burst of vibration [V]."""
+    time = np.arange(round(seconds / STEP_S) + 1) * STEP_S
+    press = 0.3 * np.clip((time - 0.02) / 0.05, 0.0, 1.0)
+    shake = 0.004 * np.sin(2 * math.pi * 95 * time) + 0.002 * np.sin(2 * math.pi * 143 * time)
+    return 4.3 - press + np.where((time > 0.2) & (time < 0.4), shake, 0.0)
 
 
-@pytest.mark.parametrize("bad", [math.inf, math.nan, 0.0, -1.0])
-@pytest.mark.parametrize("name", ["R6", "C4"])
-def test_component_values_that_are_no_positive_numbers_are_refused_in_arrays_too(name, bad):
-    with pytest.raises(TraceError, match=rf"board\.{name}: .* at index 1 is refused; give a finite number above 0"):
-        BOARD.with_components(**{name: np.array([1e-6, bad, 1e-6])})
-    with pytest.raises(TraceError, match=r"diode\.saturation_a: .* at index 0 is refused"):
-        replace(BOARD, diode=replace(BOARD.diode, saturation_a=np.array([bad, 1e-9])))
+def test_step_switches_when_the_exponential_mean_crosses_the_threshold():
+    """The envelope steps to a constant v, so m = v (1 - exp(-t / tau))."""
+    n = 400
+    level = np.full(n, 0.05)
+    level[0] = 0.0
+    filtered = np.full(n, 0.05)  # max(u, 0) = v: slope 0
+    filtered[0] = 0.0
+    found = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, filtered, level)
+    # Over the first sample the cubic climbs from 0 to 0.05 with slopes 0: half of it, on average.
+    exact = STEP_S / 2 - 0.015 * math.log(1 - 0.02 / 0.05)
+    assert found.edges_s == pytest.approx([exact], abs=2e-6)
+    assert found.mean_v[-1] == pytest.approx(0.05, rel=1e-5)
+    assert not found.on[: int(exact / STEP_S)].any()
+    assert found.on[int(exact / STEP_S) + 1 :].all()
+
+
+def test_edges_between_samples_equal_those_of_a_finer_grid():
+    """The finer grid samples the same piecewise linear input forty times as often."""
+    voltage, many = slip_voltage(), 40
+    fine = np.interp(np.arange((len(voltage) - 1) * many + 1) / many, np.arange(len(voltage)), voltage)
+    comparator = Comparator.from_design(PIN_DESIGN)
+    edges = []
+    for step, samples in ((STEP_S, voltage), (STEP_S / many, fine)):
+        out = simulate_board(PIN_BOARD, step, samples, 1e-7)
+        edges.append(simulate_comparator(comparator, PIN_BOARD, step, out.filtered_v, out.envelope_v).edges_s)
+    assert len(edges[0]) == len(edges[1]) >= 2
+    assert np.abs(edges[0] - edges[1]).max() < 2e-6
+    assert np.abs((edges[0] / STEP_S + 0.5) % 1 - 0.5).max() > 0.05  # at least one edge lies between samples
+
+
+def test_hysteresis_keeps_the_output_on():
+    time = np.arange(4000) * STEP_S
+    level = 0.0175 + 0.002 * np.sin(2 * math.pi * 2 * time)  # between both thresholds
+    dipped = np.where((time > 0.5) & (time < 0.6), 0.06, level)
+    still = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)
+    assert len(still.edges_s) == 0
+    assert not still.on.any()
+    once = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, dipped, dipped)
+    assert len(once.edges_s) == 1
+    assert once.on[-1]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("supply", ["split", "single"])
+def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
+    """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its bridge."""
+    voltage = np.concatenate((np.full(700, 4.3), slip_voltage()))  # ngspice takes 0.35 s to settle
+    program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
+    design = article_design(board={"variant": "comparator", "supply": supply})
+    values = board_values(design)
+    ground = "v(vmid)" if supply == "single" else "0"
+    deck = spice_deck(board_circuit(values), find_gain_bandwidth_hz(design.board), 5.0).decode()
+    ends = (" instrumentation", ".end")  # the bridge's amplifier, for the source in its place
+    lines = [line for line in deck.splitlines() if not (line.startswith((".ac", ".print")) or line.endswith(ends))]
+    points = "\n".join(f"+ {i * STEP_S:.9g} {v:.15g}" for i, v in enumerate(voltage.tolist()))
+    lines += [f"Vdrive tactile 0 PWL(\n{points}\n+ )", ".options reltol=1e-5", ".control", "set wr_singlescale"]
+    lines += [f"tran 2e-5 {(len(voltage) - 1) * STEP_S:.9g} 0 2e-5"]
+    lines += [f"let above = v(envelope) - {ground}", "wrdata out above v(slip)", "quit"]
+    (tmp_path / "slip.cir").write_text("\n".join([*lines, ".endc", ".end", ""]))
+    subprocess.run([program, "-b", "slip.cir"], cwd=tmp_path, check=True, capture_output=True)
+    theirs = np.loadtxt(next(tmp_path.glob("out*")))
+    time, envelope, pin = theirs[:, 0], theirs[:, 1], theirs[:, 2]
+    switched = np.flatnonzero(((pin[:-1] < 2.5) != (pin[1:] < 2.5)) & (time[1:] > 0.35))
+
+    board = AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
+    out = simulate_board(board, STEP_S, voltage, 1e-6)
+    ours = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
+    assert len(ours.edges_s) >= 4
+    assert ours.edges_s == pytest.approx(time[switched + 1], abs=1e-4)
+    at_samples = np.interp(np.arange(len(voltage)) * STEP_S, time, envelope)[700:]
+    assert np.abs(out.envelope_v[700:] - at_samples).max() < 2e-3 * out.envelope_v.max()
+
+
+def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
+    tables = SceneFile(
+        contact={"surface": "gross"},
+        hold={"min_force_n": 1.0, "max_force_n": 1.0},
+        slide={"distance_m": 0.02},
+        outputs=["slip", "slip_pin_v"],
+    )
+    found = run_scene(PIN_DESIGN, tables, 1)
+    assert [stage.name for stage in found.stages if "board" in stage.name or "comp" in stage.name][-2:] == [
+        "filter board",
+        "comparator",
+    ]
+    low = found.columns["slip_pin_v"] < 2.5
+    assert set(found.columns["slip_pin_v"].tolist()) == {0.0, 5.0}
+    assert low[found.columns["slip"]].mean() > 0.8
+    hand = ManipulationFile(grasp={"kind": "pinch"}, outputs=["slip_pin_v", "envelope_v"])
+    assert run_manipulation(PIN_DESIGN, hand, None, 1).columns["index_slip_pin_v"].min() == 0.0

@@ -12,7 +12,6 @@ from fingertip.board.analysis.noise import add_noise
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.errors import TraceError
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.signal.converter import (
     AdcRange,
@@ -103,12 +102,6 @@ def test_filtered_signal_is_sampled_around_the_signal_ground():
     assert np.ptp(found["sampled_filtered_v"]) > 20 * np.ptp(found["voltage_v"][-200:])
 
 
-def test_filtered_signal_of_another_supply_is_refused():
-    scene = SceneFile(outputs=["sampled_filtered_v"])
-    with pytest.raises(TraceError, match=r"board\.supply is split; use --set board\.supply=single_3v3"):
-        run_scene(ARTICLE, scene, 0)
-
-
 @pytest.mark.parametrize(("longest", "refinement"), [(1.0, 1), (1.01e-4, 1), (9.9e-5, 2), (4.9e-5, 3), (1e-6, 100)])
 def test_grid_is_the_coarsest_that_is_fine_enough(longest, refinement):
     grid = Grid.finer_than(longest)
@@ -180,10 +173,7 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
 
 def test_adc_adds_its_noise_behind_the_gain():
     """The sampled voltage has the ADC's noise and steps; the board's output has them only once it is sampled."""
-    noisy, silent = (
-        simulate_hold(ARTICLE, "voltage_v"),
-        simulate_hold(ARTICLE, "voltage_v", noise=False),
-    )
+    noisy, silent = (simulate_hold(ARTICLE, "voltage_v"), simulate_hold(ARTICLE, "voltage_v", noise=False))
     step = 2 * ARTICLE.detector.adc_range_v / 2**ARTICLE.detector.adc_bits
     expected = np.hypot(ARTICLE.detector.noise_v, step / np.sqrt(12))
     assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(expected * np.sqrt(2), rel=0.02)

@@ -14,14 +14,12 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene
+from fingertip.sim import SceneFile, Trial, run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.report import encode_trace, open_trace
 from fingertip.sim.runs.scene import SceneRun, stream_scene
-from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
 from fingertip.sim.signal.interference import (
@@ -64,46 +62,6 @@ def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement
             parts = FingerSignals.join([*SceneRun(design, scene, 2, grid).chunks(1303)])
         for name in ("time_s", *SCENE_OUTPUTS):
             assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, contact)
-
-
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
-def test_plain_python_and_compiled_loops_give_the_same_bytes(path):
-    scene = record_all(path)
-    scene = scene.model_copy(update={"hold": scene.hold.model_copy(update={"wait_s": 0.1, "min_s": 0.5})})
-    plain = run_scene(DESIGN, scene, 4)
-    with compiled():
-        fast = run_scene(DESIGN, scene, 4)
-    for name in SCENE_OUTPUTS:
-        assert np.array_equal(plain.columns[name], fast.columns[name]), name
-    assert len(plain.columns) == len(SCENE_OUTPUTS)
-
-
-@pytest.mark.full
-def test_plain_python_and_compiled_loops_give_the_same_bytes_with_everything_and_in_a_hand():
-    tables = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}, "outputs": [*SCENE_OUTPUTS]} | EVERYTHING
-    hand = ManipulationFile(
-        outputs=["voltage_v", "force_n", "slip", "envelope_v", "slip_pin_v", "object_m", "sampled_envelope_v"],
-        grasp={"after_s": 0.2},
-        **EVERYTHING,
-    )
-    scenes = [
-        SceneFile(**tables, contact=contact)
-        for contact in (
-            {},
-            {"feedback": True},
-            {"bristles": "elasto_plastic"},
-            {"patch_average": True, "stick_slip": True},
-        )
-    ]
-    plain = [run_scene(DESIGN, scene, 4).columns for scene in scenes] + [
-        run_manipulation(DESIGN, hand, None, 4).columns
-    ]
-    with compiled():
-        fast = [run_scene(DESIGN, s, 4).columns for s in scenes] + [run_manipulation(DESIGN, hand, None, 4).columns]
-    for one, other in zip(plain, fast, strict=True):
-        assert one.keys() == other.keys()
-        for name in one:
-            assert np.array_equal(one[name], other[name]), name
 
 
 @pytest.mark.full
@@ -163,18 +121,6 @@ def test_trace_in_chunks_has_the_bytes_of_the_whole(suffix):
         writer.write(result.time_s[a:b], {name: values[a:b] for name, values in result.columns.items()})
     writer.close()
     assert out.getvalue() == encode_trace(result.time_s, result.columns, path)
-
-
-@pytest.mark.full
-def test_hand_has_drift_cable_jitter_and_interference_too():
-    quick = {"outputs": ["voltage_v"], "grasp": {"kind": "pinch", "after_s": 0.0}, "knock": {"speed_m_s": 0.0}}
-    usual = run_manipulation(Design(), ManipulationFile(**quick), None, 1).output("voltage_v")
-    for table, values in EVERYTHING.items():
-        changed = run_manipulation(Design(), ManipulationFile(**quick, **{table: values}), None, 1).output("voltage_v")
-        assert np.abs(changed - usual).max() > 1e-4, table
-    # No two fingers share their noise.
-    noisy = run_manipulation(Design(), ManipulationFile(**quick, noise={"pink_v": 0.01}), None, 1).output("voltage_v")
-    assert abs(np.corrcoef(noisy[:, :500])[0, 1]) < 0.9
 
 
 def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tuple[np.ndarray, np.ndarray]:
@@ -254,24 +200,6 @@ def test_hand_vibration_needs_contact():
     air = found["force_n"] == 0.0
     assert np.ptp(found["tactile_v"][air]) < 1e-12
     assert found["tactile_v"][~air].std() > 4e-3
-
-
-@pytest.mark.parametrize(("bits", "high_v"), [(10, 5.0), (12, 3.3)])
-def test_converter_of_a_microcontroller_gives_its_steps(bits, high_v):
-    scene = SceneFile(hold={"wait_s": 0.2}, converter={"bits": bits, "high_v": high_v})
-    volts = run_scene(Design(), scene, 0).columns["voltage_v"]
-    codes = volts / (high_v / 2**bits)
-    assert np.abs(codes - np.round(codes)).max() < 1e-6
-    assert volts.max() <= high_v - high_v / 2**bits + 1e-9
-    assert AdcRange(bits, 0.0, high_v).quantise_v(np.array([-1.0, 99.0])) == pytest.approx(
-        [0.0, high_v - high_v / 2**bits]
-    )
-
-
-@pytest.mark.parametrize("bad", [{"bits": 10, "low_v": 5.0}, {"bits": 3}, {"bits": 25}])
-def test_impossible_converters_are_refused(bad):
-    with pytest.raises(TraceError, match=r"converter\."):
-        SceneFile(converter=bad)
 
 
 def test_average_over_the_patch_is_the_pressure_weighted_mean():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingertip.foundation import jit
-from fingertip.foundation.jit import CALL_S, LOAD_S, CompiledLoop, compile_for_process, compiled
+from fingertip.foundation.jit import LOAD_S, CompiledLoop, compile_for_process, compiled
 
 
 def _double(values, out):
@@ -67,13 +67,6 @@ def test_loop_compiles_from_its_break_even_on():
     whole = make_loop()
     whole(np.ones(whole.break_even), np.zeros(whole.break_even))
     assert whole._compiled is not None
-
-
-def test_short_calls_run_plain_even_in_the_block():
-    loop = make_loop(plain_us=1e6 * CALL_S / 10)
-    with compiled():
-        loop(np.ones(9), np.zeros(9))
-    assert loop._compiled is None
 
 
 def test_state_in_lists_carries_over_from_plain_to_compiled():

@@ -1,4 +1,4 @@
-"""Scene files: the bundled scenes, the effect of each event, invalid files, and the command."""
+"""Scenes and trials: the bundled ones, the effect of each event, and how the command line loads them."""
 
 from __future__ import annotations
 
@@ -8,18 +8,22 @@ import re
 import numpy as np
 import pytest
 
-from fingertip.foundation.errors import TraceError
-from fingertip.sim import SceneFile, Trial, run_scene, simulate
+from fingertip.design import Design
+from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
+from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.slip import detect
-from tests.conftest import ROOT, run_fingertip
+from tests.conftest import ROOT, design_file, run_fingertip
 from tests.designs import ARTICLE, article_design
 
 DESIGN = ARTICLE
+
 ALL = sorted((ROOT / "params" / "scenes").glob("*.toml"))
+
 SCENES = [path for path in ALL if path.stem != "real_manipulation"]  # a manipulation: test_manipulation.py
+
 NOT_SLIP = {"contact", "release", "load_change", "hard_tap", "motor_vibration", "drift", "cable_touch"}
 
 
@@ -29,10 +33,6 @@ def load_scene(name: str, **changes) -> SceneFile:
 
 def held_s(scene: SceneFile, seed: int = 0) -> float:
     return SceneRun(DESIGN, scene, seed).timeline.held_s
-
-
-def test_all_bundled_scenes_are_known():
-    assert {path.stem for path in ALL} == NOT_SLIP | {"sliding_finger", "sliding_surface", "real_manipulation"}
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -144,68 +144,6 @@ def test_parameters_are_listed_with_unit_and_bounds():
     assert all(row["unit"] for row in rows if row["name"].endswith(("_s", "_n", "_hz", "_m", "_v")))
 
 
-def test_creep_lowers_the_voltage_under_load():
-    steady = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0, "drift.volt_per_s": 0.0}
-    creeping = run_scene(DESIGN, load_scene("drift", **steady)).columns["voltage_v"]
-    still = run_scene(DESIGN, load_scene("drift", **steady | {"drift.share_per_decade": 0.0})).columns["voltage_v"]
-    moment = 15 * 2000
-    assert still[moment : moment + 400].mean() > creeping[moment : moment + 400].mean() + 1e-3
-    assert np.abs(still[:400] - creeping[:400]).max() < 1e-9
-
-
-def test_feedback_and_elasto_plastic_bristles_change_slip_little():
-    base = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0, "slide.speed_m_s": 0.08}
-    runs = {}
-    for name, more in {
-        "plain": {},
-        "elasto": {"contact.bristles": '"elasto_plastic"'},
-        "feedback": {"contact.feedback": "true"},
-    }.items():
-        result = run_scene(DESIGN, load_scene("sliding_finger", **base | more), 2)
-        runs[name] = result.time_s[result.columns["slip"]][0], result.columns["slip"].sum() / 2000
-    for name in ("elasto", "feedback"):
-        assert runs[name][0] == pytest.approx(runs["plain"][0], abs=0.006)
-        assert runs[name][1] == pytest.approx(runs["plain"][1], abs=0.03)
-    assert len({onset for onset, _ in runs.values()}) > 1
-
-
-@pytest.mark.parametrize(
-    ("tables", "field", "message"),
-    [
-        ({"contact": {"surface": "woood"}}, "contact.surface", "'woood' is not known; choose 'smooth'"),
-        ({"tap": {"forc_n": 1.0}}, "tap.forc_n", "did you mean tap.force_n?"),
-        ({"slid": {}}, "slid", "did you mean slide?"),
-        ({"slide": {"distance_m": 0.5}}, "slide.distance_m", "longer than contact.length_m; at most 0.1 m"),
-        ({"slide": {"speed_m_s": 0.0}}, "slide.speed_m_s", "0.0 m/s is too small; at least 0.005 m/s"),
-        ({"hold": {"min_force_n": 3.0}}, "hold.min_force_n", "at most 2 N"),
-        ({"outputs": ["volt_v"]}, "outputs", "did you mean voltage_v?"),
-        ({"outputs": []}, "outputs", "name at least one of voltage_v"),
-        ({"outputs": ["slip", "slip"]}, "outputs", "named 2 times"),
-        ({"load_change": {"by_n": -0.5}}, "load_change.by_n", "ends the contact; it must be above -0.2 N"),
-        (
-            {"tap": {"force_n": 1.0, "count": 2, "interval_s": 0.01, "rise_s": 0.01}},
-            "tap.interval_s",
-            "at least 0.02 s",
-        ),
-        ({"hold": {"wait_s": float("nan")}}, "hold.wait_s", "nan is not a finite number"),
-    ],
-    ids=str,
-)
-def test_invalid_scene_is_refused(tables, field, message):
-    with pytest.raises(TraceError) as caught:
-        SceneFile(**tables)
-    (issue,) = caught.value.issues
-    assert issue.field == field
-    assert message in issue.message
-
-
-def test_all_issues_are_reported_at_once():
-    with pytest.raises(TraceError) as caught:
-        SceneFile(tap={"forc_n": 1.0}, slide={"distance_m": 0.5, "speed_m_s": 9.0}, outputs=["volts"])
-    fields = [issue.field for issue in caught.value.issues]
-    assert fields == ["slide.speed_m_s", "tap.forc_n", "outputs", "slide.distance_m"]
-
-
 def test_jump_of_the_cable_is_a_jump_for_the_board():
     """The board does not see a ramp over one sample."""
     outputs = {"outputs": '["tactile_v","filtered_v"]', "cable.hum_v": 0.0}
@@ -234,3 +172,94 @@ def test_amplifier_models_differ():
     assert np.abs(outs["rails"]).max() == 3.5 < np.abs(outs["ideal"]).max()
     difference = np.abs(outs["gain_bandwidth"] - outs["ideal"]).max() / np.abs(outs["ideal"]).max()
     assert 1e-5 < difference < 0.05
+
+
+FOLDER = ROOT / "params" / "scenes"
+
+
+def test_nothing_given_means_default_design_and_trial():
+    simulation = load_simulation()
+    assert (simulation.design, simulation.scene, simulation.seed) == (Design(), Trial().scene, 0)
+
+
+def test_changes_go_to_the_file_that_has_the_parameter():
+    simulation = load_simulation(
+        str(FOLDER / "hard_tap.toml"),
+        design_file("fsr400"),
+        changes=["tap.count=1", "detector.noise_v=0.0"],
+        force_n=1.5,
+    )
+    assert isinstance(simulation.scene, SceneFile)
+    assert simulation.scene.tap.count == 1
+    assert simulation.scene.hold.min_force_n == simulation.scene.hold.max_force_n == 1.5
+    assert simulation.design.detector.noise_v == 0.0
+    result, expected = simulation.run(), run_scene(simulation.design, simulation.scene)
+    assert np.array_equal(result.columns["force_n"], expected.columns["force_n"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "warning"),
+    [
+        (["converter.bits=12"], None),
+        (["converter.bits=12", "converter.high_v=3.3"], "to 3.3 V clips what lies outside"),
+        (["converter.bits=12", "converter.high_v=1.2"], "to 1.2 V clips all of it"),
+        (["detector.adc_range_v=4.0"], "is clipped"),
+    ],
+)
+def test_converter_that_clips_the_voltage_is_reported(changes, warning):
+    found = [*load_simulation("sliding_finger", "article", changes=changes).find_warnings()]
+    assert len(found) == (warning is not None)
+    assert warning is None or warning in found[0]
+
+
+def test_range_up_to_the_named_voltage_does_not_clip():
+    simulation = load_simulation("sliding_finger", "article", changes=["converter.bits=12", "converter.high_v=3.3"])
+    (warning,) = simulation.find_warnings()
+    named = re.search(r"converter\.high_v=([0-9.]+)\.$", warning).group(1)
+    wide = load_simulation("sliding_finger", "article", changes=["converter.bits=12", f"converter.high_v={named}"])
+    assert not [*wide.find_warnings()]
+    volts = wide.run().columns["voltage_v"]
+    assert volts.max() < float(named) - 5 / 2**12
+
+
+@pytest.fixture(scope="module")
+def gross():
+    return simulate(ARTICLE, Trial("gross", 0.04, 1.0, 3))
+
+
+def test_trial_has_the_rate_voltage_and_force_of_the_article(gross):
+    assert (gross.time_s[1] - gross.time_s[0]) == 0.0005
+    assert gross.voltage_v[:200].mean() == pytest.approx(compute_bridge_v(ARTICLE, np.zeros(1))[0], abs=1e-3)
+    holding = (gross.time_s > 1.4) & (gross.time_s < 1.8)
+    assert gross.force_n[holding].mean() == pytest.approx(1.0, rel=1e-3)
+    assert gross.force_n.min() == 0.0
+    assert not gross.force_n[-2000:].any()
+    assert not gross.force_n[:700].any()
+    begins = gross.time_s[gross.slip][0]
+    command = 1.0 + np.flatnonzero(gross.force_n > 0.99)[0] / 2000  # one second after the touch
+    assert command < begins < command + 0.1
+    assert gross.slip.sum() / 2000 == pytest.approx(1.0, abs=0.06)
+
+
+def test_slide_shorter_than_the_shear_of_the_pad_is_no_gross_slip():
+    slides = {}
+    for distance, speed in ((5e-5, 0.007), (5e-3, 0.04)):
+        scene = SceneFile(
+            contact={"surface": "gross"},
+            hold={"min_force_n": 2.0, "max_force_n": 2.0},
+            slide={"distance_m": distance, "speed_m_s": speed},
+        )
+        slides[distance] = run_scene(ARTICLE, scene, 3).trace.slip.any()
+    assert slides == {5e-5: False, 5e-3: True}
+
+
+def test_drawn_force_lies_in_the_range_of_the_article():
+    forces = [SceneRun(ARTICLE, Trial(seed=seed).scene, seed).force_n for seed in range(200)]
+    assert 0.2 <= min(forces) < 0.25
+    assert 1.95 < max(forces) <= 2.0
+
+
+@pytest.mark.parametrize("rate", [1000.0, 3000.0, 10000.0])
+def test_onset_does_not_depend_on_the_sampling_rate(rate):
+    trace = simulate(article_design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
+    assert trace.time_s[trace.slip][0] == pytest.approx(1.8831, abs=0.003)

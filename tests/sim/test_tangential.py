@@ -54,14 +54,6 @@ def test_steady_sliding_matches_closed_form(speed):
     assert steady_coefficient(FRICTION, -speed) == -steady_coefficient(FRICTION, speed)
 
 
-@pytest.mark.parametrize("bad", [{"sigma0": -1.0}, {"sigma0": math.nan}, {"mu_c": 0.7}, {"stribeck_m_s": 0.0}])
-def test_invalid_friction_parameters_are_refused(bad):
-    with pytest.raises(TraceError):
-        Friction(**({"mu_s": 0.6, "mu_c": 0.48} | bad))
-    with pytest.raises(TraceError, match=r"sigma1: 300 s/m lets bristles deliver energy; below 2\.4"):
-        Friction(0.6, 0.48, sigma1=300.0)
-
-
 def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
     timeline = build_timeline(Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)

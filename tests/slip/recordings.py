@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
+import io
 import json
+import zipfile
 
 import numpy as np
 from typer.testing import CliRunner
@@ -36,4 +39,48 @@ def single_onset(done) -> float:
 
 
 T, V = burst()
+PLAIN = csv(T, V)
 ONSET = float(T[np.flatnonzero(make_detector("digital", Design()).process(np.round(V, 6)).on)[0]])
+
+START = datetime.datetime(2024, 5, 31, 23, 59, 59, 700_000)  # midnight falls into the recording
+
+
+def rows(times, delimiter=",", volts=V) -> str:
+    return "".join(f"{a}{delimiter}{b:.6f}\n" for a, b in zip(times, volts, strict=True))
+
+
+def iso(form: str) -> list[str]:
+    moments = [START + datetime.timedelta(seconds=float(t)) for t in T]
+    return [form.format(moment.isoformat(timespec="microseconds"), moment) for moment in moments]
+
+
+def lvm(x_columns: str, segments: int = 1) -> str:
+    """Text of a LabVIEW measurement file with tabs and one channel."""
+    text = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+        f"Multi_Headings\t{'Yes' if segments > 1 else 'No'}\nX_Columns\t{x_columns}\nTime_Pref\tRelative\n"
+        "Date\t2024/05/31\nTime\t12:00:00.5\n***End_of_Header***\t\n\n"
+    )
+    step = len(T) // segments
+    for first in range(0, len(T), step):
+        part = slice(first, first + step)
+        text += (
+            f"Channels\t1\t\nSamples\t{step}\t\nDate\t2024/05/31\t\nTime\t12:00:00.5\t\nY_Unit_Label\tVolts\t\n"
+            f"X_Dimension\tTime\t\nX0\t{T[first]:E}\t\nDelta_X\t0.000500\t\n***End_of_Header***\t\t\n"
+            "X_Value\tVoltage\tComment\n"
+        )
+        lines = [f"{'' if x_columns == 'No' else f'{t:.6f}'}\t{v:.6f}" for t, v in zip(T[part], V[part], strict=True)]
+        lines[0] += "\tpressed"
+        text += "\n".join(lines) + "\n"
+    return text
+
+
+DATES = iso("{0}")
+
+
+def zip_of(*names: str) -> bytes:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        for name in names:
+            archive.writestr(name, "x")
+    return data.getvalue()

@@ -17,13 +17,25 @@ from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import simulate_envelope_v
 from fingertip.slip import Trace, detect, make_detector
-from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, noise_level
+from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
 from tests.designs import ARTICLE
-from tests.oracles.chain_response import analog_response, digital_response
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
 SETTINGS = ChainSettings.from_design(ARTICLE)
+
+
+def digital_response(settings: ChainSettings, frequency_hz: float) -> complex:
+    """Frequency response of the digital high-pass filter."""
+    (g0, g1, p1), (b0, b1, b2, a1, a2) = high_pass(settings)
+    d = cmath.exp(-2j * math.pi * frequency_hz / settings.sample_rate_hz)
+    return (g0 + g1 * d) / (1 + p1 * d) * (b0 + b1 * d + b2 * d * d) / (1 + a1 * d + a2 * d * d)
+
+
+def analog_response(settings: ChainSettings, frequency_hz: float) -> complex:
+    """Frequency response of the board's ideal high-pass filter (article, eq. 9, with the j that it omits); Q is 1."""
+    s = 1j * frequency_hz / settings.cutoff_hz
+    return settings.gain * s / (s + 1) * s * s / (s * s + s + 1)
 
 
 @pytest.mark.parametrize("cutoff", [5.0, 67.0, 200.0, 499.0])
@@ -151,34 +163,23 @@ def test_on_outlasts_the_envelope_by_the_memory() -> None:
 
 @pytest.mark.full
 def test_a_recorded_envelope_is_used(tmp_path):
+    def find(path, *words, **lines):
+        return run("detect", path, "--detector", "analog", "--json", *ARTICLE_DESIGN, *words, **lines)
+
     envelope = np.where((T >= 0.5) & (T < 0.7), 0.2, 0.001)
     np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope)
-    done = run("detect", tmp_path / "t.npz", "--detector", "analog", *ARTICLE_DESIGN, "--json")
+    done = find(tmp_path / "t.npz")
     assert "simulating" not in done.stderr
     assert single_onset(done) == 0.5 + 4 / 2000  # five of sixty samples of 0.2 V: 17.6 mV
-    quiet = run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.4", *ARTICLE_DESIGN, "--json")
+    quiet = find(tmp_path / "t.npz", "--calibrate", "0:0.4")
     assert json.loads(quiet.stdout)["threshold_v"] == pytest.approx(0.001 + 20 / 65536, abs=1e-4)
-    assert (
-        "covers 600 samples" in run("detect", tmp_path / "t.npz", "--detector", "analog", "--calibrate", "0:0.3").stderr
-    )
-    # A recording that contains only the board's output.
+    assert "covers 600 samples" in find(tmp_path / "t.npz", "--calibrate", "0:0.3").stderr
+    # A recording that contains only the board's output, and the same as a stream.
     (tmp_path / "e.csv").write_text(csv(T, envelope, header=("time_s", "AI1")))
     both = ("--column", "voltage_v=AI1", "--column", "envelope_v=AI1")
-    assert (
-        single_onset(run("detect", tmp_path / "e.csv", "--detector", "analog", *both, *ARTICLE_DESIGN, "--json"))
-        == 0.502
-    )
-    # The same recording as a stream.
-    lines = run(
-        "detect",
-        "-",
-        "--detector",
-        "analog",
-        "--json",
-        *ARTICLE_DESIGN,
-        lines=csv(T, envelope, header=("time_s", "envelope_v")),
-    )
-    assert json.loads(lines.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
+    assert single_onset(find(tmp_path / "e.csv", *both)) == 0.502
+    live = find("-", lines=csv(T, envelope, header=("time_s", "envelope_v")))
+    assert json.loads(live.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
 @pytest.mark.full

@@ -1,37 +1,25 @@
-"""Commands `fingertip simulate` and `fingertip detect`, on files and on standard input."""
+"""Commands `fingertip simulate` and `fingertip detect`: options, streams, and other rates than the design's."""
 
 from __future__ import annotations
 
 import json
 import re
+import shlex
 
 import numpy as np
 import pytest
 
 import fingertip
+from fingertip.design import Design
 from fingertip.detection import files as detect_trace
-from tests.slip.recordings import T, V, burst, csv, run
+from fingertip.detection.adaptation import adapt_rate
+from fingertip.foundation.errors import FingertipError
+from fingertip.slip.detectors.analog_and_digital import noise_level
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, find_rounding, rate_bounds_message
+from tests.conftest import design_file
+from tests.slip.recordings import ONSET, PLAIN, T, V, burst, csv, run, single_onset
 
-GOOD = [f"{i / 2000:.4f},2.3,0.8,0" for i in range(200)]
 HEADER = "time_s,voltage_v,force_n,slip"
-
-
-@pytest.fixture
-def trace(tmp_path):
-    def write(lines, header=HEADER):
-        path = tmp_path / "t.csv"
-        path.write_text("\n".join([header, *lines]) + "\n")
-        return path
-
-    return write
-
-
-def edit(changes):
-    lines = list(GOOD)
-    for at, line in changes.items():
-        lines[at] = line
-    return lines
-
 
 ARTICLE = ("--design", "article")
 
@@ -59,78 +47,6 @@ def test_slip_of_a_simulated_trace_is_detected(tmp_path, surface):
     assert data["missed_slips"] == []
 
 
-def test_detect_warns_if_every_sample_is_clipped(trace):
-    top = 3.3 - 3.3 / 4096
-    found = run("detect", trace([f"{i / 2000:.4f},{top:.6f},0.8,0" for i in range(200)]))
-    assert "all 200 samples are at the limits of the ADC range" in found.stderr
-    assert "is a sensor connected?" not in found.stderr
-
-
-def test_detect_asks_for_the_sensor_of_a_dead_channel(trace):
-    found = run("detect", trace([f"{i / 2000:.4f},0.0,0.8,0" for i in range(200)]))
-    assert "the voltage is constant at 0 V; is a sensor connected?" in found.stderr
-    assert "limits of the ADC range" not in found.stderr
-
-
-def test_detect_without_true_slip_as_json_and_text(trace):
-    path = trace([",".join(line.split(",")[:2]) for line in GOOD], "time_s,voltage_v")
-    data = json.loads(run("detect", path, "--json").stdout)
-    assert data["intervals"] == []
-    assert data["slips"] is None
-    assert (
-        run("detect", path).stdout
-        == "detector digital, on voltage_v, mean of the envelope: threshold 23 mV\nnever ON\n"
-    )
-
-
-INVALID = {
-    "no column": (GOOD, "time_s,volts,force_n,slip", ["there is no column voltage_v; did you mean volts?"]),
-    "no header": (GOOD, "1,2,3,4", ["is not the header of a trace"]),
-    "duplicate column": (GOOD, "time_s,voltage_v,voltage_v,slip", ["column voltage_v appears 2 times"]),
-    "nan": (edit({7: "0.0035,nan,0.8,0"}), HEADER, ["nan in line 9 is not a finite number"]),
-    "word": (edit({7: "0.0035,4 V,0.8,0"}), HEADER, ["'4 V' in line 9 is not a number"]),
-    "slip": (edit({7: "0.0035,4,0.8,2"}), HEADER, ["2 in line 9 is neither 0 nor 1"]),
-    "cells": (edit({7: "0.0035,4"}), HEADER, ["line 9: has 2 cells, but the header has 4"]),
-    "gap": (GOOD[:50] + GOOD[60:], HEADER, ["0.03 s in line 52 comes after a gap"]),
-    "repeated": (GOOD[:50] + GOOD[49:], HEADER, ["0.0245 s in line 52 repeats the time before it"]),
-    "backwards": (
-        GOOD[:50] + GOOD[40:],
-        HEADER,
-        ["0.02 s in line 52 goes backwards (previous time 0.0245 s, median step 0.0005 s)"],
-    ),
-    "short": (GOOD[:59], HEADER, ["has 59 samples; at least one window of 60 is required"]),
-    "several": (
-        edit({3: "0.0015,nan,0.8,0", 7: "0.0035,4,x,0", 9: "0.0020,4,0.8,0"}),
-        HEADER,
-        ["nan in line 5", "'x' in line 9", "0.002 s in line 11 goes backwards"],
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", INVALID)
-def test_invalid_traces_give_errors_and_write_nothing(trace, tmp_path, name):
-    lines, header, messages = INVALID[name]
-    picture = tmp_path / "p.png"
-    picture.write_text("mine")
-    done = run("detect", trace(lines, header), "--plot", picture)
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    for message in messages:
-        assert message in done.stderr
-    assert all(line.startswith("error: ") for line in done.stderr.splitlines())
-    assert picture.read_text() == "mine"
-
-
-@pytest.mark.parametrize("content", [b"", b"\x89PNG\x00\xff\xfe", b"hello\nworld\n", b"\n\n"])
-def test_files_that_are_not_csv_give_an_error(tmp_path, content):
-    path = tmp_path / "t.csv"
-    path.write_bytes(content)
-    done = run("detect", path, "--json")
-    assert done.exit_code == 2
-    (issue,) = json.loads(done.stdout)["issues"]
-    assert str(path) in issue["field"]
-
-
 def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     out = tmp_path / "t.csv"
     done = run(
@@ -145,9 +61,6 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
-PLAIN = csv(T, V)
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
@@ -159,37 +72,6 @@ def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     ]
     text = run("detect", "-", "--detector", detector, lines=csv(T, V)).stdout.splitlines()
     assert text[0] == f"ON   {whole[0]['onset_s']:9.4f} s"
-
-
-@pytest.mark.full
-def test_an_invalid_line_ends_the_stream_after_the_transitions_before_it():
-    lines = csv(T, V).splitlines()
-    for invalid, message in (
-        ("1500", "line 1500: has 1 cells, but the header has 2"),
-        ("0.749,nan", "line 1500: nan is not a finite number"),
-        ("0.749,4 V", "line 1500: '4 V' is not a number"),
-        ("0.8,2.3", "line 1500: 0.8 s is 0.0515 s after the previous sample"),
-        ("0.7485,2.3", "line 1500: 0.7485 s is 0 s after the previous sample"),
-    ):
-        edited = [*lines[:1499], invalid, *lines[1500:]]
-        done = run("detect", "-", lines="\n".join(edited))
-        assert done.exit_code == 2
-        assert message in done.stderr
-        assert done.stdout.splitlines()[0].startswith("ON ")
-    # What a controller says among its samples is quoted, shortened.
-    for said, quoted in (
-        ("no timer is free", "'no timer is free'"),
-        ("0.749,x\x07" + 300 * "y", "...(308 characters)..."),
-    ):
-        done = run("detect", "-", lines="\n".join([*lines[:1499], said, *lines[1500:]]))
-        assert f"The line reads '{said[:5]}" in done.stderr
-        assert quoted in done.stderr
-        assert "\x07" not in done.stderr
-    assert "is empty" in run("detect", "-", lines="").stderr
-    empty = run("detect", "-", lines="time_s,voltage_v\n")
-    assert empty.exit_code == 2
-    assert "has no samples below its header" in empty.stderr
-    assert "requires the whole recording" in run("detect", "-", "--plot", "p.png", lines=csv(T, V)).stderr
 
 
 @pytest.mark.parametrize("rate", [1400, 1900, 1980, 2020, 2100, 2990])
@@ -212,18 +94,6 @@ def test_jitter_is_accepted_and_a_change_of_rate_is_not():
     t, v = np.concatenate((t, t[-1] + np.arange(1, 8000) / 2040)), np.full(9999, 2.3)
     done = run("detect", "-", lines=csv(t, v))  # 2 % faster from the first second on
     assert "the detector is designed for 2000 Hz" in done.stderr
-
-
-def test_voltages_outside_the_adc_range_give_an_error():
-    for v, message in (
-        (np.round(V / 3.3 * 4096), "line 2: 2855 exceeds the ADC range of 0 to 3.3 V; the values are whole numbers"),
-        (1000 * V, "exceeds the ADC range of 0 to 3.3 V; use --scale if the column is not in volts"),
-        (np.where(T < 0.1, V, 11.0), "line 202: 11 exceeds the ADC range of 0 to 3.3 V; use --scale"),
-    ):
-        done = run("detect", "-", lines=csv(T, v))
-        assert done.exit_code == 2
-        assert message in done.stderr
-    assert run("detect", "-", "--scale", 0.001, lines=csv(T, 1000 * V)).stdout.startswith("ON")
 
 
 @pytest.mark.full
@@ -265,9 +135,180 @@ def test_detect_stream_in_python_yields_transitions_as_lines_arrive():
     assert found.warnings == ()
 
 
-def test_a_stream_without_detection_says_so():
-    quiet = csv(T, V).splitlines()
-    assert run("detect", "-", lines="\n".join(quiet[:100])).stdout == "never ON\n"
-    short = run("detect", "-", lines="\n".join(quiet[:31]))
-    assert short.exit_code == 2
-    assert "has 30 samples; at least one window of 60 is required; record for longer." in short.stderr
+def test_a_force_is_detected_with_thresholds_from_a_quiet_part(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, 50 * (V - 3.9), header=("time_s", "force_n")))
+    words = ("detect", tmp_path / "t.csv", "--column", "voltage_v=force_n")
+    assert "thresholds are in volts, but this column is a force" in run(*words).stderr
+    for detector in ("digital", "fft", "fast"):
+        onset = single_onset(run(*words, "--calibrate", "0:0.4", "--detector", detector, "--json"))
+        assert 0.5 < onset < 0.535
+
+
+def test_adc_counts_are_converted_by_the_suggested_scale(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, np.round(V / 3.3 * 4096)))
+    words = ("detect", tmp_path / "t.csv", "--json")
+    assert "--scale 0.00080566406 converts counts of 12 bits to volts" in run(*words).stderr
+    assert single_onset(run(*words, "--scale", 0.00080566406)) == pytest.approx(ONSET, abs=0.003)
+
+
+def test_detect_file_in_python_gives_the_result_of_the_command(tmp_path):
+    t, v = burst(5000)
+    (tmp_path / "t.csv").write_text(csv(t, v, header=("t", "AI0")))
+    progress: list[str] = []
+    columns = {"time_s": "t", "voltage_v": "AI0"}
+    found = fingertip.detect_file(tmp_path / "t.csv", columns=columns, calibrate_s=(0.0, 0.4), progress=progress.append)
+    words = ("--column", "time_s=t", "--column", "voltage_v=AI0", "--calibrate", "0:0.4", "--json")
+    done = run("detect", tmp_path / "t.csv", *words)
+    assert found.detection.intervals[0].onset_s == pytest.approx(single_onset(done))
+    assert found.design.detector.sample_rate_hz == 5000
+    assert progress == done.stderr.splitlines()
+    assert found.warnings == ()
+
+
+def test_detect_file_in_python_adapts_a_design_that_states_no_rate(tmp_path):
+    t, v = burst(5000)
+    (tmp_path / "t.csv").write_text(csv(t, v))
+    chosen = Design(detector={"threshold_v": 0.0123})
+    assert fingertip.detect_file(tmp_path / "t.csv", chosen).detection.threshold_v == 0.0123
+    rescaled = fingertip.detect_file(tmp_path / "t.csv", chosen, keep_threshold=False)
+    assert rescaled.detection.threshold_v != pytest.approx(0.0123, rel=0.05)
+    for arguments in ({"design": Design(detector={"sample_rate_hz": 2000.0})}, {"adapt_to_file": False}):
+        with pytest.raises(fingertip.FingertipError, match="sampled at 5000 Hz, but the detector is designed for 2000"):
+            fingertip.detect_file(tmp_path / "t.csv", **arguments)
+
+
+def test_the_shortest_quiet_part_in_the_message_is_long_enough(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, V))
+    for detector, seconds in (("fast", "0.3"), ("analog", "0.33")):
+        words = ("detect", tmp_path / "t.csv", "--detector", detector, "--calibrate")
+        assert f"covers 1 sample of t.csv; choose at least {seconds} s." in run(*words, "0:0.0001").stderr
+        assert run(*words, f"0:{seconds}").exit_code == 0
+
+
+@pytest.mark.full
+def test_calibration_on_any_interval(tmp_path):
+    """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
+    rng = np.random.default_rng(8)
+    t = np.arange(12_000) / 2000
+    volts = 2.6 + rng.normal(0, 4e-4, len(t)) + (t > 3.0) * (rng.normal(0, 1.2e-3, len(t)) - 0.3)
+    (tmp_path / "t.csv").write_text(csv(t, volts))
+
+    def threshold_v(interval: str) -> float:
+        return json.loads(run("detect", tmp_path / "t.csv", "--calibrate", interval, "--json").stdout)["threshold_v"]
+
+    assert threshold_v("4.0:4.5") == pytest.approx(threshold_v("5:5.9"), rel=0.25)
+    assert threshold_v("4.0:4.5") > 2 * threshold_v("0.5:2.5")
+
+
+FSR400 = design_file("fsr400")
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("rate", [1000, 5000, 20000])
+@pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
+def test_detectors_adapt_to_the_sampling_rate_of_a_file(tmp_path, rate, detector):
+    t, v = burst(rate)
+    (tmp_path / "t.csv").write_text(csv(t, v))
+    done = run("detect", tmp_path / "t.csv", "--detector", detector, "--json")
+    assert f"is sampled at {rate} Hz: filters, window and threshold adapted to {rate} Hz" in done.stderr
+    assert 0.5 < single_onset(done) < {"digital": 0.525, "fft": 0.54, "fast": 0.506}[detector]
+    stated = run("detect", tmp_path / "t.csv", "--detector", detector, "--rate-hz", rate, "--json")
+    assert stated.stdout == done.stdout
+    # A stated rate is not adapted.
+    for options in (("--set", "detector.sample_rate_hz=2000"), ("--design", FSR400), ("--rate-hz", 2000)):
+        done = run("detect", tmp_path / "t.csv", *options)
+        assert done.exit_code == 2
+        assert f"is sampled at {rate} Hz, but the detector is designed for 2000 Hz" in done.stderr
+
+
+def test_adaptation_keeps_the_windows_duration_and_the_ratio_of_threshold_to_noise():
+    adapted = adapt_rate(Design(), 8000.0)
+    assert adapted.detector.window_samples == 240
+    ratio = adapted.detector.threshold_v / noise_level(adapted).threshold_v
+    assert ratio == pytest.approx(Design().detector.threshold_v / noise_level(Design()).threshold_v)
+    assert adapt_rate(Design(), 2000.0) == Design()
+
+
+def test_a_stated_threshold_does_not_change_with_the_rate(tmp_path):
+    t, v = burst(5000)
+    (tmp_path / "t.csv").write_text(csv(t, v))
+    (tmp_path / "d.toml").write_text("[detector]\nthreshold_v = 0.0123\n")
+    rate, mine = ("--rate-hz", 5000), ("--set", "detector.threshold_v=0.0123")
+    default, adapted = Design().detector.threshold_v, adapt_rate(Design(), 5000.0).detector.threshold_v
+    assert adapted != pytest.approx(default, rel=0.05)
+    for words, volts, message in (
+        ((), adapted, f"the threshold is {adapted:.3g} V"),
+        (mine, 0.0123, "the window is 150 samples, 30 ms; the threshold remains 0.0123 V"),
+        (
+            (*rate, *mine),
+            0.0123,
+            "filters and window adapted to 5000 Hz; the window is 150 samples, 30 ms; the threshold remains 0.0123 V",
+        ),
+        ((*rate, "--design", tmp_path / "d.toml"), 0.0123, "remains 0.0123 V, as set"),
+        (
+            (*rate, "--detector", "analog"),
+            default,
+            f"the threshold remains {default:g} V, as it applies to the board's output",
+        ),
+    ):
+        done = run("detect", tmp_path / "t.csv", *words, "--json")
+        assert json.loads(done.stdout)["threshold_v"] == pytest.approx(volts, abs=2e-6), words
+        assert message in done.stderr, words
+    fast = run("detect", tmp_path / "t.csv", "--detector", "fast")
+    assert "filters, window and threshold adapted to 5000 Hz; the window is 150 samples, 30 ms\n" in fast.stderr
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("rate", [1200, 2000, 3000, 5000])
+@pytest.mark.parametrize("cut", [np.floor, np.round])
+def test_rounded_times_are_ignored_with_the_options_in_the_message(tmp_path, rate, cut):
+    t, v = burst(rate)
+    coarse = cut(np.round(1000 * t, 6)) / 1000
+    (tmp_path / "t.csv").write_text(csv(coarse, v))
+    np.savez(tmp_path / "t.npz", time_s=coarse, voltage_v=v)
+    np.save(tmp_path / "t.npy", np.column_stack((coarse, v)))
+    for name in ("t.csv", "t.npz", "t.npy"):
+        onsets = set()
+        for stated in ((), ("--rate-hz", rate)):
+            done = run("detect", tmp_path / name, *stated)
+            assert done.exit_code == 2
+            (message,) = [line for line in done.stderr.splitlines() if line.startswith("error")]
+            assert f"the times are rounded to 0.001 s, at a mean rate of {rate} Hz" in message
+            assert "is sampled at" not in done.stderr
+            remedy = shlex.split(re.search(r"ignore them with (.*)\.$", message)[1])
+            assert remedy == ["--rate-hz", str(rate), "--column", "time_s=none"]
+            onsets.add(single_onset(run("detect", tmp_path / name, *remedy, "--json")))
+        (onset,) = onsets
+        assert 0.5 < onset < 0.525
+    live = run("detect", "-", "--rate-hz", rate, lines=csv(np.floor(1000 * t) / 1000, v)).stderr
+    assert "ignore rounded times with --column time_s=none" in live
+
+
+def test_only_evenly_spaced_times_are_recognised_as_rounded():
+    assert find_rounding(T) is None
+    assert find_rounding(np.zeros(100)) is None
+    assert find_rounding(np.sort(np.append(T, T[7]))) is None  # one
+    assert find_rounding(np.sort(np.append(T, T[:300]))) is None  # many, all at the start
+    assert find_rounding(np.where(np.arange(2000) % 2, T - 0.001, T)[::-1]) is None  # backwards
+    whole = find_rounding(np.floor(T * 4))  # whole seconds do not determine the rate
+    assert whole is not None
+    assert whole.rate_hz is None
+    assert find_rounding(np.round(np.arange(100_000) / 4567, 3)).rate_hz == pytest.approx(4567, rel=1e-4)
+
+
+def test_bounds_of_the_sampling_rate_are_those_of_a_design():
+    for rate in (MIN_RATE_HZ, MAX_RATE_HZ):
+        assert Design(detector={"sample_rate_hz": rate})
+        assert rate_bounds_message(rate) is None
+    for rate in (0.99 * MIN_RATE_HZ, 1.01 * MAX_RATE_HZ):
+        with pytest.raises(FingertipError):
+            Design(detector={"sample_rate_hz": rate})
+        assert rate_bounds_message(rate)
+
+
+def test_detect_file_in_python_returns_warnings(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 2.3)))
+    design = Design(detector={"threshold_v": 0.001})
+    constant, threshold = fingertip.detect_file(tmp_path / "t.csv", design).warnings
+    assert constant == "the voltage is constant at 2.3 V; is a sensor connected?"
+    assert "is below the mean noise level" in threshold

@@ -19,7 +19,6 @@ from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_sce
 from fingertip.slip import Trace, detect, make_detector
 from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
-from fingertip.slip.report import as_data, as_text
 from fingertip.slip.traces.truth import intervals
 
 RATE = 2000.0
@@ -233,26 +232,6 @@ def test_files_and_streams_use_the_column(tmp_path: Path, recording, names, colu
     assert first.time_s == pytest.approx(expected[0].onset_s)
 
 
-def test_the_first_line_says_which_signals_were_used(tmp_path: Path, recording):
-    path, bare = tmp_path / "both.csv", tmp_path / "bare.csv"
-    path.write_text("\n".join(as_lines(recording, "time_s,voltage_v,sampled_filtered_v")) + "\n", encoding="utf-8")
-    bare.write_text("\n".join(as_lines(recording[:2], "time_s,voltage_v")) + "\n", encoding="utf-8")
-    both, alone = ["voltage_v", "filtered_v"], ["voltage_v"]
-    for given, design, detector, said, columns in (
-        (path, CONTROLLER, "fast", "fast, on voltage_v and filtered_v, ", both),
-        (bare, CONTROLLER, "fast", "fast, on voltage_v alone (no column filtered_v), ", alone),
-        (path, ARTICLE, "fast", "fast, on voltage_v, ", alone),
-        (path, CONTROLLER, "digital", "digital, on voltage_v, ", alone),
-        (path, CONTROLLER, "analog", "analog, on envelope_v, ", ["envelope_v"]),
-    ):
-        found = detect_file(given, design, detector).detection
-        assert as_text(found).startswith(f"detector {said}")
-        assert as_data(found, None)["signals"] == columns
-        if detector != "analog":
-            stream = detect_stream(iter(given.read_text(encoding="utf-8").splitlines()), design, detector)
-            assert list(stream.signals.columns) == columns
-
-
 def test_only_signals_that_a_detector_reads_are_simulated():
     assert select_board_outputs(CONTROLLER, ["digital", "fft"]) == []
     assert select_board_outputs(CONTROLLER, ["analog", "fast"]) == ["sampled_envelope_v", "sampled_filtered_v"]
@@ -277,34 +256,3 @@ def test_simulated_traces_carry_the_filtered_signal():
     assert not np.array_equal(signals[0], signals[1])
     with pytest.raises(TraceError, match="sampled_filtered_v"):
         run_manipulation(ARTICLE, hand, None, 1)
-
-
-def test_a_named_column_that_is_missing_is_refused(tmp_path: Path, recording):
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    path = tmp_path / "trace.csv"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    with pytest.raises(TraceError, match="there is no column nothing"):
-        detect_file(path, CONTROLLER, "fast", columns={"filtered_v": "nothing"})
-    with pytest.raises(TraceError, match="there is no column nothing"):
-        detect_stream(lines, CONTROLLER, "fast", columns={"filtered_v": "nothing"})
-
-
-def test_a_stream_may_begin_before_its_header(recording):
-    """A controller that runs already sends the rest of a line, samples, and its header with the next second."""
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    running = ["843,1.471948", *lines[1:500], *lines]
-    first = next(iter(detect_stream(running, CONTROLLER, "fast").transitions))
-    assert first == next(iter(detect_stream(lines, CONTROLLER, "fast").transitions))
-    with pytest.raises(TraceError, match="is not the header of a trace"):
-        detect_stream([lines[1]] * 6000, CONTROLLER, "fast")
-
-
-def test_a_wrong_value_in_the_column_is_named(tmp_path: Path, recording):
-    lines = list(as_lines(recording, "time_s,voltage_v,filtered_v"))
-    lines[20] = lines[20].rsplit(",", 1)[0] + ",abc"
-    with pytest.raises(TraceError, match="line 21"):
-        list(detect_stream(lines, CONTROLLER, "fast").transitions)
-    path = tmp_path / "trace.csv"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    with pytest.raises(TraceError, match="line 21"):
-        detect_file(path, CONTROLLER, "fast")

@@ -1,39 +1,22 @@
-"""Studies of the assumptions and of the time step, and the remarks on them."""
+"""Studies beside a campaign: assumptions, the time step, the article's protocol, board and converter."""
 
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.lab.campaign.plan import NEGATIVE_SCENES, Case
+from fingertip.lab.campaign.plan import NEGATIVE_SCENES, CampaignPlan, Case
 from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
-from fingertip.lab.report import omissions, robustness
-from fingertip.lab.studies.sensitivity import (
-    BOTH,
-    ELASTO_PLASTIC,
-    PATCH_AVERAGE,
-    STICK_SLIP,
-    VARIATIONS,
-    Factor,
-    Variation,
-    VariationResult,
-    change_converter,
-    study_assumptions,
-)
-from fingertip.lab.studies.steps import (
-    SIGNALS,
-    DelayShift,
-    SignalError,
-    StepSensitivity,
-    _find_shift_s,
-    _pool_shifts,
-    compare_grids,
-)
+from fingertip.lab.studies import article as article_protocol
+from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, find_encoder_zero_s, study_article_protocol
+from fingertip.lab.studies.boards import study_article_board, with_article_board
+from fingertip.lab.studies.sensitivity import VARIATIONS, Factor, Variation, change_converter, study_assumptions
+from fingertip.lab.studies.steps import SIGNALS, _find_shift_s, _pool_shifts, compare_grids
 from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
 from fingertip.slip.detectors.analog_and_digital import noise_level
@@ -98,45 +81,8 @@ def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     assert twice.alarms_per_minute < 10
 
 
-def make_result(label: str, found: float = 1.0, median_s: float = 0.015, is_realistic: bool = True) -> VariationResult:
-    change_s = median_s - 0.015 if math.isfinite(median_s) else math.nan
-    return VariationResult(label, is_realistic, 24, found, median_s, change_s, 0.25, 0.0045, 0.001 * len(label))
-
-
-def page_items(title: str, **studies: object) -> list[str]:
-    """Items of one section of the page of omissions of a validation that has these studies."""
-    rows = {"variations": [make_result("unchanged", is_realistic=False)], "steps": StepSensitivity(0, 16, (), ())}
-    found = SimpleNamespace(patch_radius_m=2.05e-3, **(rows | studies))
-    page = omissions.as_markdown(SimpleNamespace(detectors={}), ["too late"], [], found, "fast")  # type: ignore[arg-type]
-    assert "## Requirements missed\n\n- too late\n" in page
-    return [line.removeprefix("- ") for line in page.split(f"## {title}\n\n")[1].split("\n\n")[0].splitlines()]
-
-
-def test_table_and_remarks_state_every_realistic_effect() -> None:
-    base = make_result("unchanged", is_realistic=False)
-    labels = (PATCH_AVERAGE, STICK_SLIP, BOTH, ELASTO_PLASTIC, "mains hum of 1 mV")
-    results = [base, make_result("half the force", is_realistic=False)]
-    results += [make_result(label, 0.25, math.inf) for label in labels]
-    text = "\n".join(robustness.variation_table(results, "fast"))
-    remarks = page_items("Effects of real fingers that the trials leave out", variations=results)
-    assert text.index("half the force") < text.index("by default") < text.index(STICK_SLIP)
-    assert text.count(" missed ") == 2 * len(labels)
-    assert "25 % of 24 slips" in remarks[0]
-    assert "radius 2.05 mm" in remarks[0]
-    assert "moves by +4.5 ms" in remarks[1]
-    assert remarks[2].startswith("Mains hum")
-    assert remarks[-1] == robustness.LEVELS_ARE_ASSUMED
-    data = robustness.variations_as_data(results)
-    assert data[-1]["median_s"] is None
-    assert data[-1]["realistic"]
-    assert (data[-1]["slips"], data[-1]["found_share"]) == (24, 0.25)
-    assert data[-1]["vibration_n"] == pytest.approx(results[-1].vibration_n)
-
-
 SHORT = SceneFile(
-    scene="sliding_finger",
-    hold={"wait_s": 0.1, "release": False},
-    slide={"distance_m": 0.005, "speed_m_s": 0.05},
+    scene="sliding_finger", hold={"wait_s": 0.1, "release": False}, slide={"distance_m": 0.005, "speed_m_s": 0.05}
 )
 
 
@@ -173,13 +119,53 @@ def test_a_finer_step_changes_little() -> None:
     assert set(same.errors.values()) == {0.0}
 
 
-def test_table_and_remarks_name_a_missed_goal() -> None:
-    shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
-    steps = StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),))
-    text, remarks = "\n".join(robustness.step_table(steps)), page_items("Time step", steps=steps)
-    assert "0.040 mN" in text
-    assert text.count("MISSED") == 1
-    assert "digital 4 of 20 (worst not found)" in remarks[0]
-    assert "missed by digital" in remarks[0]
-    assert remarks[1] == "Found with one step only: digital 1."
-    assert robustness.steps_as_data(steps)["delay_shifts"][1]["worst_s"] is None
+MOVE = TrapezoidalMove.with_speed(1.2345, 0.04, 0.04)
+
+
+def test_zero_is_the_first_reading_that_shows_the_motion() -> None:
+    """At 1 m/s2, 10 um have passed after 4.5 ms and 100 um after 14.1 ms."""
+    assert find_encoder_zero_s(MOVE, 0.0, 0.0) == pytest.approx(1.2345 + 0.01)  # nothing has moved at the start
+    assert find_encoder_zero_s(MOVE, 0.003, 0.0) == pytest.approx(1.2345 + 0.003)
+    assert find_encoder_zero_s(MOVE, 0.003, 1e-5) == pytest.approx(1.2345 + 0.013)
+    assert find_encoder_zero_s(MOVE, 0.005, 1e-5) == pytest.approx(1.2345 + 0.005)
+    assert find_encoder_zero_s(MOVE, 0.005, 1e-4) == pytest.approx(1.2345 + 0.015)
+
+
+@pytest.fixture(scope="module")
+def study() -> ProtocolStudy:
+    patch = pytest.MonkeyPatch()
+    patch.setattr(article_protocol, "run_closed_loop", lambda *args, **kwargs: [])
+    patch.setattr(article_protocol, "summarise", lambda trials: [None])
+    try:
+        return study_article_protocol(Design(), 4, 1)
+    finally:
+        patch.undo()
+
+
+@pytest.mark.full
+def test_every_device_and_zero_is_there_and_a_later_zero_shortens_delays(study: ProtocolStudy) -> None:
+    assert [(r.device, r.moved_m) for r in study.results] == [(d, m) for d in DEVICES for m in MOVED_M]
+    assert {r.trials for r in study.results} == {4}
+    for device in ("precision board", "digital chain"):
+        means = [study.find(device, moved_m).mean_s for moved_m in MOVED_M]
+        assert means == sorted(means, reverse=True)
+        assert means[0] - means[2] == pytest.approx(0.014, abs=0.006)
+    assert study.find("precision board").threshold_v < study.find("digital chain").threshold_v
+
+
+def test_the_finger_stays_and_the_board_is_the_article_s():
+    design = Design(skin={"width_mm": 18.0})
+    changed, article = with_article_board(design), Design.load("article")
+    assert changed.skin == design.skin
+    assert (changed.board, changed.detector) == (article.board, article.detector)
+    assert changed.board.variant == "article"
+    assert changed.detector.adc_range_v == 10.0
+
+
+def test_every_detector_is_compared_and_the_article_itself_is_not():
+    rows = study_article_board(Design(), CampaignPlan(2, 0.5))
+    assert [row.detector for row in rows] == ["analog", "digital", "fft", "fast"]
+    fast = rows[-1]
+    assert fast.found_share == 1.0
+    assert fast.median_s < fast.motion_p90_s < 0.1
+    assert study_article_board(Design.load("article"), CampaignPlan(2, 0.5)) == []

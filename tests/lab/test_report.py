@@ -1,0 +1,215 @@
+"""Report of a validation with known results: text, JSON, page of omissions and figures are the approved ones.
+
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/lab/test_report.py` writes them; then read what changed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fingertip import lab
+from fingertip.cli import app
+from fingertip.design import Design
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, GripDecision, evaluate_manipulation, summarise
+from fingertip.lab.campaign.mix import MixSummary, Outcome
+from fingertip.lab.campaign.plan import CampaignPlan, Case
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
+from fingertip.lab.report import trial_plots
+from fingertip.lab.report.tables import StudyResults
+from fingertip.lab.report.trial_plots import ExampleTrial
+from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy, Spectrum, WindowResult
+from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
+from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
+from fingertip.lab.studies.sensitivity import (
+    BOTH,
+    ELASTO_PLASTIC,
+    PATCH_AVERAGE,
+    STICK_SLIP,
+    AccelerationResult,
+    VariationResult,
+)
+from fingertip.lab.studies.steps import DelayShift, SamplingRateResult, SignalError, StepSensitivity
+from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
+from fingertip.sim.simulation import article_trials
+from fingertip.slip import Trace
+from fingertip.slip.traces.truth import Origin
+from tests.slip.figures import assert_approved, collect_figures, describe_figure
+
+APPROVED = Path(__file__).with_name("approved")
+SCENES = [scene for scene, _ in article_trials()]
+T = np.arange(400) / 100
+LOST, HELD = np.where(T > 2.0, (T - 2.0) / 10, 0.0), np.where(T > 2.0, 0.003, 0.0)
+
+
+def campaign() -> CampaignResult:
+    """Two detectors at three thresholds: a higher one is later, and has fewer alarms."""
+    slides = [next(s for s in SCENES if s.contact.surface == name) for name in ("smooth", "wood")] + [SCENES[-1]]
+    detectors = {}
+    for name, factor in (("digital", 2.0), ("fast", 1.0)):
+        results = []
+        for scale in (0.7, 1.0, 2.0):
+            trials = [
+                TrialResult(Case("slip", scene, i), 5.0, 1.0, 1, (0.01 * factor * scale + late_s,), 0.9, (), 0.013, 1.8)
+                for i, scene in enumerate(slides)
+                for late_s in (0.0, 0.004 + 0.002 * i)
+            ]
+            if name == "digital":
+                trials.append(
+                    TrialResult(Case("slip", slides[0], 8), 5.0, 1.0, 1, (), 0.0, ("before slip",), 0.013, 1.8)
+                )
+            alarms = ("contact",) * round(factor / scale - 0.6)
+            trials.append(TrialResult(Case("contact", SCENES[0], 9), 90.0, 1.0, 0, (), 0.0, alarms))
+            trials.append(TrialResult(Case("motor", SCENES[0], 10), 120.0, 1.0, 0, (), 0.0, ("motor",) * 3))
+            results.append(DetectorResult(scale, tuple(trials)))
+        detectors[name] = tuple(results)
+    return CampaignResult(CampaignPlan(4, 0.5), 5_000_000, detectors)
+
+
+def manipulation(name: str, kind: str, seed: int, lost_s: float | None, moved_m: float = 0.0) -> Any:
+    """Manipulation of two fingers, of which the index slips from 2 s on, and which close from 2.1 s on."""
+    slip = np.stack((T < 0.0, (T >= 2.0) & (T < 2.3)))
+    closing = np.stack((0.02 + 0 * T, np.where(T < 2.1, 0.03, 0.03 + moved_m)))
+    columns = {"slip": slip, "force_n": np.stack((1.0 + 0 * T, 1.5 + 0 * T))}
+    scene = SimpleNamespace(name=name, grasp=SimpleNamespace(kind=kind), object=SimpleNamespace(mass_kg=0.06))
+    return SimpleNamespace(
+        scene=scene, seed=seed, time_s=T, lost_s=lost_s, fingers=("thumb", "index"), output=columns.__getitem__,
+        signals=SimpleNamespace(closing_m=closing, object_m=HELD if lost_s is None else LOST),
+        plan=SimpleNamespace(knock_s=1.9, closed_s=1.0),
+    )  # fmt: skip
+
+
+def decide(time_s: float, *, suppressed: bool = False) -> GripDecision:
+    return GripDecision(time_s, True, suppressed, not suppressed)
+
+
+def closed_loop() -> list[Any]:
+    """An object is lost without control; with it another one is held, by a grip in slip and by two without."""
+    decisions = [decide(0.5, suppressed=True), decide(0.51, suppressed=True), decide(1.5), decide(1.994), decide(2.05),
+                 decide(2.5), decide(2.52, suppressed=True)]  # fmt: skip
+    late = [decide(2.02, suppressed=True), GripDecision(2.03, False, False, False), decide(2.04, suppressed=True)]
+    runs = [
+        (NO_CONTROL, manipulation("cylinder", "pinch", 1, 2.8), ()),
+        (NO_CONTROL, manipulation("parallelepiped", "power", 2, None), ()),
+        ("fast", manipulation("cylinder", "pinch", 1, None, 0.002), decisions),
+        ("fast", manipulation("parallelepiped", "power", 2, 3.0), late),
+    ]
+    return [evaluate_manipulation(detector, run, made) for detector, run, made in runs]
+
+
+def protocol(summary: Any) -> ProtocolStudy:
+    results = [
+        ProtocolResult(
+            device, 0.01 + i / 1000, moved_m, 4, 4 - i, 3 - i, 4 - i, 0.03 - 100 * moved_m, 0.03, 0.05, 0.07, 0.012
+        )
+        for i, device in enumerate(DEVICES)
+        for moved_m in MOVED_M
+    ]
+    results[3] = replace(results[3], found=0, mean_s=math.nan, worst_object_s=math.nan)
+    return ProtocolStudy(results, {"article's board": summary, "precision board": replace(summary, unanswered=0)})
+
+
+def variation(label: str, shift_s: float, is_realistic: bool = True, found: float = 1.0) -> VariationResult:
+    return VariationResult(label, is_realistic, 24, found, 0.015 + shift_s, shift_s, 0.25, 0.0045, 0.001 * len(label))
+
+
+def studies() -> StudyResults:
+    summaries = summarise(closed_loop())
+    fast = campaign().at_nominal_threshold("fast")
+    silent = DetectorResult(1.0, (TrialResult(Case("contact", SCENES[0], 9), 240.0, 1.0, 0, (), 0.0, ()),))
+    lost = VariationResult(STICK_SLIP, True, 30, 0.25, math.inf, math.nan, 0.0, math.nan, math.nan)
+    hz = np.arange(0.0, 500.0, 50.0)
+    shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
+    slip = Outcome("slip", 0.0, 0.5, 2, (0.01, 0.02), (0.03, 0.04), (0.95, 0.9), 1, (0.1,), 0, 0, 0.0)
+    tap = Outcome("tap", 0.0, 2.0, 0, (), (), (), 0, (), 3, 1, 0.01)
+    mix = {"slip": (slip,), "tap": (tap, replace(tap, minutes=1.0, events=5, alarms=2))}
+    return StudyResults(
+        bounds_s=[0.009, 0.012, math.inf, 0.004],
+        variations=[
+            variation("unchanged", 0.0, False), variation("half the force", 0.004, False),
+            variation("twice the noise", -0.006, False), replace(lost, label="half the speed", is_realistic=False),
+            replace(variation(PATCH_AVERAGE, 0.002, found=0.5), vibration_n=0.0005), lost, variation(BOTH, 0.001),
+            variation(ELASTO_PLASTIC, -0.001), variation("mains hum of 1 mV", 0.003),
+        ],
+        steps=StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),)),
+        patch_radius_m=2.05e-3,
+        windows=[WindowResult(0.01, 0.02, 1.0, 0.012, 0.02, 3.0), WindowResult(0.03, 0.015, 0.9, 0.03, math.inf, 1.5)],
+        spectra=[Spectrum(name, hz, 1e-6 / (1 + (hz / hz_3db) ** 2)) for name, hz_3db in (("soft", 90), ("bare", 230))],
+        accelerations=[
+            AccelerationResult(a, name, 1.0, 0.02 / a + late, 0.03 / a + late)
+            for a in (0.5, 1.0) for name, late in (("bound", 0.0), ("fast", 0.005), ("fft", math.inf))
+        ],
+        rates=[SamplingRateResult(rate, 10 / rate, 20 / rate, 1.0, 0.012, 0.02, 0.1) for rate in (1000.0, 2000.0)],
+        boards=[BoardResult("article", 0.023, False, 0.5, 0.04, math.inf, 0.25, 0.06, 0.1),
+                BoardResult("precision", 0.0049, True, 1.0, 0.02, 0.03, 0.75, 0.04, 0.2)],
+        article=[ArticleBoardResult("digital", 0.975, 0.03, 0.05, 0.06, 0.15)],
+        protocol=protocol(summaries[1]),
+        motor=[DiscriminationResult(0.02, 3.0, 2.5, 0.25), DiscriminationResult(0.1, 2.0, 4.0, 1.0)],
+        knocks=[
+            KnockResult(name, force_n, rise_s, force_n / 4)
+            for name, rise_s, force_n in itertools.product(("digital", "fast"), (0.002, 0.01), (1.0, 2.0))
+        ],
+        closed_loop=summaries,
+        seed_ranges=[fast, silent],
+        wider_mix={kind: MixSummary(outcomes) for kind, outcomes in mix.items()},
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def validation() -> Validation:
+    result, known = campaign(), studies()
+    limits = RequirementLimits()
+    requirements = (*check_detection(result, "fast", limits), *check_closed_loop(known.closed_loop[1], limits))
+    return Validation(Design.load("article"), "fast", result, tuple(closed_loop()), requirements, known)
+
+
+@pytest.mark.parametrize("name", ["validation.txt", "validation.json", "omissions.md"])
+def test_report_is_the_approved_one(validation: Validation, name: str) -> None:
+    text = validation.files(with_plots=False)[name].decode()
+    assert_approved(APPROVED / name, text)
+    if name == "validation.json":
+        assert json.loads(text) == validation.as_data()
+
+
+def example(label: str, speed_m_s: float, rest_v: float) -> ExampleTrial:
+    """Two seconds of touch from 0.2 to 1.8 s, with slip of 20 mV at 90 Hz from 1.0 to 1.4 s."""
+    t = np.arange(4000) / 2000
+    slip, touch = (t >= 1.0) & (t < 1.4), (t >= 0.2) & (t < 1.8)
+    volts = rest_v - 0.3 * touch + 0.02 * np.sin(2 * np.pi * 90 * t) * slip
+    trace = Trace(t, volts, 1.0 * touch, slip, 0.3 * slip, origin=Origin(True, 0.98))
+    return ExampleTrial(label, speed_m_s, trace, 1.0)
+
+
+def test_figures_are_the_approved_ones(validation: Validation, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Positions of all bars, lines and areas, their colours, and all words; drawn from the results above."""
+    figures = collect_figures(monkeypatch)
+    examples = [example("wood", 0.04, 4.3), example("object, smooth", 0.06, 4.0), example("object, paper", 0.08, 4.1)]
+    monkeypatch.setattr(trial_plots, "simulate_examples", lambda *_: examples)
+    names = [name for name in validation.files() if name.endswith(".png")]
+    assert [*names] == [name for name in lab.FILES if name.endswith(".png")]
+    text = "\n".join(line for name, f in zip(names, figures, strict=True) for line in (name, *describe_figure(f)))
+    assert_approved(APPROVED / "figures.txt", text + "\n")
+
+
+def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(
+    validation: Validation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    met = replace(validation, requirements=validation.requirements[:1])
+    monkeypatch.setattr(Validation, "_draw_plots", lambda _: {})
+    for found, code in ((validation, 1), (met, 0)):
+        monkeypatch.setattr(lab, "validate", lambda *_, found=found, **__: found)
+        done = CliRunner().invoke(app, ["validate", "article", "--json", "--force", "--out", str(tmp_path / "v")])
+        assert done.exit_code == code, done.output
+        assert json.loads(done.stdout) == found.as_data()
+        assert json.loads((tmp_path / "v/validation.json").read_text()) == found.as_data()
+        first = (tmp_path / "v/validation.txt").read_text().splitlines()[0]
+        assert first == found.as_verdict().splitlines()[0]

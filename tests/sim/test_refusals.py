@@ -1,0 +1,159 @@
+"""Scenes, trials, boards and contacts that cannot be: what their errors say, whole and approved.
+
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/sim/test_refusals.py` writes them; then read them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError
+from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene
+from fingertip.sim.contact.coupled import CoupledContact, NormalContact, integrate
+from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode
+from fingertip.sim.signal.filter_board import AnalogStream, Comparator, ComparatorStream, simulate_board
+from tests.conftest import ROOT, design_file
+from tests.designs import ARTICLE, article_design
+from tests.slip.figures import assert_approved
+
+SCENES = ROOT / "params/scenes"
+BOARD = AnalogBoard.from_design(ARTICLE)
+COMPARATOR_BOARD = AnalogBoard.from_design(article_design(board={"variant": "comparator"}))
+PRECISION = AnalogBoard.from_design(article_design(board={"variant": "precision"}))
+FRICTION, MOUNT, NORMAL = Friction(0.6, 0.48), Mount(0.01, 6000.0, 2.0), NormalContact(90.0, 0.15)
+STILL = np.zeros(20)
+PINCH = ManipulationFile(grasp={"kind": "pinch"})
+
+
+def at_7(value: float, count: int = 20) -> np.ndarray:
+    return np.where(np.arange(count) == 7, value, 0.0)
+
+
+class Commands:
+    """Controller that always returns the same command, or the planned closing in millimetres."""
+
+    def __init__(self, command: list[float] | None = None) -> None:
+        self.command = command
+
+    def step(self, observation: Any) -> Any:
+        return observation.planned_m * 1000 if self.command is None else np.array(self.command)
+
+
+def load(scene: str, *changes: str, **options: Any) -> Any:
+    return load_simulation(SCENES / f"{scene}.toml", changes=[*changes], **options)
+
+
+FAMILIES: dict[str, list[Callable[[], object]]] = {
+    "scenes": [
+        *(lambda tables=tables: SceneFile(**tables) for tables in (
+            {"contact": {"surface": "woood"}}, {"tap": {"forc_n": 1.0}}, {"slid": {}}, {"slide": {"distance_m": 0.5}},
+            {"slide": {"speed_m_s": 0.0}}, {"hold": {"min_force_n": 3.0}}, {"outputs": ["volt_v"]}, {"outputs": []},
+            {"outputs": ["slip", "slip"]}, {"load_change": {"by_n": -0.5}}, {"hold": {"wait_s": float("nan")}},
+            {"tap": {"force_n": 1.0, "count": 2, "interval_s": 0.01, "rise_s": 0.01}},
+            {"tap": {"forc_n": 1.0}, "slide": {"distance_m": 0.5, "speed_m_s": 9.0}, "outputs": ["volts"]},
+            {"converter": {"bits": 10, "low_v": 5.0}}, {"converter": {"bits": 3}}, {"converter": {"bits": 25}},
+        )),
+        lambda: run_scene(ARTICLE, SceneFile(outputs=["sampled_filtered_v"])),
+        lambda: run_scene(ARTICLE, SceneFile(outputs=["slip_pin_v"])),
+        lambda: load("motor_vibration", "motor.frequency_hz=500.0", "detector.sample_rate_hz=1000.0").run(),
+        lambda: load("sliding_finger", "slide.acceleration_m_s2=0.05", speed_m_s=0.2),
+        lambda: load("load_change", "load_change.by_n=-4"),
+        lambda: load("sliding_finger", "converter.high_v=3.3"),
+        lambda: load("sliding_finger", "outputs=voltage_v"),
+        lambda: load("contact", "tap.rise_s=9", "skin.width_mm=1", speed_m_s=0.05, seed=-1),
+        lambda: load_simulation(design_file("fsr400"), design_file("fsr402"), changes=["tap.force_n=1"]),
+        *(lambda values=values: Trial(**values) for values in (
+            {"surface": "woood"}, {"speed_m_s": -0.04}, {"speed_m_s": math.nan}, {"force_n": -1.0},
+            {"force_n": math.inf}, {"seed": -1},
+        )),
+        lambda: run_scene(ARTICLE, ManipulationFile()),
+        lambda: run_scene("fsr400", SceneFile()),
+        lambda: run_scene(ARTICLE, SceneFile(), grid=16),
+    ],
+    "manipulations": [
+        *(lambda tables=tables: ManipulationFile(**tables) for tables in (
+            {"object": {"mass_kg": 0.0}}, {"object": {"surface": "ice"}}, {"grasp": {"min_margin": 2.0}},
+            {"knock": {"stroke_m": 0.002}}, {"hand": {"lag_s": 0.0}}, {"sensing": {"jitter_s": 1e-3}},
+            {"outputs": ["shear_m"]}, {"knok": {}},
+        )),
+        lambda: run_manipulation(ARTICLE, ManipulationFile(outputs=["slip_pin_v"])),
+        lambda: run_manipulation(ARTICLE, ManipulationFile(outputs=["sampled_filtered_v"])),
+        lambda: run_manipulation(ARTICLE, SceneFile()),
+        lambda: run_manipulation(ARTICLE, ManipulationFile(), "fast"),
+        *(lambda command=command: run_manipulation(Design(), PINCH, Commands(command))
+          for command in (None, [0.0], [0.0, math.nan])),
+    ],
+    "boards": [
+        *(lambda values=values: BOARD.with_components(**values) for values in (
+            {"C1": 0.0}, {"R6": -1.0}, {"C2": np.array([1e-6, math.nan])}, {"C14": 1e-6},
+            {"C4": np.array([1e-6, math.inf, 1e-6])}, {"R6": np.array([1e3, 0.0])}, {"R6": np.array([1e3, -1.0])},
+        )),
+        *(lambda values=values: PRECISION.with_components(**values) for values in ({"C14": 0.0}, {"C20": 0.0})),
+        *(lambda diode=diode: replace(BOARD, diode=diode) for diode in (
+            Diode(saturation_a=0.0), Diode(series_ohm=-1.0), Diode(saturation_a=np.array([math.nan, 1e-9])),
+        )),
+        lambda: replace(BOARD, rail_v=math.nan),
+        lambda: replace(AnalogBoard.from_design(ARTICLE, 1e6), rail_v=3.0),
+        *(lambda step_s=step_s: simulate_board(BOARD, step_s, STILL) for step_s in (0.0, -1.0, math.nan)),
+        *(lambda volts=volts: simulate_board(BOARD, 5e-4, volts) for volts in (
+            at_7(math.inf) + at_7(math.nan), at_7(math.nan, 60)[:30], at_7(1e300), at_7(1e15), at_7(-1.1e4),
+        )),
+        lambda: simulate_board(BOARD, 5e-4, STILL, after_v=at_7(1e15)),
+        lambda: AnalogStream(BOARD, 5e-4, 2).process(np.stack((STILL, at_7(1e15)))),
+        lambda: Comparator(0.0, 0.02, 0.01),
+        lambda: Comparator(0.015, 0.02, 0.02),
+        lambda: ComparatorStream(Comparator(0.015, 0.02, 0.015), COMPARATOR_BOARD, 5e-4).process(STILL, at_7(math.nan)),
+        lambda: ComparatorStream(Comparator(0.015, 0.02, 0.015), BOARD, 5e-4).process(STILL, STILL),
+    ],
+    "contacts": [
+        *(lambda values=values: Friction(**({"mu_s": 0.6, "mu_c": 0.48} | values)) for values in (
+            {"sigma0": -1.0}, {"sigma0": math.nan}, {"mu_c": 0.7}, {"stribeck_m_s": 0.0}, {"sigma1": 300.0},
+            {"elastic": 1.0},
+        )),
+        *(lambda mass_kg=mass_kg: Mount(mass_kg, 1.0, 0.0) for mass_kg in (0.0, math.nan, math.inf)),
+        lambda: NormalContact(0.0, 0.15),
+        lambda: CoupledContact(FRICTION, MOUNT, NORMAL, 5e-4, -1.0),
+        *(lambda c=c: integrate(FRICTION, MOUNT, NORMAL, 5e-4, *c) for c in (
+            (at_7(-math.inf), STILL, STILL), (STILL, at_7(-math.inf), STILL), (STILL, STILL, at_7(-math.inf)),
+        )),
+        lambda: drag(FRICTION, MOUNT, 5e-4, STILL, at_7(math.nan), STILL),
+        lambda: integrate(FRICTION, MOUNT, NORMAL, 0.0, STILL, STILL * math.nan, STILL[:3], -1.0),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("family", FAMILIES)
+def test_errors_are_the_approved_ones(family: str) -> None:
+    told = []
+    for number, attempt in enumerate(FAMILIES[family], start=1):
+        with pytest.raises(FingertipError) as caught:
+            attempt()
+        told.append(
+            "\n".join(
+                [
+                    f"{number}:",
+                    *(f"{issue.field}: {issue.message}".replace(f"{ROOT}/", "") for issue in caught.value.issues),
+                ]
+            )
+        )
+    assert_approved(Path(__file__).with_name("approved") / f"refusals_{family}.txt", "\n\n".join(told) + "\n")
+
+
+def test_bounds_that_errors_name_are_accepted() -> None:
+    assert load("motor_vibration", "motor.frequency_hz=499.0", "detector.sample_rate_hz=1000.0").run()
+    assert load("sliding_finger", "slide.acceleration_m_s2=0.05", speed_m_s=0.0447)
+    assert load("load_change", "load_change.by_n=0", "hold.release=true")
+    assert load("sliding_finger", "converter.high_v=3.3", "converter.bits=12")
+    assert load("sliding_finger", "outputs=[voltage_v, envelope_v]").scene.outputs == ["voltage_v", "envelope_v"]
+    assert np.isfinite(simulate_board(BOARD, 5e-4, at_7(1e4)).envelope_v).all()

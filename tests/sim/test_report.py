@@ -1,0 +1,135 @@
+"""Short simulations with every effect: compiled and plain loops give the same bits, and what is said is approved.
+
+Whether their numbers are right, the tests of each stage say: closed forms, independent solvers, orders of convergence.
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/sim/test_report.py` writes them; then read them.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.report import as_data, as_text, draw, encode_trace
+from fingertip.sim.runs.scene import SceneRecord
+from fingertip.slip.traces.truth import SlipCollector, intervals
+from tests.slip.figures import assert_approved, collect_figures, describe_figure
+
+BOARDS = {
+    "comparator": {"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3},
+    "article": {"variant": "article"},
+}
+EVERYTHING: dict[str, Any] = {
+    "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
+    "cable": {"step_v": 0.02, "hum_v": 0.005, "at_s": 0.2},
+    "drift": {"share_per_decade": 0.05, "volt_per_s": 0.001},
+    "sensing": {"jitter_s": 2e-5},
+    "converter": {"bits": 12},
+}
+SLIDE: dict[str, Any] = {"hold": {"wait_s": 0.05}, "slide": {"distance_m": 0.004}}
+EVENTS: dict[str, Any] = {
+    "hold": {"mode": "grasp", "min_s": 0.3, "close_s": 0.2, "wait_s": 0.05},
+    "tap": {"force_n": 1.0, "count": 2, "interval_s": 0.1, "at_s": 0.05},
+    "load_change": {"by_n": 0.5, "at_s": 0.2, "rise_s": 0.05},
+    "motor": {"force_n": 0.05, "at_s": 0.1, "duration_s": 0.1},
+}
+CONTACT = ["force_n", "slip", "velocity_m_s", "shear_m"]
+STICKY = {"patch_average": True, "stick_slip": True, "surface": "wood"}
+SCENES: dict[str, tuple[str, dict[str, Any]]] = {
+    "slide with everything": ("comparator", SLIDE | EVERYTHING | {"outputs": [*SceneFile.known_outputs()]}),
+    "slide with feedback": (
+        "article", SLIDE | {"contact": {"feedback": True, "bristles": "elasto_plastic"}, "outputs": CONTACT},
+    ),
+    "slide with stick-slip": ("article", SLIDE | {"contact": STICKY, "outputs": [*CONTACT, "envelope_v"]}),
+    "events": ("article", EVENTS | {"scene": "events"}),
+}  # fmt: skip
+QUICK = {"close_s": 0.1, "settle_s": 0.05, "let_go_s": 0.1, "after_s": 0.15}
+HANDS: dict[str, dict[str, Any]] = {
+    "pinch that is knocked": {"grasp": {"kind": "pinch", **QUICK}, "knock": {"at_s": 0.05}, **EVERYTHING},
+    "power grasp": {
+        "outputs": ["voltage_v", "force_n", "slip", "object_m"],
+        "grasp": QUICK,
+        "knock": {"speed_m_s": 0.0, "at_s": 0.05},
+        "object": {"mass_kg": 0.3},
+    },
+}
+
+
+def describe(result: Any, figures: list[Any], **grips: Any) -> str:
+    record = getattr(result, "record", result)
+    draw(result, "title")
+    table = encode_trace(result.time_s, result.columns, Path("t.csv")).decode().splitlines()
+    every = len(table) // 10
+    data = json.dumps(as_data(record, **grips))
+    return "\n\n".join(["\n".join(as_text(record, **grips)), data, "\n".join(describe_figure(figures[-1])),
+                        "\n".join(table[:1] + table[1::every])])  # fmt: skip
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", [*SCENES, *HANDS])
+def test_simulation_is_the_approved_one_compiled_or_not(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = collect_figures(monkeypatch)
+    monkeypatch.setattr("fingertip.sim.report.to_png", figures.append)
+    grips: dict[str, Any] = {}
+    if name in SCENES:
+        board, tables = SCENES[name]
+        run, scene = run_scene, SceneFile(**tables)
+    else:
+        board, run = "comparator", lambda design, hand, seed: run_manipulation(design, hand, None, seed)
+        scene = ManipulationFile(**({"outputs": [*ManipulationFile.known_outputs()]} | HANDS[name]))
+        grips = {"grips_s": (0.25, 0.5) if "pinch" in name else ()}
+    plain = run(Design(board=BOARDS[board]), scene, 4)
+    with compiled():
+        fast = run(Design(board=BOARDS[board]), scene, 4)
+    assert all(plain.columns[column].tobytes() == fast.columns[column].tobytes() for column in plain.columns)
+    text = describe(plain, figures, **grips)
+    assert_approved(Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt", text + "\n")
+
+
+STILL: dict[str, Any] = {"hold": {"wait_s": 0.1, "release": False}}
+KINDS_OF_SCENES: dict[str, dict[str, Any]] = {
+    "slide": STILL | {"slide": {"distance_m": 0.01}},
+    "motor_and_cable": STILL | {"motor": {"force_n": 0.05}, "cable": {"hum_v": 0.1}},
+    "feedback": STILL | {"slide": {"distance_m": 0.004}, "contact": {"feedback": True}},
+    "still": STILL,
+}
+
+
+@pytest.mark.parametrize("kind", [*KINDS_OF_SCENES, "hand"])
+def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_others(kind: str) -> None:
+    names = [name for name in SceneFile.known_outputs() if not name.startswith(("sampled", "slip_pin"))]
+    names = ["slip", "object_m", "force_n", "voltage_v"] if kind == "hand" else names
+
+    def run(outputs: list[str]) -> Any:
+        if kind == "hand":
+            scene = ManipulationFile(**HANDS["power grasp"] | {"outputs": outputs})
+            return run_manipulation(Design(), scene, None, 4)
+        return run_scene(Design(), SceneFile(**KINDS_OF_SCENES[kind], outputs=outputs), 3)
+
+    told = []
+    with compiled():
+        full = run(names)
+        for name in names:
+            alone = run([name])
+            assert np.array_equal(alone.columns[name], full.columns[name]), name
+            told.append(f"{name}: {', '.join(f'{stage.name} {stage.states}' for stage in alone.stages)}")
+    assert_approved(Path(__file__).with_name("approved") / f"stages_{kind}.txt", "\n".join(told) + "\n")
+
+
+def test_summary_merges_slips_as_detection_does() -> None:
+    time = np.arange(2000) / 2000
+    slip = ((time >= 0.1) & (time < 0.2)) | ((time >= 0.24) & (time < 0.3)) | ((time >= 0.5) & (time < 0.6))
+    collector = SlipCollector()
+    for part in np.split(np.arange(len(time)), [150, 450, 451]):
+        collector.add(time[part], slip[part])
+    scene = SceneFile(scene="events", outputs=["slip"])
+    result = SceneRecord(scene, 0, 1.0, len(time), collector.close(), (), 2000.0)
+    assert result.slips == intervals(time, slip)
+    assert as_text(result)[1:] == ["gross slip from 0.1000 s to 0.3000 s", "gross slip from 0.5000 s to 0.6000 s"]
+    assert len(as_data(result)["slips"]) == 3

@@ -1,0 +1,75 @@
+"""Reports of detections on known recordings: text, JSON, table and figures are the approved ones.
+
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/slip/test_report.py` writes them; then read them.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip import Design, Trace, detect
+from fingertip.slip import ChainSettings, SlipChain
+from fingertip.slip.report import as_data, as_text, draw_trace
+from fingertip.slip.traces.truth import Origin
+from tests.slip.figures import assert_approved, collect_figures, describe_figure
+
+T = np.arange(8000) / 2000
+NOISE_V = np.random.default_rng(3).normal(0.0, 4e-4, len(T))
+
+
+def during(*parts: tuple[float, float]) -> np.ndarray:
+    return np.logical_or.reduce([(start <= T) & (end > T) for start, end in parts])
+
+
+def record(bursts: np.ndarray, slip: np.ndarray | None = None, origin: Origin | None = None) -> Trace:
+    """Noise with a tone of 10 mV at 90 Hz during the bursts; the slip that is stated may be another one."""
+    volts = 2.3 + NOISE_V + 0.01 * np.sin(2 * np.pi * 90 * T) * bursts
+    return Trace(T, volts, 1.0 + 0 * T, slip, 0.1 * bursts, origin=origin or Origin())
+
+
+SLIP = during((1.5, 2.0))
+MANY = during((0.9, 1.0), (1.5, 2.0), (2.6, 2.9), (3.2, 3.4))
+"""Vibration without slip, a slip that is found, and one before which the detector is ON; a fourth is missed."""
+STATED = during((1.5, 2.0), (2.7, 2.9), (3.21, 3.4), (3.7, 3.75))
+FILTERED_V = 1.47 + SlipChain(ChainSettings.from_design(Design())).process(record(SLIP).voltage_v).filtered_v
+CASES = {
+    "digital, many": (record(MANY, STATED), "digital"),
+    "analog, many": (record(MANY, STATED), "analog"),
+    "fast, simulated with a motion": (record(SLIP, SLIP, Origin(True, 1.487)), "fast"),
+    "fft, simulated": (record(SLIP, SLIP, Origin(True)), "fft"),
+    "digital, truth unknown": (record(SLIP), "digital"),
+    "fast, nothing found": (record(during((9.0, 9.0)), SLIP), "fast"),
+    "fast, with a filtered signal": (replace(record(SLIP, SLIP), filtered_v=FILTERED_V), "fast"),
+    "digital, nothing at all": (record(during((9.0, 9.0))), "digital"),
+}
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", CASES)
+def test_report_of_a_detection_is_the_approved_one(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = collect_figures(monkeypatch)
+    trace, detector = CASES[name]
+    found = detect(trace, Design() if trace.filtered_v is not None else Design.load("article"), detector)
+    _ = found.plot("title"), draw_trace(trace)
+    data = json.dumps(as_data(found, found.noise), indent=1)
+    parts = (as_text(found), repr(found), found._repr_html_(), data)
+    text = "\n\n".join((*parts, *("\n".join(describe_figure(figure)) for figure in figures)))
+    assert_approved(
+        Path(__file__).with_name("approved") / f"{name.replace(', ', '_').replace(' ', '_')}.txt", text + "\n"
+    )
+
+
+def test_threshold_drawn_is_the_one_of_each_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = collect_figures(monkeypatch)
+    trace, detector = CASES["fast, simulated with a motion"]
+    found = detect(trace, Design.load("article"), detector)
+    found.plot()
+    assert found.threshold.lowest_v < found.threshold.highest_v
+    for axes in (figures[0].axes[1], figures[0].axes[3]):
+        (line,) = [line for line in axes.get_lines() if str(line.get_label()).startswith("threshold")]
+        assert np.array_equal(line.get_ydata(), 1000 * found.output.threshold_v)

@@ -70,51 +70,6 @@ def test_a_path_comes_before_a_name(folder: Path) -> None:
         assert find_file(given, DESIGN) == Path(given), "only a single word is a name"
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ("fsr4", "fsr4: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?"),
-        (
-            "wheel",
-            "wheel: is neither a file nor the name of a bundled design; known names: adult_finger, adult_thumb, "
-            "article, child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give "
-            "the path of a file.",
-        ),
-        ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
-        (
-            "hard_tap",
-            "hard_tap: is a scene file, not a design file; known names: adult_finger, adult_thumb, article, "
-            "child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb (`fingertip "
-            "simulate` takes a scene file as its first argument).",
-        ),
-    ],
-)
-def test_an_unknown_name_gives_one_sentence(given: str, message: str, folder: Path) -> None:
-    (folder / "mine.toml").touch()
-    with pytest.raises(FingertipError) as caught:
-        Design.load(given)
-    assert str(caught.value) == message
-
-
-def test_unknown_names_are_refused_by_the_commands_that_take_other_kinds(folder: Path) -> None:
-    done = run_fingertip("simulate", "hard_tp", "--design", "fsr40")
-    assert done.returncode == 2
-    assert done.stderr.splitlines() == [
-        "error: hard_tp: is neither a file nor the name of a bundled design, scene or manipulation; "
-        "did you mean hard_tap?",
-        "error: fsr40: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?",
-    ]
-    done = run_fingertip("simulate", "map")
-    assert done.stderr.startswith(
-        "error: map: is a sweep file, not a design file, a scene file or a manipulation file;"
-    )
-    done = run_fingertip("sweep", "bord")
-    assert done.stderr == "error: bord: is neither a file nor the name of a bundled sweep; did you mean board?\n"
-    assert "fsr4: is neither a file" in run_fingertip("validate", "fsr4", "--detector", "none").stderr
-    assert "'none' is not" in run_fingertip("validate", "fsr402", "--detector", "none").stderr
-    assert not list(folder.iterdir())
-
-
 def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> None:
     text = 'design = "{}"\nscene = "{}"\noutputs = ["delay_ms"]\n[axes]\nskin.width_mm = [24.4]\n'
     beside = folder / "sweeps"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,19 +12,17 @@ import fingertip
 from fingertip import lab as campaign
 from fingertip.cad.report import FORMATS
 from fingertip.design import Design
-from fingertip.foundation import extras, jit
+from fingertip.foundation import extras
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.plot_style import new_figure
 from fingertip.tasks.build import build, default_formats
 from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
-PLOTS = 'needs the package matplotlib, which is not installed; pip install "fingertip[plots]", or leave --plot out.'
 STEP = (
     "--formats: step needs the package cadquery, which is not installed; "
     'pip install "fingertip[step]", or leave step out with --formats stl,3mf.'
 )
-BENCH = "needs the packages scipy, numba and matplotlib, which are not installed"
 GRID = """
 name = "boards"
 outputs = ["cutoff_3db_hz"]
@@ -44,16 +41,6 @@ board.cutoff_hz = { low = 60, high = 75 }
 
 
 @pytest.fixture
-def core(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The packages of all extras cannot be found."""
-    for module in extras.EXTRAS:
-        monkeypatch.setitem(sys.modules, module, None)
-    jit.available.cache_clear()
-    yield
-    jit.available.cache_clear()
-
-
-@pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with a trace and sweep files."""
     (tmp_path / "grid.toml").write_text(GRID, encoding="utf-8")
@@ -61,36 +48,6 @@ def folder(tmp_path: Path) -> Path:
         (tmp_path / f"{name}.toml").write_text(SAMPLED.replace("SAMPLER", name), encoding="utf-8")
     (tmp_path / "trace.tdms").write_bytes(b"TDSm")
     return tmp_path
-
-
-REFUSED = [
-    (f"build {DESIGN} --formats step", STEP),
-    (f"build {DESIGN} --formats stl,step", STEP),
-    ("detect trace.csv --plot plot.png", f"--plot: {PLOTS}"),  # the trace, which does not exist, is not even read
-    ("simulate --plot plot.png", f"--plot: {PLOTS}"),
-    (f"drawing {DESIGN} --out out", "fingertip drawing: needs the packages cadquery and reportlab, which are not "
-     'installed; pip install "fingertip[step,drawing]", or draw a picture with fingertip picture.'),
-    ("bench", f'fingertip bench: {BENCH}; pip install "fingertip[sweep,fast,plots]".'),
-    ("sweep sobol.toml", "sampling: sobol needs the package scipy, which is not installed; "
-     'pip install "fingertip[sweep]", or sample a grid.'),
-    ("sweep latin_hypercube.toml", "sampling: latin_hypercube needs the package scipy, which is not installed; "
-     'pip install "fingertip[sweep]", or sample a grid.'),
-    ("sweep grid.toml --parquet rows.parquet", "--parquet: needs the package pyarrow, which is not installed; "
-     'pip install "fingertip[parquet]", or write CSV with --csv.'),
-    ("sweep grid.toml --cluster tcp://127.0.0.1:8786", "--cluster: needs the package distributed, which is not "
-     'installed; pip install "fingertip[cluster]", or leave --cluster out.'),
-    ("detect trace.tdms", "trace.tdms: needs the package npTDMS, which is not installed; "
-     'pip install "fingertip[tdms]", or save the recording as CSV.'),
-]  # fmt: skip
-
-
-@pytest.mark.usefixtures("core")
-@pytest.mark.parametrize(("command", "sentence"), REFUSED, ids=[command.partition("/")[0] for command, _ in REFUSED])
-def test_missing_package_is_refused_before_any_work(folder: Path, command: str, sentence: str) -> None:
-    before = set(folder.rglob("*"))
-    done = run_fingertip(*command.split(), PWD=str(folder))
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"error: {sentence}\n")
-    assert set(folder.rglob("*")) == before
 
 
 @pytest.mark.full
@@ -110,22 +67,6 @@ def test_build_makes_stl_and_3mf_and_says_what_step_needs(folder: Path) -> None:
         build(Design(), folder / "step", formats=FORMATS)
     assert str(caught.value) == STEP
     assert not (folder / "step").exists()
-
-
-@pytest.mark.full
-@pytest.mark.usefixtures("core")
-def test_report_of_a_sweep_leaves_its_plots_out(folder: Path) -> None:
-    done = run_fingertip("sweep", "grid.toml", "--out", "out", "--jobs", 1, PWD=str(folder))
-    assert done.returncode == 0, done.stderr
-    done = run_fingertip("sweep", "--show", "--out", "out", PWD=str(folder))
-    assert done.returncode == 0, done.stderr
-    assert (folder / "out/summary.json").is_file()
-    assert not list((folder / "out").glob("*.png"))
-    said = [line for line in done.stderr.splitlines() if "pip" in line]
-    assert said == [
-        "left out heatmap_cutoff_3db_hz.png, scatter_matrix.png: plots need the package matplotlib, "
-        'which is not installed; pip install "fingertip[plots]"'
-    ]
 
 
 def test_report_of_a_sweep_with_matplotlib_holds_the_plots_that_the_sentence_names(folder: Path) -> None:

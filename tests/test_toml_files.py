@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import (
     DESIGN,
     KINDS,
@@ -23,7 +24,6 @@ from fingertip.cli.design import KINDS as SCHEMA_KINDS
 from fingertip.cli.design import format_schema
 from fingertip.design import Design
 from fingertip.foundation.errors import TomlFileError
-from fingertip.foundation.toml_files import read_toml
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sweep.sweep_file import SweepFile
 from tests.conftest import ROOT, run_fingertip
@@ -59,15 +59,6 @@ def test_kind_follows_from_the_names_at_the_top_level(tmp_path: Path, text: str,
     assert identify_kind(tmp_path / "a.toml") == kind
 
 
-def test_names_of_two_kinds_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text("[slide]\n[skin]")
-    with pytest.raises(TomlFileError, match="holds slide of a scene and skin of a design; write them in two files"):
-        identify_kind(tmp_path / "a.toml")
-    (tmp_path / "a.toml").write_text("[slide]\n[knock]")
-    with pytest.raises(TomlFileError, match=r"holds knock of a manipulation and slide of a scene; .* one for each"):
-        identify_kind(tmp_path / "a.toml")
-
-
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     for content, message in ((b"[mold\n", r"is not valid TOML \(Expected"), (b"\xff\xfe\x00", "is not UTF-8 text")):
@@ -83,20 +74,12 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert read_file(path, SWEEP) == {"outputs": []}
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("[skin]\nwidth_mm = 17\n\nwidth_mm = 18\n", r"line 4, `width_mm = 18`, sets skin\.width_mm a second time"),
-        ("[skin]\nwidth_mm = 18 mm\n", "line 2, `width_mm = 18 mm`, is not valid TOML; write the number without"),
-        ("[skin]\nwidth_mm = 18\n[skin]\n", r"line 3, `\[skin\]`, begins a table that the file already has; move"),
-        ('name = "a\n', r"line 1, `name = \"a`, is not valid TOML \(a text has no closing quote\); write"),
-        ("a = [1,", r"line 1, `a = \[1,`, is not valid TOML"),
-    ],
-)
-def test_syntax_errors_name_the_line_and_a_remedy(tmp_path: Path, text: str, message: str) -> None:
-    (tmp_path / "a.toml").write_text(text)
-    with pytest.raises(TomlFileError, match=message):
-        read_toml(tmp_path / "a.toml")
+def test_files_as_windows_saves_them(tmp_path: Path) -> None:
+    """With a byte order mark, and a carriage return at the end of each line."""
+    for kind, name in ((DESIGN, "fsr402"), (SCENE, "hard_tap"), (MANIPULATION, "real_manipulation"), (SWEEP, "board")):
+        path, bundled = tmp_path / f"{name}.toml", find_file(name, kind)
+        path.write_bytes(b"\xef\xbb\xbf" + bundled.read_bytes().replace(b"\n", b"\r\n"))
+        assert read_file(path, kind) == read_file(bundled, kind)
 
 
 def test_changes_go_to_the_file_that_knows_their_name() -> None:

@@ -146,9 +146,3 @@ def test_zsh_completes(scripts: Path, keys: str, expected: str) -> None:
         [zsh, "-f", "-c", program], capture_output=True, text=True, check=False, timeout=30, cwd=scripts / "work"
     )
     assert "FOUND" in done.stdout
-
-
-def test_another_shell_is_refused() -> None:
-    done = run_fingertip("completion", "tcsh")
-    assert done.returncode == 2
-    assert "SHELL: 'tcsh' has no completion" in done.stderr

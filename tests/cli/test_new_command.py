@@ -80,69 +80,6 @@ def test_the_top_of_the_file_is_short() -> None:
     assert max(i for i, line in enumerate(lines) if line and not line.startswith("#")) < 20
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("a b",), "NAME: 'a b' cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("../up",), "NAME: '../up' cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("",), "NAME: '' cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("x" * 41,), "cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("fsr402",), "NAME: fsr402 is the name of a bundled design; choose another, such as my_fsr402."),
-        (("mine", "--sensor", "fsr404"), "--sensor: 'fsr404' is not known; did you mean fsr400?"),
-        (("mine", "--sensor", "piezo"), "--sensor: 'piezo' is not known; known names: fsr400, fsr400_short, "),
-        (("mine", "--preset", "child"), "--preset: 'child' is not known; did you mean child_"),
-        (("mine", "--hand", "flexible"), "flexible: is neither a file nor the name of a bundled hand; "),
-    ],
-)
-def test_what_cannot_be_written_is_refused_with_a_remedy(words: tuple[str, ...], message: str, folder: Path) -> None:
-    done = run_fingertip("new", *words)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert not list(folder.iterdir())
-
-
-def test_all_issues_are_reported_at_once(folder: Path) -> None:
-    done = run_fingertip("new", "a/b", "--sensor", "fsr404", "--out", "x.txt")
-    assert [line.split(":")[1] for line in done.stderr.splitlines()] == [" --out", " NAME", " --sensor"]
-
-
-@pytest.mark.parametrize("kind", ["file", "folder", "broken link"])
-def test_nothing_is_overwritten(kind: str, folder: Path) -> None:
-    path = folder / "mine.toml"
-    if kind == "file":
-        path.write_text("[skin]\n")
-    elif kind == "folder":
-        path.mkdir()
-    else:
-        path.symlink_to("nowhere")
-    before = identity(path)
-    done = run_fingertip("new", "mine")
-    assert done.returncode == 2
-    assert re.search(r"is a folder|exists and is not overwritten; .* give another name\.", done.stderr)
-    assert identity(path) == before
-
-
-def identity(path: Path) -> tuple[int, ...]:
-    """What changes if a file is replaced or written; not the time of its last access."""
-    status = path.lstat()
-    return status.st_ino, status.st_mode, status.st_size, status.st_mtime_ns
-
-
-def test_out_json_and_quoting(folder: Path) -> None:
-    done = run_fingertip("new", "mine", "--out", "my designs/first try.toml", "--json")
-    data = json.loads(done.stdout)
-    assert data == {
-        "design": "my designs/first try.toml",
-        "name": "mine",
-        "sensor": "fsr400",
-        "base": "fsr400",
-        "fitted": {},
-        "reasons": {},
-        "next": "fingertip make 'my designs/first try.toml'",
-    }
-    assert Design.load(data["design"]).name == "mine"
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("sensor", some_of(SENSORS, "fsr400"))
 def test_the_next_command_runs(sensor: str, folder: Path) -> None:

@@ -205,11 +205,6 @@ def test_closed_port_is_refused_at_once_and_nothing_is_written(tmp_path: Path) -
     )
 
 
-@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1", "tcp://:8786", "tcp://host:port"])
-def test_malformed_address_is_refused(tmp_path: Path, address: str) -> None:
-    assert f"--cluster: {address!r} is not an address; write it as tcp://HOST:8786" in run_refused(tmp_path, address)
-
-
 def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:

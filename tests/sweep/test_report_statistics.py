@@ -17,7 +17,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
 from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
-from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading, draw_scatter_matrix
+from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading
 from fingertip.sweep.report.statistics import (
     Bins,
     Column,
@@ -351,13 +351,6 @@ def test_no_line_of_the_heading_is_cut_off(width_in: float) -> None:
     text = figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=9)
     assert text.get_window_extent().x1 <= figure.bbox.width
     assert max(map(len, lines)) <= width_in / _CHARACTER_IN
-
-
-def test_a_small_matrix_is_drawn() -> None:
-    require_module("matplotlib")
-    rows = np.arange(40.0)
-    data = draw_scatter_matrix({"x": rows, "y": np.sqrt(rows)}, rows > 7, ["left"])
-    assert data.startswith(b"\x89PNG")
 
 
 def test_continuous_values_have_bins_of_equal_width() -> None:

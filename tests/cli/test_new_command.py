@@ -9,12 +9,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
-import typer
 
-from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.design.new_design import PRESETS, list_hands, write_new_design
+from fingertip.design.new_design import write_new_design
 from tests.conftest import run_fingertip, some_of
 
 SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
@@ -42,13 +40,6 @@ def test_the_file_is_the_bundled_design_of_its_sensor(sensor: str, folder: Path)
     assert run_fingertip("params", "mine.toml").returncode == 0
 
 
-def test_the_choice_of_sensors_is_that_of_the_parameter() -> None:
-    (model,) = (p for p in list_parameters() if p.path == "sensor.model")
-    assert model.bounds == " | ".join(SENSORS)
-    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "sensor")  # type: ignore[attr-defined]
-    assert f"{', '.join(SENSORS[:-1])} or {SENSORS[-1]} " in option.help
-
-
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -> None:
     text = write_new_design("mine", sensor).text
@@ -61,15 +52,6 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
         assert parameter.description in line
         if parameter.unit:
             assert f"[{parameter.unit}, {parameter.bounds}]" in line
-
-
-def test_figures_of_ones_own_silicone_stand_at_the_top() -> None:
-    own = write_new_design("mine", "fsr400", changes=["silicone.product=own", "silicone.parts_b=5"])
-    lines = own.text.splitlines()
-    assert any(line.startswith("silicone.parts_b = 5.0 ") for line in lines)
-    assert any(line.startswith("silicone.density_g_cm3 = 1.08 ") for line in lines), "none is left as a comment"
-    catalogue = write_new_design("mine", "fsr400").text.splitlines()
-    assert any(line.startswith("#silicone.density_g_cm3 = 1.08 ") for line in catalogue)
 
 
 def test_the_top_of_the_file_is_short() -> None:
@@ -105,10 +87,3 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     lines = Path("mine.toml").read_text().splitlines()
     top = lines[: lines.index("")] + lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)
-
-
-def test_the_choices_of_presets_and_hands_are_those_of_the_help() -> None:
-    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "preset")  # type: ignore[attr-defined]
-    assert f"{', '.join(PRESETS[:-1])} or {PRESETS[-1]}" in option.help
-    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "hand")  # type: ignore[attr-defined]
-    assert all(name in option.help for name in list_hands())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import copy
 import io
-import json
 import os
 import re
 import signal
@@ -75,14 +74,6 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     assert "1 of" in strip_elements(weak["verdict"])
 
 
-@pytest.mark.full
-def test_all_checks_are_those_of_check(server: StudioServer, tables: dict[str, Any], tmp_path: Path) -> None:
-    answer = post(server, "all-checks", tables).content
-    report = build(Design.from_tables(tables), tmp_path / "out", formats=["stl", "3mf"]).report()
-    assert answer["count"] == len(report["checks"])
-    assert answer["passed"]
-
-
 def list_bad_values(count: int) -> dict[str, float]:
     """Values out of bounds for as many numbers of a design."""
     bad = {}
@@ -133,9 +124,13 @@ def test_a_wrong_value_is_refused_at_its_field(
 
 
 @pytest.mark.full
-def test_downloads_are_the_files_of_a_build(server: StudioServer, tables: dict[str, Any], tmp_path: Path) -> None:
+def test_downloads_and_checks_are_those_of_a_build(
+    server: StudioServer, tables: dict[str, Any], tmp_path: Path
+) -> None:
     changed = change(tables, name="mine", skin__width_mm=18, printer__scale_percent=100.5)
-    build(Design.from_tables(changed), tmp_path, formats=["stl", "3mf"])
+    report = build(Design.from_tables(changed), tmp_path, formats=["stl", "3mf"]).report()
+    answer = post(server, "all-checks", changed).content
+    assert (answer["count"], answer["passed"]) == (len(report["checks"]), True)
     replies = {name: post(server, f"download/{name}", changed) for name in DOWNLOADS}
     names = {
         name: reply.headers["Content-Disposition"].partition('filename="')[2][:-1] for name, reply in replies.items()
@@ -162,28 +157,6 @@ def test_several_plates_come_in_one_zip_file(server: StudioServer, tables: dict[
         assert archive.namelist()[:2] == ["plate_fdm_1.3mf", "plate_fdm_2.3mf"]
 
 
-@pytest.mark.parametrize(
-    "headers",
-    [
-        {"Host": "evil.example"},
-        {"Host": "127.0.0.1"},
-        {"Host": "127.0.0.1:1"},
-        {"Host": None},
-        {"Origin": "http://evil.example"},
-        {"Origin": "null"},
-        {"X_Fingertip_Token": None},
-        {"X_Fingertip_Token": "wrong"},
-        {"X_Fingertip_Token": "\xe9"},
-    ],
-)
-def test_no_other_page_is_let_in(server: StudioServer, tables: dict[str, Any], headers: dict[str, str | None]) -> None:
-    body = json.dumps({"client": "test", "tables": tables}).encode()
-    reply = ask(server, "POST", "/api/parts", body, **headers)
-    assert reply.status == 403
-    assert set(reply.content) == {"error"}
-    assert "Access-Control-Allow-Origin" not in reply.headers
-
-
 def test_page_needs_the_token_and_the_host(server: StudioServer) -> None:
     path = server.url.partition(str(server.server_port))[2]
     page = ask(server, "GET", path)
@@ -201,28 +174,6 @@ def test_page_needs_the_token_and_the_host(server: StudioServer) -> None:
     assert ask(server, "GET", path, Host="evil.example").status == 403
     assert ask(server, "GET", "/etc/passwd").status == 404
     assert ask(server, "OPTIONS", "/api/parts").status == 405  # no other page may ask whether it may ask
-
-
-@pytest.mark.parametrize(
-    ("path", "body", "headers", "status", "said"),
-    [
-        ("/api/parts", b"{", {}, 400, "not valid JSON"),
-        ("/api/parts", b"[]", {}, 400, "no JSON object"),
-        ("/api/parts", b"{}", {}, 400, "not both tables and a client"),
-        ("/api/parts", b'{"client": 3, "tables": {}}', {}, 400, "not both tables and a client"),
-        ("/api/nothing", b'{"client": "a", "tables": {}}', {}, 404, "nothing at this address"),
-        ("/api/download/step", b'{"client": "a", "tables": {}}', {}, 404, "nothing at this address"),
-        ("/parts", b'{"client": "a", "tables": {}}', {}, 404, "nothing at this address"),
-        ("/api/parts", b"{}", {"Content_Type": "text/plain"}, 415, "application/json"),
-        ("/api/parts", b"", {"Content-Length": "1000001"}, 413, "1000000 bytes"),
-    ],
-)
-def test_what_is_no_request_of_the_page_gets_one_sentence(
-    server: StudioServer, path: str, body: bytes, headers: dict[str, str], status: int, said: str
-) -> None:
-    reply = ask(server, "POST", path, body, **headers)
-    assert reply.status == status
-    assert said in reply.content["error"]
 
 
 def test_a_request_that_never_ends_is_let_go(
@@ -245,7 +196,11 @@ def test_an_older_request_of_the_same_page_is_dropped(server: StudioServer, tabl
     assert 1 <= sum("checks" in answer for answer in answers) < len(changes)
 
 
-def test_port_in_use_is_one_sentence(server: StudioServer) -> None:
+def test_a_port_that_cannot_be_used_is_one_sentence(server: StudioServer) -> None:
+    for port in (-1, 65536):
+        done = run_fingertip("studio", "--port", port, "--no-browser")
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+        assert f"{port} is no port" in done.stderr
     done = run_fingertip("studio", "fsr400", "--port", server.server_port, "--no-browser")
     assert done.returncode == 2
     assert done.stderr == (
@@ -257,13 +212,6 @@ def test_port_in_use_is_one_sentence(server: StudioServer) -> None:
         other.listen()
         with pytest.raises(StudioError, match="is in use"):
             StudioServer(server.design, other.getsockname()[1])
-
-
-@pytest.mark.parametrize("port", [-1, 65536])
-def test_a_number_that_is_no_port_is_one_sentence(port: int) -> None:
-    done = run_fingertip("studio", "--port", port, "--no-browser")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert f"{port} is no port" in done.stderr
 
 
 @pytest.mark.parametrize("arguments", [["--no-browser"], []])

@@ -84,7 +84,8 @@ def database(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SweepDatabase
 
 
 def figures(*values: float) -> str:
-    return " ".join(f"{value:.5g}" for value in values)
+    """Figures of numbers, without what the last digits of a processor leave of zero."""
+    return " ".join(f"{round(value, 9) + 0.0:.5g}" for value in values)
 
 
 def describe_artist(artist: Any) -> str:
@@ -98,7 +99,8 @@ def describe_artist(artist: Any) -> str:
         x, y = drawn[:, np.isfinite(drawn).all(axis=0)]
         look = [artist.get_color(), artist.get_marker(), artist.get_linestyle(), artist.get_drawstyle()]
         sums = figures(artist.get_markersize(), *x[:2], *y[:2], x.sum(), y.sum(), x @ y)
-        return f"line of {len(x)}, {artist.get_label()!r} {look}: {sums}"
+        label = artist.get_label().partition("_child")[0]  # those that matplotlib gives are no text
+        return f"line of {len(x)}, {label!r} {look}: {sums}"
     if kind in ("QuadMesh", "AxesImage"):
         cells = np.ma.filled(artist.get_array().astype(float), -1.0)
         return f"cells, {artist.get_clim()}: {[figures(*row) for row in cells.reshape(-1, cells.shape[-1])]}"
@@ -120,7 +122,8 @@ def describe_figure(figure: Any) -> str:
     for axes in figure.axes:
         labels = [axes.get_title(), axes.get_title("left"), axes.get_xlabel(), axes.get_ylabel()]
         scales = f"{axes.get_xscale()} {figures(*axes.get_xlim())}, {axes.get_yscale()} {figures(*axes.get_ylim())}"
-        texts = [*map(describe_artist, axes.get_children()), *map(describe_bars, axes.containers)]
+        drawn = axes.get_children() if axes.get_label() != "<colorbar>" else []
+        texts = [*map(describe_artist, drawn), *map(describe_bars, axes.containers)]
         lines += [f"axes {labels}: {scales}", *(f"  {text}" for text in texts if text)]
     return "\n".join(lines)
 

@@ -103,44 +103,6 @@ def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
     assert plan.scene == SceneFile.load("sliding_finger")
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("params", "fsr402"),
-        ("board", "fsr400", "--out", "pcb"),
-        ("simulate", "fsr400"),
-        ("simulate", "sliding_surface", "--design", "fsr402"),
-        ("simulate", "real_manipulation", "--parameters"),
-        ("sweep", "map", *SMALL_MAP),
-        ("check", "fsr400", "fsr402"),
-        ("sheet", "fsr402"),
-        ("picture", "fsr400"),
-        ("build", "fsr400", "--parts", "skin", "--formats", "stl"),
-    ],
-    ids=lambda words: words[0],
-)
-def test_commands_take_names_and_write_no_path_of_this_machine(words: tuple[str, ...], folder: Path) -> None:
-    done = run_fingertip(*words)
-    assert done.returncode == 0, done.stderr
-    written = [path.read_bytes() for path in folder.rglob("*") if path.is_file()]
-    assert written or words[0] in ("params", "check") or "--parameters" in words
-    for text in (done.stdout.encode(), done.stderr.encode(), *written):
-        assert str(ROOT).encode() not in text
-        assert str(folder).encode() not in text
-
-
-@pytest.mark.full
-def test_detect_takes_a_name(folder: Path) -> None:
-    assert run_fingertip("simulate", "fsr400", "--out", "trace.csv").returncode == 0
-    by_name, by_path = (
-        run_fingertip("detect", "trace.csv", "--design", design, "--json")
-        for design in ("fsr402", PARAMS / "fsr402.toml")
-    )
-    assert by_name.returncode == 0, by_name.stderr
-    assert by_name.stdout == by_path.stdout
-
-
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built as `pip install .` does."""

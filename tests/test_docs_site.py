@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -16,7 +15,7 @@ from fingertip.cli import app
 from fingertip.design.parameters import PARAMETERS
 from tests.conftest import ROOT
 from tests.tools import require_module
-from tools.docs_site import notebook, reference
+from tools.docs_site import reference
 
 CONFIGURATION = ROOT / "tools" / "docs_site" / "mkdocs.yml"
 PAGES = {path.name for path in (ROOT / "docs").glob("*.md")}
@@ -33,19 +32,6 @@ def test_every_page_parameter_and_command_is_in_the_site() -> None:
     assert set(commands) <= set(re.findall(r"^## (.*)$", page, re.MULTILINE))
     assert "## calibrate sensor\n" in page
     assert "Usage: fingertip calibrate sensor READINGS" in page
-
-
-def test_script_becomes_a_notebook() -> None:
-    script = '"""Heading."""\n\n# %% [markdown]\n# ## Title\n#\n# Text.\n\n# %%\na = 1\n\nprint(a)\n\n# %%\na\n'
-    assert notebook.read_cells(script) == [
-        ("markdown", "## Title\n\nText."),
-        ("code", "a = 1\n\nprint(a)"),
-        ("code", "a"),
-    ]
-    book = json.loads(notebook.to_ipynb())
-    assert book["nbformat"] == 4
-    assert all(not cell["outputs"] for cell in book["cells"] if cell["cell_type"] == "code")
-    assert len({cell["id"] for cell in book["cells"]}) == len(book["cells"]) > 10
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.plot_style import new_figure
+from fingertip.sweep.plan import SweepPlan
 from fingertip.tasks.build import build, default_formats
 from tests.conftest import design_file, run_fingertip, run_python
 
@@ -23,69 +24,29 @@ STEP = (
     "--formats: step needs the package cadquery, which is not installed; "
     'pip install "fingertip[step]", or leave step out with --formats stl,3mf.'
 )
-GRID = """
-name = "boards"
-outputs = ["cutoff_3db_hz"]
-[axes]
-board.cutoff_hz = [60, 67, 75]
-board.capacitor_uf = [0.22, 0.47]
-"""
-SAMPLED = """
-name = "boards"
-outputs = ["cutoff_3db_hz"]
-sampling = "SAMPLER"
-points = 8
-[axes]
-board.cutoff_hz = { low = 60, high = 75 }
-"""
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A folder with a trace and sweep files."""
-    (tmp_path / "grid.toml").write_text(GRID, encoding="utf-8")
-    for name in ("sobol", "latin_hypercube"):
-        (tmp_path / f"{name}.toml").write_text(SAMPLED.replace("SAMPLER", name), encoding="utf-8")
-    (tmp_path / "trace.tdms").write_bytes(b"TDSm")
-    return tmp_path
 
 
 @pytest.mark.full
 @pytest.mark.usefixtures("core")
-def test_build_makes_stl_and_3mf_and_says_what_step_needs(folder: Path) -> None:
-    done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", folder / "out")
+def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> None:
+    done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", tmp_path / "out")
     assert done.returncode == 0
-    assert {path.suffix for path in (folder / "out").glob("bone.*")} == {".stl", ".3mf"}
+    assert {path.suffix for path in (tmp_path / "out").glob("bone.*")} == {".stl", ".3mf"}
     said = [line for line in done.stderr.splitlines() if "pip" in line]
     sentence = 'building STL and 3MF; pip install "fingertip[step]" adds STEP files and checks against exact solids'
     assert said == [sentence]
     messages: list[str] = []
-    found = build(Design(), folder / "python", parts=["bone"], progress=messages.append)
+    found = build(Design(), tmp_path / "python", parts=["bone"], progress=messages.append)
     assert dict(found.parts[0].files) == {"stl": "bone.stl", "3mf": "bone.3mf"}
     assert messages.count(sentence) == 1
     with pytest.raises(MissingLibraryError) as caught:
-        build(Design(), folder / "step", formats=FORMATS)
+        build(Design(), tmp_path / "step", formats=FORMATS)
     assert str(caught.value) == STEP
-    assert not (folder / "step").exists()
-
-
-def test_report_of_a_sweep_with_matplotlib_holds_the_plots_that_the_sentence_names(folder: Path) -> None:
-    assert run_fingertip("sweep", "grid.toml", "--out", "out", "--jobs", 1, PWD=str(folder)).returncode == 0
-    assert run_fingertip("sweep", "--show", "--out", "out", PWD=str(folder)).returncode == 0
-    assert {path.name for path in (folder / "out").glob("*.png")} == {"heatmap_cutoff_3db_hz.png", "scatter_matrix.png"}
+    assert not (tmp_path / "step").exists()
 
 
 @pytest.mark.usefixtures("core")
-def test_samples_of_a_sweep_made_elsewhere_cannot_be_repeated(folder: Path) -> None:
-    from fingertip.sweep.plan import SweepPlan
-
-    plan = SweepPlan.from_toml(SAMPLED.replace("SAMPLER", "sobol"))  # as a worker reads it, which needs no samples
-    with pytest.raises(MissingLibraryError, match=r"sampling: sobol needs the package scipy"):
-        plan.point(0)
-
-
-@pytest.mark.usefixtures("core")
-def test_validation_leaves_its_plots_out(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_validation_leaves_its_plots_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
     def files(with_plots: bool) -> dict[str, bytes]:
@@ -94,7 +55,7 @@ def test_validation_leaves_its_plots_out(folder: Path, monkeypatch: pytest.Monke
 
     result = SimpleNamespace(files=files, as_data=dict, as_text=lambda: "", as_verdict=lambda: "", passed=True)
     monkeypatch.setattr(campaign, "validate", lambda *_, **__: result)
-    done = run_fingertip("validate", DESIGN, "--out", folder / "out")
+    done = run_fingertip("validate", DESIGN, "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert asked == [False]
     numba, plots = (line for line in done.stderr.splitlines() if "pip" in line)
@@ -115,6 +76,14 @@ def test_functions_for_python_name_the_extra() -> None:
         fingertip.part_trimesh(Design(), "bone")
     with pytest.raises(MissingLibraryError, match=r'^plot: needs the package matplotlib.*"fingertip\[plots\]"\.$'):
         new_figure(1, 1)
+
+
+@pytest.mark.usefixtures("core")
+def test_samples_of_a_sweep_made_elsewhere_cannot_be_repeated() -> None:
+    text = 'outputs = ["q"]\nsampling = "sobol"\npoints = 8\naxes = {board.cutoff_hz = {low = 60, high = 75}}\n'
+    plan = SweepPlan.from_toml(text)  # as a worker reads it, which needs no samples
+    with pytest.raises(MissingLibraryError, match=r"sampling: sobol needs the package scipy"):
+        plan.point(0)
 
 
 def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

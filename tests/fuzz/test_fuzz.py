@@ -21,7 +21,7 @@ from PIL import Image
 
 from tools.fuzz import in_process, pieces
 from tools.fuzz.cases import Case
-from tools.fuzz.outcome import Outcome, find_faults, judge
+from tools.fuzz.outcome import Outcome, find_faults
 from tools.fuzz.pieces import Line, Pieces
 from tools.fuzz.promises import PROMISES, check_folder
 
@@ -47,34 +47,6 @@ CASE = Case("test", ("params", "--json"), promise="design", is_accepted=True)
 )
 def test_each_fault_is_seen(tmp_path: Path, outcome: Outcome, fault: str) -> None:
     assert any(found.startswith(fault) for found in find_faults(CASE, outcome, tmp_path))
-
-
-def _made(code: int, *paths: str) -> Callable[[Case, Path], Outcome]:
-    """Run of a command that writes files and ends with an exit code."""
-
-    def run(case: Case, folder: Path) -> Outcome:
-        for path in paths:
-            (folder / path).write_text("nan")
-        return Outcome(code, "", "error" * (code == 2), 0, 0.1)
-
-    return run
-
-
-@pytest.mark.parametrize(
-    ("run", "fault"),
-    [
-        (_made(0, "a.md"), "promise: has_only_numbers: a.md"),
-        (_made(0, "a.xyz"), "promise: is_expected: a.xyz"),
-        (_made(2, "a.md"), "litter: refused"),
-        (_made(0, ".a"), "litter: ['.a"),
-        (_made(0, "../tmp/a"), "litter: ['a: nan"),
-    ],
-)
-def test_what_a_command_leaves_is_judged(tmp_path: Path, run: Callable[[Case, Path], Outcome], fault: str) -> None:
-    outcome, found = judge(Case("test", ("sheet",), promise="files"), tmp_path, run)
-    assert outcome.seconds == 0.1
-    assert [text for text in found if text.startswith(fault)], found
-    assert not any(tmp_path.iterdir())
 
 
 def _saved(save: Callable[[io.BytesIO], object]) -> bytes:

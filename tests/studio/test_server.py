@@ -28,7 +28,7 @@ from fingertip.foundation.errors import StudioError
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
 from fingertip.tasks.build import build
-from tests.conftest import run_fingertip, run_python
+from tests.conftest import run_fingertip
 from tests.page.conftest import strip_elements
 from tests.studio.conftest import ask, post
 
@@ -241,18 +241,3 @@ def test_ends_cleanly_at_ctrl_c(arguments: list[str], tmp_path: Path) -> None:
     assert out == ""
     assert err == "studio ended\n"
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.full
-def test_needs_no_optional_package() -> None:
-    heavy = ("cadquery", "OCP", "trimesh", "matplotlib", "scipy", "numba", "reportlab")
-    script = (
-        "import sys\nfrom fingertip import Design\nfrom fingertip.studio.server import StudioServer, _ANSWERS\n"
-        "from fingertip.studio.answers import DOWNLOADS\n"
-        "design = Design()\nStudioServer(design, 0).server_close()\n"
-        "for make in (*_ANSWERS.values(), *(make for _, make in DOWNLOADS.values())):\n"
-        "    make(design, lambda: None)\n"
-        f"print(sorted({{name.split('.')[0] for name in sys.modules}} & set({heavy!r})))"
-    )
-    done = run_python("-c", script)
-    assert done.stdout == "[]\n", done.stderr

@@ -25,7 +25,6 @@ from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
 from fingertip.sweep.point_evaluator import PointEvaluator
-from tests.conftest import run_python
 from tests.sweep.examples import make_plan
 
 COARSE_MM = 0.1
@@ -34,27 +33,6 @@ COARSE_MM = 0.1
 
 def run_checks(design: Design, evaluator: MeshEvaluator) -> tuple[Check, ...]:
     return verify(design, parts_by_name(design), ("stl",), evaluator).checks
-
-
-def find_imported_packages(outputs: str, axes: str) -> set[str]:
-    program = f"""
-import sys
-from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import PointEvaluator
-plan = SweepPlan.from_tables({{"outputs": {outputs}, "tolerance_mm": {COARSE_MM}, "axes": {axes}}})
-result = PointEvaluator(plan).evaluate(0, plan.point(0))
-assert result[1] == "ok", result
-print(*{{name.partition(".")[0] for name in sys.modules}})
-"""
-    result = run_python("-c", program)
-    assert result.returncode == 0, result.stderr
-    return set(result.stdout.split())
-
-
-@pytest.mark.full
-def test_board_outputs_import_no_kernel_no_scipy_and_no_matplotlib() -> None:
-    loaded = find_imported_packages('["q", "board.r2_ohm"]', '{"board.cutoff_hz": [60.0]}')
-    assert not loaded & {"manifold3d", "cadquery", "OCP", "scipy", "matplotlib", "numba", "distributed", "trimesh"}
 
 
 def count_group_calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:

@@ -14,11 +14,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import Result
 from PIL import Image
-from typer.testing import CliRunner
 
-from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.foundation import plot_style
 from fingertip.foundation.errors import OutputError
@@ -29,7 +26,7 @@ from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.statistics import classify_points
-from tests.sweep.examples import InlineEngine, make_table
+from tests.sweep.examples import make_table
 
 SWEEP: dict[str, Any] = {
     "name": "hand",
@@ -294,50 +291,3 @@ def test_failed_export_leaves_the_existing_file_unchanged(
     (tmp_path / "folder").mkdir()
     with pytest.raises(OutputError, match="is a folder"):
         export(GeneratedRows(1), tmp_path / "folder")
-
-
-BOARDS = """
-name = "boards"
-outputs = ["cutoff_3db_hz", "gain"]
-GOAL
-[axes]
-board.cutoff_hz = [60, 67, 75]
-"""
-
-
-@pytest.mark.full
-def test_show_uses_the_objectives_of_the_file_and_refuses_a_different_sweep(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Rows do not depend on objectives, so a report may use others than the run. Any other change is refused."""
-    monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
-    file, out = tmp_path / "sweep.toml", tmp_path / "rows"
-
-    def run(goal: str, *arguments: str) -> Result:
-        file.write_text(BOARDS.replace("GOAL", goal))
-        return CliRunner().invoke(app, ["sweep", str(file), "--out", str(out), "--json", "--quiet", *arguments])
-
-    assert run("", "--jobs", "1").exit_code == 0
-    assert json.loads(run("", "--show").stdout)["best"] is None
-    for goal, point in (('minimise = ["cutoff_3db_hz"]', 0), ('maximise = ["cutoff_3db_hz"]', 2)):
-        result = run(goal, "--show")
-        assert result.exit_code == 0, result.stderr
-        assert json.loads(result.stdout)["best"]["point"] == point
-        assert (out / "best.toml").read_text().startswith(f"# Point {point} of the sweep boards.")
-
-    # Given the folder alone, the report uses the objectives of the latest run.
-    show_folder = ["sweep", "--show", "--out", str(out), "--json", "--quiet"]
-    assert json.loads(CliRunner().invoke(app, show_folder).stdout)["best"] is None
-    resumed = run('minimise = ["cutoff_3db_hz"]', "--resume", "--jobs", "1")
-    assert resumed.exit_code == 0, resumed.stderr
-    assert json.loads(resumed.stdout)["computed_now"] == 0
-    assert json.loads(CliRunner().invoke(app, show_folder).stdout)["best"]["point"] == 0
-    assert "--set: changes a sweep file" in CliRunner().invoke(app, [*show_folder, "--set", "trials=4"]).stderr
-
-    for option in ("--show", "--resume"):
-        for change in ("skin.width_mm=18", "axes.board.cutoff_hz=[60, 68, 75]"):
-            result = run('maximise = ["cutoff_3db_hz"]', option, "--set", change)
-            assert result.exit_code == 2
-            assert "holds a different sweep than the file now describes (- stored, + file)" in result.stderr
-            assert "maximise" not in result.stderr  # a different objective is no difference
-            assert "18" in result.stderr or "68" in result.stderr

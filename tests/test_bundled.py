@@ -16,7 +16,6 @@ from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SWEEP
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
 from tests.conftest import ROOT, run_fingertip, run_python
 
@@ -93,14 +92,6 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
     assert read_sweep_file("board", ["design=fsr402"])["design"]["name"] == "fsr402"
     with pytest.raises(SweepError, match=r"^none\.toml: "):
         read_sweep_file("board", ["design=none.toml"])
-
-
-def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
-    changes = ['outputs=["delay_ms"]', "sampling=grid", "points=0", "axes={board.series=['E24']}"]
-    with pytest.raises(SweepError, match=r'scene: is missing, .*; write scene = "sliding_finger"'):
-        SweepPlan.load("map", changes)
-    plan = SweepPlan.load("map", [*changes, "scene=sliding_finger"])
-    assert plan.scene == SceneFile.load("sliding_finger")
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import fingertip
@@ -74,6 +75,8 @@ def test_functions_for_python_name_the_extra() -> None:
         MissingLibraryError, match=r'^part_trimesh: .* trimesh.*"fingertip\[mesh\]", or use part_mesh\.$'
     ):
         fingertip.part_trimesh(Design(), "bone")
+    with pytest.raises(MissingLibraryError, match=r'^Trace.to_dataframe: .* pandas.*"fingertip\[frames\]"'):
+        fingertip.Trace(np.zeros(1), np.zeros(1)).to_dataframe()
     with pytest.raises(MissingLibraryError, match=r'^plot: needs the package matplotlib.*"fingertip\[plots\]"\.$'):
         new_figure(1, 1)
 

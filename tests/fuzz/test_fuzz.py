@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tools.fuzz import in_process, pieces
+from tools.fuzz import pieces
 from tools.fuzz.cases import Case
 from tools.fuzz.outcome import Outcome, find_faults
 from tools.fuzz.pieces import Line, Pieces
@@ -140,12 +140,3 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path, monkeypatch: pytest.Monk
         ["crash: exit code 3"], ["crash: exit code -9"]
     ]  # fmt: skip
     assert json.dumps(again) == json.dumps(lines)
-
-
-def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def never_end(rows: object) -> str:
-        while True:
-            pass
-
-    monkeypatch.setattr("fingertip.design.files.format_parameter_table", never_end)
-    assert in_process.run(Case("test", ("params",), limit_s=0.05), tmp_path).code is None

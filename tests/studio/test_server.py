@@ -12,7 +12,6 @@ import socket
 import subprocess
 import sys
 import zipfile
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +21,6 @@ import pytest
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import StudioError
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
@@ -72,33 +69,6 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     weak = post(server, "checks", change(tables, strength__grip_force_n=150)).content
     assert weak["failed"] == ["bone.safety_factor.grip"]
     assert "1 of" in strip_elements(weak["verdict"])
-
-
-def list_bad_values(count: int) -> dict[str, float]:
-    """Values out of bounds for as many numbers of a design."""
-    bad = {}
-    for path, declared in PARAMETERS.items():
-        bounds = find_bounds(declared)
-        if "." in path and bounds.maximum is not None and len(bad) < count:
-            bad[path] = bounds.maximum * 10 + 1 if len(bad) % 2 else -1.0 - 10 * abs(bounds.minimum or 0.0)
-    return bad
-
-
-@pytest.mark.full
-def test_fifty_refusals_name_their_fields_by_pointer(server: StudioServer, tables: dict[str, Any]) -> None:
-    bad = list_bad_values(50)
-    changed = change(tables, **{path.replace(".", "__"): value for path, value in bad.items()})
-    for name in ("parts", "checks", "all-checks", "download/design"):
-        reply = post(server, name, changed)
-        assert reply.status == 200
-        issues = reply.content["issues"]
-        assert [issue["pointer"] for issue in issues] == ["/" + path.replace(".", "/") for path in bad]
-        for issue in issues:
-            found: Any = changed
-            for step in issue["pointer"].split("/")[1:]:
-                found = found[step]
-            assert found == bad[issue["field"]]
-            assert re.search(r"at least|at most|must be above", issue["message"])
 
 
 @pytest.mark.parametrize(
@@ -184,16 +154,6 @@ def test_a_request_that_never_ends_is_let_go(
     assert reply.status == 408
     assert "did not come to its end" in reply.content["error"]
     assert capfd.readouterr().err == ""
-
-
-@pytest.mark.full
-def test_an_older_request_of_the_same_page_is_dropped(server: StudioServer, tables: dict[str, Any]) -> None:
-    """Many changes at once: each is answered, the last one with its parts, and few others."""
-    changes = [change(tables, skin__width_mm=18 + 0.1 * i) for i in range(12)]
-    with ThreadPoolExecutor(len(changes)) as pool:
-        answers = list(pool.map(lambda changed: post(server, "all-checks", changed, "one page").content, changes))
-    assert all(("superseded" in answer) != ("checks" in answer) for answer in answers)
-    assert 1 <= sum("checks" in answer for answer in answers) < len(changes)
 
 
 def test_a_port_that_cannot_be_used_is_one_sentence(server: StudioServer) -> None:

@@ -122,15 +122,6 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
     assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
 
 
-def test_categorical_axis_has_an_index_but_no_rank_correlation() -> None:
-    words = np.array(["E12", "E24", "E96"] * 40)
-    y = np.where(words == "E24", 1.0, 0.0)
-    sensitivity = compute_sensitivity("y", y, {"board.series": words})
-    assert sensitivity is not None
-    assert sensitivity.axes[0].first_order_index == pytest.approx(1.0)
-    assert math.isnan(sensitivity.axes[0].rank_correlation)
-
-
 @pytest.mark.parametrize("column", [np.ones(100), np.full(100, np.nan), np.arange(19.0)])
 def test_constant_or_too_few_values_have_no_sensitivity(column) -> None:
     assert compute_sensitivity("y", column, {"x": np.random.default_rng(0).random(len(column))}) is None
@@ -191,14 +182,6 @@ def test_point_classes_and_ranges_of_limiting_rules() -> None:
     assert axes["skin.length_mm"].limiting_ranges == ((8.0, 9.0),)
     assert axes["skin.width_mm"].limiting_ranges == ((3.0, 9.0),)
     assert (checks.rule, checks.points, failed.rule) == ("checks_failed", 1, "failed")
-
-
-def test_point_classes_if_nothing_is_feasible() -> None:
-    table = make_table({"a": np.arange(3.0)}, {}, ["refused"] * 3, ["x", "y", "y"], ["1", "2", "3"])
-    classes = classify_points(table)
-    assert classes.names == ("feasible", "y", "x")
-    assert classes.count().tolist() == [0, 2, 1]
-    assert [rule.example for rule in find_limiting_rules(table, classes)] == ["2", "1"]
 
 
 def test_failed_check_is_reported_by_name(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,7 +25,7 @@ from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
 from fingertip.sweep.point_evaluator import PointEvaluator
-from tests.sweep.examples import make_plan
+from tests.sweep.examples import assert_approved, make_plan
 
 COARSE_MM = 0.1
 """Tolerance of the meshes, coarse because only their reuse matters here [mm]."""
@@ -202,6 +202,20 @@ def test_outputs_have_the_units_of_their_names() -> None:
     assert 0.85 < values["opening_force_n"] / (thumb_mpa * 17.0 * 34.0) < 1.0
     assert 1.0 < values["gate_pressure_kpa"] < 1e3 * thumb_mpa
     assert 50.0 < values["retained_elsewhere_percent"] < values["retained_over_sensor_percent"] < 100.0
+
+
+POURED = ("mold.filling=gravity", "silicone.product=sylgard_184", "board.variant=comparator", "bone.interface=socket",
+          "bone.base_length_mm=32", "mold.method=sleeve", "mold.key_diameter_mm=8", "mold.land_mm=6")  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "changes"), [("outputs_fsr400", ()), ("outputs_poured", POURED)])
+def test_outputs_of_a_design_are_the_approved_ones(name: str, changes: tuple[str, ...]) -> None:
+    """Every output but those of trials and checks, to four digits."""
+    evaluator = CachedEvaluator(COARSE_MM)
+    context = PointContext(Design.load("fsr400", changes=changes), None, make_plan().file, lambda: evaluator)
+    groups = [name for name in compute.GROUP_FUNCTIONS if name not in ("checks", "detection", "simulation")]
+    outputs = {key: value for group in groups for key, value in compute.GROUP_FUNCTIONS[group](context).items()}
+    assert_approved("".join(f"{key}: {value:.4g}\n" for key, value in outputs.items()), name)
 
 
 def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> None:

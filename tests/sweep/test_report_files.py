@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import math
-import os
 import tracemalloc
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -26,7 +25,7 @@ from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.statistics import classify_points
-from tests.sweep.examples import make_table
+from tests.sweep.examples import assert_approved, make_table
 
 SWEEP: dict[str, Any] = {
     "name": "hand",
@@ -161,10 +160,7 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary == {key: value for key, value in data.items() if key != "text"}
     found = "\n\n".join([data["text"], json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn]) + "\n"
-    approved = Path(__file__).parent / "approved" / f"{name}.txt"
-    if os.environ.get("FINGERTIP_APPROVE"):
-        approved.write_text(found, encoding="utf-8")
-    assert found == approved.read_text(encoding="utf-8")
+    assert_approved(found, name)
 
 
 @pytest.mark.full

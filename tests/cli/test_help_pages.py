@@ -79,10 +79,3 @@ def test_lines_break_between_words_below_the_last_column() -> None:
         "R8 C9      1k 330n     anti-aliasing filter, tactile",
         "                       voltage: first pole",
     ]
-
-
-def test_words_stay_whole() -> None:
-    text = "  error " + "word " * 30 + "averylongword" * 10
-    lines = fit_width(text, 50).splitlines()
-    assert all(len(line) <= 50 for line in lines[:-1])
-    assert " ".join(" ".join(lines).split()) == " ".join(text.split())

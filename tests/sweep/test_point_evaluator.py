@@ -90,10 +90,8 @@ SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
     "changes",
     [
         [],
-        ["mold.wall_mm=5"],
         ["printer.scale_percent=101", "mold.method=sleeve"],
         ["bone.interface=socket", "bone.base_length_mm=32"],
-        ["mold.wall_mm=4.5", "bone.channel_diameter_mm=2"],
     ],
 )
 def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:

@@ -94,7 +94,8 @@ def describe_artist(artist: Any) -> str:
         drawn = np.array(artist.get_data(), dtype=float)
         x, y = drawn[:, np.isfinite(drawn).all(axis=0)]
         look = [artist.get_color(), artist.get_marker(), artist.get_linestyle(), artist.get_drawstyle()]
-        sums = figures(artist.get_markersize(), *x[:2], *y[:2], x.sum(), y.sum(), x @ y)
+        sizes = (artist.get_markersize(), artist.get_markeredgewidth(), artist.get_linewidth())
+        sums = figures(*sizes, *x[:2], *y[:2], x.sum(), y.sum(), x @ y)
         label = artist.get_label().partition("_child")[0]  # those that matplotlib gives are no text
         return f"line of {len(x)}, {label!r} {look}: {sums}"
     if kind in ("QuadMesh", "AxesImage"):
@@ -277,8 +278,9 @@ def test_failed_export_leaves_the_existing_file_unchanged(
     tmp_path: Path, export: Callable[[RowSource, Path], None]
 ) -> None:
     (tmp_path / "rows").write_bytes(b"old")
-    with pytest.raises(ZeroDivisionError):
-        export(GeneratedRows(100, fails=True), tmp_path / "rows")
+    for name in ("rows", "new/deeper/rows"):
+        with pytest.raises(ZeroDivisionError):
+            export(GeneratedRows(100, fails=True), tmp_path / name)
     assert (tmp_path / "rows").read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [tmp_path / "rows"]
     (tmp_path / "folder").mkdir()

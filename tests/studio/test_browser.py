@@ -97,15 +97,6 @@ def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
 
 
 @pytest.mark.full
-def test_a_choice_brings_other_parts(opened: Any) -> None:
-    assert "core" not in opened.find_element("id", "boxes").text
-    put(opened, "mold.method", "sleeve")
-    assert "core" in opened.find_element("id", "boxes").text
-    moved = opened.find_element("css selector", "[data-named='skin.width_mm']").get_attribute("data-moves")
-    assert "core" in moved.split()
-
-
-@pytest.mark.full
 def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     before = picture(opened)
     verdict = put(opened, "skin.width_mm", 8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from fingertip.design.all_rules import PART_RULES, RULES
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
@@ -286,6 +288,15 @@ def test_refused_effect_of_a_scene_keeps_its_reason() -> None:
     plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
     _, status, field, _, _ = PointEvaluator(plan).evaluate(0, plan.point(0))
     assert (status, field) == ("refused", "scene.contact.stick_slip")
+
+
+def test_an_error_of_a_point_is_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = make_plan(outputs=["q"], axes={"board.cutoff_hz": [60.0]})
+    for error, start in ((DesignError(Issue("a", "is wrong.")), "a: is wrong."), (KeyError("x"), "KeyError: 'x' (in ")):
+        monkeypatch.setitem(compute.GROUP_FUNCTIONS, "board", Mock(side_effect=error))
+        _, status, field, reason, _ = PointEvaluator(plan).evaluate(0, plan.point(0))
+        assert (status, field, reason[: len(start)]) == ("failed", "", start)
+        assert ("this is a bug in fingertip" in reason) == isinstance(error, KeyError)
 
 
 def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,8 +39,7 @@ def test_samplers_are_stratified_and_reproducible_by_seed(sampling: str) -> None
     shares = np.log10(columns["board.cutoff_hz"] / 10.0) / 2.0
     assert sorted(np.floor(64 * shares)) == list(range(64))
     assert np.sum(columns["board.series"] == "E12") == 32
-    windows = sorted(columns["detector.window_samples"].tolist())
-    assert windows == list(range(1, 65)), "the ends are as likely as other values"
+    assert sorted(columns["detector.window_samples"].tolist()) == list(range(1, 65)), "the ends are as likely"
     assert plan.point(17) == {name: column[17].item() for name, column in columns.items()}
 
 

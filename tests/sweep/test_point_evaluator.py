@@ -91,7 +91,6 @@ SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
 @pytest.mark.parametrize(
     "changes",
     [
-        [],
         ["printer.scale_percent=101", "mold.method=sleeve"],
         ["bone.interface=socket", "bone.base_length_mm=32"],
     ],

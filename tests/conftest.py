@@ -7,7 +7,7 @@ import functools
 import os
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 from fingertip.cad.report import Build
 from fingertip.cli import app
 from fingertip.design import Design
+from fingertip.foundation import extras, jit
 from fingertip.tasks.build import build
 from tests import first_set
 from tests.first_set import FULL
@@ -102,3 +103,13 @@ def design(request: pytest.FixtureRequest) -> Design:
 def built(design: Design, tmp_path_factory: pytest.TempPathFactory) -> Build:
     """All parts of a bundled design in all formats, on disk."""
     return build(design, tmp_path_factory.mktemp(design.name))
+
+
+@pytest.fixture
+def core(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The packages of all extras cannot be found."""
+    for module in extras.EXTRAS:
+        monkeypatch.setitem(sys.modules, module, None)
+    jit.available.cache_clear()
+    yield
+    jit.available.cache_clear()

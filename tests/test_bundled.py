@@ -16,7 +16,6 @@ from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SWEEP
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
-from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
 from tests.conftest import ROOT, run_fingertip, run_python
 
@@ -70,51 +69,6 @@ def test_a_path_comes_before_a_name(folder: Path) -> None:
         assert find_file(given, DESIGN) == Path(given), "only a single word is a name"
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ("fsr4", "fsr4: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?"),
-        (
-            "wheel",
-            "wheel: is neither a file nor the name of a bundled design; known names: adult_finger, adult_thumb, "
-            "article, child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb; or give "
-            "the path of a file.",
-        ),
-        ("mine", "mine: is neither a file nor the name of a bundled design; did you mean mine.toml?"),
-        (
-            "hard_tap",
-            "hard_tap: is a scene file, not a design file; known names: adult_finger, adult_thumb, article, "
-            "child_finger, child_thumb, fsr400, fsr400_compact, fsr402, youth_finger, youth_thumb (`fingertip "
-            "simulate` takes a scene file as its first argument).",
-        ),
-    ],
-)
-def test_an_unknown_name_gives_one_sentence(given: str, message: str, folder: Path) -> None:
-    (folder / "mine.toml").touch()
-    with pytest.raises(FingertipError) as caught:
-        Design.load(given)
-    assert str(caught.value) == message
-
-
-def test_unknown_names_are_refused_by_the_commands_that_take_other_kinds(folder: Path) -> None:
-    done = run_fingertip("simulate", "hard_tp", "--design", "fsr40")
-    assert done.returncode == 2
-    assert done.stderr.splitlines() == [
-        "error: hard_tp: is neither a file nor the name of a bundled design, scene or manipulation; "
-        "did you mean hard_tap?",
-        "error: fsr40: is neither a file nor the name of a bundled design; did you mean fsr400 or fsr402?",
-    ]
-    done = run_fingertip("simulate", "map")
-    assert done.stderr.startswith(
-        "error: map: is a sweep file, not a design file, a scene file or a manipulation file;"
-    )
-    done = run_fingertip("sweep", "bord")
-    assert done.stderr == "error: bord: is neither a file nor the name of a bundled sweep; did you mean board?\n"
-    assert "fsr4: is neither a file" in run_fingertip("validate", "fsr4", "--detector", "none").stderr
-    assert "'none' is not" in run_fingertip("validate", "fsr402", "--detector", "none").stderr
-    assert not list(folder.iterdir())
-
-
 def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> None:
     text = 'design = "{}"\nscene = "{}"\noutputs = ["delay_ms"]\n[axes]\nskin.width_mm = [24.4]\n'
     beside = folder / "sweeps"
@@ -138,52 +92,6 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
     assert read_sweep_file("board", ["design=fsr402"])["design"]["name"] == "fsr402"
     with pytest.raises(SweepError, match=r"^none\.toml: "):
         read_sweep_file("board", ["design=none.toml"])
-
-
-def test_the_scene_that_a_message_recommends_can_be_set(folder: Path) -> None:
-    changes = ['outputs=["delay_ms"]', "sampling=grid", "points=0", "axes={board.series=['E24']}"]
-    with pytest.raises(SweepError, match=r'scene: is missing, .*; write scene = "sliding_finger"'):
-        SweepPlan.load("map", changes)
-    plan = SweepPlan.load("map", [*changes, "scene=sliding_finger"])
-    assert plan.scene == SceneFile.load("sliding_finger")
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("params", "fsr402"),
-        ("board", "fsr400", "--out", "pcb"),
-        ("simulate", "fsr400"),
-        ("simulate", "sliding_surface", "--design", "fsr402"),
-        ("simulate", "real_manipulation", "--parameters"),
-        ("sweep", "map", *SMALL_MAP),
-        ("check", "fsr400", "fsr402"),
-        ("sheet", "fsr402"),
-        ("picture", "fsr400"),
-        ("build", "fsr400", "--parts", "skin", "--formats", "stl"),
-    ],
-    ids=lambda words: words[0],
-)
-def test_commands_take_names_and_write_no_path_of_this_machine(words: tuple[str, ...], folder: Path) -> None:
-    done = run_fingertip(*words)
-    assert done.returncode == 0, done.stderr
-    written = [path.read_bytes() for path in folder.rglob("*") if path.is_file()]
-    assert written or words[0] in ("params", "check") or "--parameters" in words
-    for text in (done.stdout.encode(), done.stderr.encode(), *written):
-        assert str(ROOT).encode() not in text
-        assert str(folder).encode() not in text
-
-
-@pytest.mark.full
-def test_detect_takes_a_name(folder: Path) -> None:
-    assert run_fingertip("simulate", "fsr400", "--out", "trace.csv").returncode == 0
-    by_name, by_path = (
-        run_fingertip("detect", "trace.csv", "--design", design, "--json")
-        for design in ("fsr402", PARAMS / "fsr402.toml")
-    )
-    assert by_name.returncode == 0, by_name.stderr
-    assert by_name.stdout == by_path.stdout
 
 
 @pytest.fixture(scope="module")

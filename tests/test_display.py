@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-import sys
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -16,7 +15,6 @@ from PIL import Image
 import fingertip
 from fingertip import Build, Design, Detection, Trace
 from fingertip.foundation.display import html_table
-from fingertip.foundation.errors import MissingLibraryError
 from fingertip.sim import Trial
 from tests.tools import require_module
 
@@ -112,15 +110,6 @@ def test_data_frames(trace: Trace, detection: Detection, built: Build) -> None:
     assert len(checks) == len(built.checks)
     parameters = built.design.to_dataframe().set_index("name")
     assert parameters.loc["skin.width_mm", ["value", "unit"]].tolist() == [18.0, "mm"]
-
-
-def test_a_missing_package_is_named(trace: Trace, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    monkeypatch.setattr("fingertip.foundation.extras.is_installed", lambda module: False)
-    with pytest.raises(
-        MissingLibraryError, match=r'^Trace.to_dataframe: needs the package pandas.*"fingertip\[frames\]"'
-    ):
-        trace.to_dataframe()
 
 
 @pytest.mark.full

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -16,7 +15,7 @@ from fingertip.cli import app
 from fingertip.design.parameters import PARAMETERS
 from tests.conftest import ROOT
 from tests.tools import require_module
-from tools.docs_site import notebook, reference
+from tools.docs_site import reference
 
 CONFIGURATION = ROOT / "tools" / "docs_site" / "mkdocs.yml"
 PAGES = {path.name for path in (ROOT / "docs").glob("*.md")}
@@ -35,19 +34,6 @@ def test_every_page_parameter_and_command_is_in_the_site() -> None:
     assert "Usage: fingertip calibrate sensor READINGS" in page
 
 
-def test_script_becomes_a_notebook() -> None:
-    script = '"""Heading."""\n\n# %% [markdown]\n# ## Title\n#\n# Text.\n\n# %%\na = 1\n\nprint(a)\n\n# %%\na\n'
-    assert notebook.read_cells(script) == [
-        ("markdown", "## Title\n\nText."),
-        ("code", "a = 1\n\nprint(a)"),
-        ("code", "a"),
-    ]
-    book = json.loads(notebook.to_ipynb())
-    assert book["nbformat"] == 4
-    assert all(not cell["outputs"] for cell in book["cells"] if cell["cell_type"] == "code")
-    assert len({cell["id"] for cell in book["cells"]}) == len(book["cells"]) > 10
-
-
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for module in ("mkdocs", "material", "nbclient", "ipykernel"):
@@ -62,7 +48,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.full
-def test_the_site_asks_nothing_of_another_server(site: Path) -> None:
+def test_the_site_holds_what_is_generated_and_asks_nothing_of_another_server(site: Path) -> None:
     pages = list(site.glob("*.html"))
     assert len(pages) == len(PAGES) + 1  # and that of errors
     for page in pages:
@@ -70,14 +56,11 @@ def test_the_site_asks_nothing_of_another_server(site: Path) -> None:
         assert not re.findall(r"<(?:script|img|iframe|source|video|audio|embed)\b[^>]*\bsrc=\"?(?:https?:)?//", text)
         assert not re.findall(r"<link\b(?![^>]*rel=\"?canonical)[^>]*href=\"?(?:https?:)?//", text)
         assert 'http-equiv="Content-Security-Policy" content="default-src \'self\' file:' in text
+        assert not re.search(r"<!-- \w+ -->", text), "a marker that nothing replaced"
         assert 'class="mermaid"' not in text, "the theme would load a library for it"
     for sheet in site.rglob("*.css"):
         text = sheet.read_text(encoding="utf-8")
         assert not re.search(r"@import|url\(['\"]?(?:https?:)?//", text)
-
-
-@pytest.mark.full
-def test_the_site_holds_what_is_generated(site: Path) -> None:
     assert "Usage: fingertip sweep" in (site / "commands.html").read_text()
     assert "distance_from_tip_mm" in (site / "parameters.html").read_text()
     tutorial = (site / "tutorial.html").read_text()
@@ -88,5 +71,3 @@ def test_the_site_holds_what_is_generated(site: Path) -> None:
     assert ran.count("data:image/png;base64,") == 2
     assert "Detection(fast: 1 interval ON, 1 of 1 slips found" in ran
     assert "at least 16.4 mm." in ran
-    for page in site.glob("*.html"):
-        assert not re.search(r"<!-- \w+ -->", page.read_text()), "a marker that nothing replaced"

@@ -3,148 +3,51 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import fingertip
 from fingertip import lab as campaign
 from fingertip.cad.report import FORMATS
 from fingertip.design import Design
-from fingertip.foundation import extras, jit
+from fingertip.foundation import extras
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.plot_style import new_figure
+from fingertip.sweep.plan import SweepPlan
 from fingertip.tasks.build import build, default_formats
 from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
-PLOTS = 'needs the package matplotlib, which is not installed; pip install "fingertip[plots]", or leave --plot out.'
 STEP = (
     "--formats: step needs the package cadquery, which is not installed; "
     'pip install "fingertip[step]", or leave step out with --formats stl,3mf.'
 )
-BENCH = "needs the packages scipy, numba and matplotlib, which are not installed"
-GRID = """
-name = "boards"
-outputs = ["cutoff_3db_hz"]
-[axes]
-board.cutoff_hz = [60, 67, 75]
-board.capacitor_uf = [0.22, 0.47]
-"""
-SAMPLED = """
-name = "boards"
-outputs = ["cutoff_3db_hz"]
-sampling = "SAMPLER"
-points = 8
-[axes]
-board.cutoff_hz = { low = 60, high = 75 }
-"""
-
-
-@pytest.fixture
-def core(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The packages of all extras cannot be found."""
-    for module in extras.EXTRAS:
-        monkeypatch.setitem(sys.modules, module, None)
-    jit.available.cache_clear()
-    yield
-    jit.available.cache_clear()
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A folder with a trace and sweep files."""
-    (tmp_path / "grid.toml").write_text(GRID, encoding="utf-8")
-    for name in ("sobol", "latin_hypercube"):
-        (tmp_path / f"{name}.toml").write_text(SAMPLED.replace("SAMPLER", name), encoding="utf-8")
-    (tmp_path / "trace.tdms").write_bytes(b"TDSm")
-    return tmp_path
-
-
-REFUSED = [
-    (f"build {DESIGN} --formats step", STEP),
-    (f"build {DESIGN} --formats stl,step", STEP),
-    ("detect trace.csv --plot plot.png", f"--plot: {PLOTS}"),  # the trace, which does not exist, is not even read
-    ("simulate --plot plot.png", f"--plot: {PLOTS}"),
-    (f"drawing {DESIGN} --out out", "fingertip drawing: needs the packages cadquery and reportlab, which are not "
-     'installed; pip install "fingertip[step,drawing]", or draw a picture with fingertip picture.'),
-    ("bench", f'fingertip bench: {BENCH}; pip install "fingertip[sweep,fast,plots]".'),
-    ("sweep sobol.toml", "sampling: sobol needs the package scipy, which is not installed; "
-     'pip install "fingertip[sweep]", or sample a grid.'),
-    ("sweep latin_hypercube.toml", "sampling: latin_hypercube needs the package scipy, which is not installed; "
-     'pip install "fingertip[sweep]", or sample a grid.'),
-    ("sweep grid.toml --parquet rows.parquet", "--parquet: needs the package pyarrow, which is not installed; "
-     'pip install "fingertip[parquet]", or write CSV with --csv.'),
-    ("sweep grid.toml --cluster tcp://127.0.0.1:8786", "--cluster: needs the package distributed, which is not "
-     'installed; pip install "fingertip[cluster]", or leave --cluster out.'),
-    ("detect trace.tdms", "trace.tdms: needs the package npTDMS, which is not installed; "
-     'pip install "fingertip[tdms]", or save the recording as CSV.'),
-]  # fmt: skip
-
-
-@pytest.mark.usefixtures("core")
-@pytest.mark.parametrize(("command", "sentence"), REFUSED, ids=[command.partition("/")[0] for command, _ in REFUSED])
-def test_missing_package_is_refused_before_any_work(folder: Path, command: str, sentence: str) -> None:
-    before = set(folder.rglob("*"))
-    done = run_fingertip(*command.split(), PWD=str(folder))
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"error: {sentence}\n")
-    assert set(folder.rglob("*")) == before
 
 
 @pytest.mark.full
 @pytest.mark.usefixtures("core")
-def test_build_makes_stl_and_3mf_and_says_what_step_needs(folder: Path) -> None:
-    done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", folder / "out")
+def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> None:
+    done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", tmp_path / "out")
     assert done.returncode == 0
-    assert {path.suffix for path in (folder / "out").glob("bone.*")} == {".stl", ".3mf"}
+    assert {path.suffix for path in (tmp_path / "out").glob("bone.*")} == {".stl", ".3mf"}
     said = [line for line in done.stderr.splitlines() if "pip" in line]
     sentence = 'building STL and 3MF; pip install "fingertip[step]" adds STEP files and checks against exact solids'
     assert said == [sentence]
     messages: list[str] = []
-    found = build(Design(), folder / "python", parts=["bone"], progress=messages.append)
+    found = build(Design(), tmp_path / "python", parts=["bone"], progress=messages.append)
     assert dict(found.parts[0].files) == {"stl": "bone.stl", "3mf": "bone.3mf"}
     assert messages.count(sentence) == 1
     with pytest.raises(MissingLibraryError) as caught:
-        build(Design(), folder / "step", formats=FORMATS)
+        build(Design(), tmp_path / "step", formats=FORMATS)
     assert str(caught.value) == STEP
-    assert not (folder / "step").exists()
-
-
-@pytest.mark.full
-@pytest.mark.usefixtures("core")
-def test_report_of_a_sweep_leaves_its_plots_out(folder: Path) -> None:
-    done = run_fingertip("sweep", "grid.toml", "--out", "out", "--jobs", 1, PWD=str(folder))
-    assert done.returncode == 0, done.stderr
-    done = run_fingertip("sweep", "--show", "--out", "out", PWD=str(folder))
-    assert done.returncode == 0, done.stderr
-    assert (folder / "out/summary.json").is_file()
-    assert not list((folder / "out").glob("*.png"))
-    said = [line for line in done.stderr.splitlines() if "pip" in line]
-    assert said == [
-        "left out heatmap_cutoff_3db_hz.png, scatter_matrix.png: plots need the package matplotlib, "
-        'which is not installed; pip install "fingertip[plots]"'
-    ]
-
-
-def test_report_of_a_sweep_with_matplotlib_holds_the_plots_that_the_sentence_names(folder: Path) -> None:
-    assert run_fingertip("sweep", "grid.toml", "--out", "out", "--jobs", 1, PWD=str(folder)).returncode == 0
-    assert run_fingertip("sweep", "--show", "--out", "out", PWD=str(folder)).returncode == 0
-    assert {path.name for path in (folder / "out").glob("*.png")} == {"heatmap_cutoff_3db_hz.png", "scatter_matrix.png"}
+    assert not (tmp_path / "step").exists()
 
 
 @pytest.mark.usefixtures("core")
-def test_samples_of_a_sweep_made_elsewhere_cannot_be_repeated(folder: Path) -> None:
-    from fingertip.sweep.plan import SweepPlan
-
-    plan = SweepPlan.from_toml(SAMPLED.replace("SAMPLER", "sobol"))  # as a worker reads it, which needs no samples
-    with pytest.raises(MissingLibraryError, match=r"sampling: sobol needs the package scipy"):
-        plan.point(0)
-
-
-@pytest.mark.usefixtures("core")
-def test_validation_leaves_its_plots_out(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_validation_leaves_its_plots_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
     def files(with_plots: bool) -> dict[str, bytes]:
@@ -153,7 +56,7 @@ def test_validation_leaves_its_plots_out(folder: Path, monkeypatch: pytest.Monke
 
     result = SimpleNamespace(files=files, as_data=dict, as_text=lambda: "", as_verdict=lambda: "", passed=True)
     monkeypatch.setattr(campaign, "validate", lambda *_, **__: result)
-    done = run_fingertip("validate", DESIGN, "--out", folder / "out")
+    done = run_fingertip("validate", DESIGN, "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert asked == [False]
     numba, plots = (line for line in done.stderr.splitlines() if "pip" in line)
@@ -172,8 +75,18 @@ def test_functions_for_python_name_the_extra() -> None:
         MissingLibraryError, match=r'^part_trimesh: .* trimesh.*"fingertip\[mesh\]", or use part_mesh\.$'
     ):
         fingertip.part_trimesh(Design(), "bone")
+    with pytest.raises(MissingLibraryError, match=r'^Trace.to_dataframe: .* pandas.*"fingertip\[frames\]"'):
+        fingertip.Trace(np.zeros(1), np.zeros(1)).to_dataframe()
     with pytest.raises(MissingLibraryError, match=r'^plot: needs the package matplotlib.*"fingertip\[plots\]"\.$'):
         new_figure(1, 1)
+
+
+@pytest.mark.usefixtures("core")
+def test_samples_of_a_sweep_made_elsewhere_cannot_be_repeated() -> None:
+    text = 'outputs = ["q"]\nsampling = "sobol"\npoints = 8\naxes = {board.cutoff_hz = {low = 60, high = 75}}\n'
+    plan = SweepPlan.from_toml(text)  # as a worker reads it, which needs no samples
+    with pytest.raises(MissingLibraryError, match=r"sampling: sobol needs the package scipy"):
+        plan.point(0)
 
 
 def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

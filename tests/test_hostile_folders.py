@@ -100,8 +100,6 @@ REFUSED = {
     "sheet": (("sheet", "fsr400"), (".",)),
 }
 """Commands that work for long, and folders in which they find a damaged plan before they begin."""
-LINKED = {"make": ("print", "board", "signal")}
-"""Folders that must not be links."""
 
 
 def make_device(path: Path) -> None:
@@ -488,8 +486,8 @@ def test_folders_that_are_links(world: World, name: str, places: tuple[str, ...]
 def test_commands_that_work_for_long_refuse_a_damaged_plan_or_a_link_before_they_begin(world: World, name: str) -> None:
     words, places = REFUSED[name]
     plan = {"files": [], "removed": ["../../victim/fsr400/report.json"]}
-    faults = []
-    for place, is_linked in (*((place, False) for place in places), *((place, True) for place in LINKED.get(name, ()))):
+    linked, faults = ("print", "board", "signal") if name == "make" else (), []
+    for place, is_linked in (*((place, False) for place in places), *((place, True) for place in linked)):
         world.renew()
         if is_linked:
             link_out(world.path / TOP / place, world.victim / "fsr400" / place)

@@ -109,10 +109,3 @@ def test_command_prints_where_everything_is(tmp_path: Path) -> None:
     assert all((tmp_path / name).is_file() for name in (*data["board"], *data["signal"]))
     assert data["parts"]["passed"]
     assert data["detection"]["intervals"]
-
-
-def test_design_that_is_refused_makes_nothing(tmp_path: Path) -> None:
-    run = run_fingertip("make", "fsr400", "--set", "skin.width_mm=10", PWD=str(tmp_path))
-    assert run.returncode == 2
-    assert "skin.width_mm" in run.stderr
-    assert not (tmp_path / "out").exists()

@@ -35,17 +35,6 @@ MAXIMA: list[tuple[Callable[[float], float], float, float]] = [
 
 
 @pytest.mark.parametrize(("function", "low", "high"), ROOTS)
-def test_bisect_finds_the_root_that_brentq_finds(function: Callable[[float], float], low: float, high: float) -> None:
-    from scipy.optimize import brentq
-
-    root = brentq(function, low, high, xtol=1e-15, rtol=8.9e-16)
-    sign = -1.0 if function(low) < 0.0 else 1.0
-    ends = bisect(lambda x: sign * function(x) > 0.0, low, high)
-    assert ends == pytest.approx((root, root), rel=1e-13, abs=1e-15)
-    assert math.nextafter(ends[0], math.inf) == ends[1]  # no number lies between the two ends
-
-
-@pytest.mark.parametrize(("function", "low", "high"), ROOTS)
 @pytest.mark.parametrize("known", [False, True])
 def test_find_root_finds_the_root_that_brentq_finds(
     function: Callable[[float], float], low: float, high: float, known: bool
@@ -185,25 +174,6 @@ def test_equal_values_on_both_sides_give_the_left_one() -> None:
     assert (location[0], value[0]) == (pytest.approx(1 - golden), 0.0)
     location, _ = find_maximum_arrays(lambda x: 0.0 * x, np.zeros(1), np.ones(1), 5)
     assert location[0] == pytest.approx((1 - golden) * golden**5)
-
-
-AXES = np.eye(3).tolist()
-
-
-@pytest.mark.parametrize("objective", [[1.0, 2.0, 3.0], [-1.0, 0.5, -3.0], [0.0, 0.0, -2.0], [1e-3, -1e-3, 1e-3]])
-def test_a_box_is_left_at_its_corner(objective: list[float]) -> None:
-    """Without other constraints every unknown reaches its limit; with walls it reaches those."""
-    ((value, point),) = maximise_linear([objective], AXES[:1], [100.0], 7.0)
-    assert value == pytest.approx(7.0 * sum(map(abs, objective)))
-    assert [x for x, c in zip(point, objective, strict=True) if c] == pytest.approx(
-        [math.copysign(7.0, c) for c in objective if c]
-    )
-    walls = [*AXES, *(-np.eye(3)).tolist()]
-    ((value, point),) = maximise_linear([objective], walls, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], 7.0)
-    reached = [(0.1, -0.4), (0.2, -0.5), (0.3, -0.6)]
-    assert value == pytest.approx(
-        sum(c * (up if c > 0 else down) for c, (up, down) in zip(objective, reached, strict=True))
-    )
 
 
 def test_corners_at_which_many_planes_meet() -> None:

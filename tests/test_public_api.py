@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import fingertip
@@ -43,19 +45,34 @@ def test_part_as_cadquery_solid_and_trimesh() -> None:
         fingertip.part_mesh(design, "bome")
 
 
-@pytest.mark.full
-def test_commands_without_geometry_import_no_heavy_package() -> None:
-    """Each command runs in a process of its own, which prints the heavy packages it has imported."""
-    from tests.conftest import design_file
+HEAVY = {"cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba", "distributed", "reportlab"}
+LIGHT_WORK = {
+    "board": ("from fingertip.cli import app; app(['board', 'fsr400', '-q'], standalone_mode=False)", {"manifold3d"}),
+    "simulate": ("from fingertip.cli import app; app(['simulate', '-q'], standalone_mode=False)", {"manifold3d"}),
+    "params": ("from fingertip.cli import app; app(['params', '-q'], standalone_mode=False)", {"manifold3d"}),
+    "sweep of boards": (
+        "from fingertip.sweep.plan import SweepPlan\n"
+        "from fingertip.sweep.point_evaluator import PointEvaluator\n"
+        "plan = SweepPlan.from_tables({'outputs': ['q'], 'axes': {'board.cutoff_hz': [60.0]}})\n"
+        "assert PointEvaluator(plan).evaluate(0, plan.point(0))[1] == 'ok'",
+        {"manifold3d"},
+    ),
+    "studio": (
+        "from fingertip import Design\nfrom fingertip.studio.server import StudioServer, _ANSWERS\n"
+        "from fingertip.studio.answers import DOWNLOADS\n"
+        "design = Design()\nStudioServer(design, 0).server_close()\n"
+        "for make in (*_ANSWERS.values(), *(make for _, make in DOWNLOADS.values())): make(design, lambda: None)",
+        set(),
+    ),
+}
+"""Program, and what it must not import beside the heavy packages."""
 
-    heavy = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba", "manifold3d")
-    for arguments in (["board"], ["simulate"], ["params"]):
-        script = (
-            "import sys, os, tempfile\nos.chdir(tempfile.mkdtemp())\nfrom fingertip.cli import app\n"
-            f"try:\n    app({[*arguments, str(design_file('fsr400')), '-q']!r})\nexcept SystemExit as stop:\n"
-            "    assert not stop.code, stop.code\n"
-            f"print(sorted({{name.split('.')[0] for name in sys.modules}} & set({heavy!r})))"
-        )
-        done = run_python("-c", script)
-        assert done.returncode == 0, done.stderr
-        assert done.stdout.splitlines()[-1] == "[]", arguments
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", LIGHT_WORK)
+def test_light_work_imports_no_heavy_package(name: str, tmp_path: Path) -> None:
+    program, others = LIGHT_WORK[name]
+    imported = "import sys; print(*{name.partition('.')[0] for name in sys.modules})"
+    done = run_python("-c", f"{program}\n{imported}", PWD=str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.splitlines()[-1].split()) & (HEAVY | others) == set()

@@ -71,21 +71,6 @@ def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize(
-    ("text", "accepted"),
-    [
-        ('def f():\n    """Of the input, white, rms."""', False),
-        ('def f():\n    """RMS input noise [V]."""', True),
-        ('class A:\n    x: int\n    """And at which it ends."""', False),
-        ('class A:\n    x: int\n    """Frequency at which the band ends [Hz]."""', True),
-        ('"""Where things are."""', False),
-    ],
-)
-def test_the_check_of_docstrings_can_fail(text: str, accepted: bool, tmp_path: Path) -> None:
-    found = [first_word(said) in NOT_FIRST for _, said in docstrings(ast.parse(text))]
-    assert found == [not accepted]
-
-
 def test_bounds_are_called_min_and_max() -> None:
     """`min_force_n`, not `force_least_n`."""
     wrong = [

@@ -30,36 +30,6 @@ def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     assert "bone:" in done.stderr, "progress goes to stderr"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--set", "skin.width_mm=10"], "skin.width_mm"),
-        (["--set", "bone.channel_diameter_mm=9.5"], "leaves no walls of 1 mm in the base"),
-        (["--set", "skin.width=17"], "did you mean skin.width_mm?"),
-        (["--set", "skin.width_mm=nan"], "not a finite number"),
-        (["--parts", "bone,skinn"], "did you mean skin?"),
-        (["--parts", ","], "--parts: is empty; choose from bone, skin"),
-        (["--parts", "core"], "has no 'core', which only a sleeve is cast around; --set mold.method=sleeve"),
-        (["--out", ""], "--out: is empty; give a folder"),
-        (["--formats", "stl,obj"], "'obj' is not one of the choices"),
-        (["--tolerance-mm", "5"], "out of bounds"),
-        (["--tolerance-mm", "nan"], "out of bounds"),
-    ],
-)
-def test_invalid_input_exits_2_with_a_message_and_changes_nothing(
-    tmp_path: Path, arguments: list[str], message: str
-) -> None:
-    out = tmp_path / "out"
-    out.mkdir()
-    (out / "bone.stl").write_bytes(b"precious")
-    done = run_fingertip("build", FSR400, "--out", out, *arguments)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
-    assert done.stdout == ""
-    assert snapshot(out) == {"bone.stl": b"precious"}
-
-
 @pytest.mark.full
 def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -78,49 +77,12 @@ def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeyp
     assert {c["name"] for c in output["designs"][0]["checks"] if not c["passed"]} == failed
 
 
-def test_issues_of_all_files_are_listed_and_nothing_is_written(tmp_path: Path) -> None:
-    narrow, odd, report = tmp_path / "narrow.toml", tmp_path / "odd.toml", tmp_path / "check.xml"
-    narrow.write_text('name = "narrow"\n[skin]\nwidth_mm = 10.0\n')
-    odd.write_text('[mold]\ndraft_deg = "much"\nwal_mm = 3.0\n')
-    done = run_fingertip("check", narrow, FSR400, odd, tmp_path / "none.toml", "--junit", report, "--json")
-    assert done.returncode == 2
-    fields = [issue["field"] for issue in json.loads(done.stdout)["issues"]]
-    assert f"{narrow}: skin.width_mm" in fields
-    assert f"{odd}: mold.draft_deg" in fields
-    assert f"{odd}: mold.wal_mm" in fields
-    assert str(tmp_path / "none.toml") in fields
-    assert not any(str(FSR400) in field for field in fields)
-    assert not report.exists()
-
-
 @pytest.mark.full
 def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) -> None:
     for name in ("a.toml", "b.toml"):
         (tmp_path / name).write_text("")
     done = run_fingertip("check", "a.toml", "b.toml", "a.toml", *COARSE, "--json", "-q", PWD=str(tmp_path))
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == ["a.toml", "b.toml"]
-
-
-def test_params_lists_units_and_bounds() -> None:
-    done = run_fingertip("params")
-    assert done.returncode == 0
-    line = next(line for line in done.stdout.splitlines() if line.startswith("mold.draft_deg"))
-    assert "degree" in line
-    assert ">= 0, <= 15" in line
-
-
-def test_params_shows_the_values_of_a_design() -> None:
-    output = json.loads(run_fingertip("params", design_file("fsr402"), "--set", "mold.wall_mm=5", "--json").stdout)
-    shown = {p["name"]: p for p in output["parameters"]}
-    assert shown["sensor.model"]["value"] == "fsr402_short"
-    assert shown["mold.wall_mm"]["value"] == 5
-    assert shown["mold.wall_mm"]["default"] == 4
-    assert shown["mold.wall_mm"]["unit"] == "mm"
-
-
-def test_params_prints_a_design_and_a_schema() -> None:
-    assert tomllib.loads(run_fingertip("params", "--toml").stdout)["skin"]["width_mm"] == 17
-    assert json.loads(run_fingertip("params", "--schema").stdout)["title"] == "fingertip design"
 
 
 def test_picture_shows_the_colour_of_every_part(tmp_path: Path) -> None:

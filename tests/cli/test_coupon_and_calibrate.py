@@ -52,21 +52,6 @@ def test_coupon_as_step(folder: Path) -> None:
     assert "16 of 16 checks passed" in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("fsr400", "--formats", "obj"), "--formats: 'obj' is not one of the choices"),
-        (("fsr400", "--out", ""), "--out: is empty"),
-        (("fsr4",), "did you mean fsr400 or fsr402?"),
-    ],
-)
-def test_coupon_refuses(words: tuple[str, ...], message: str, folder: Path) -> None:
-    done = run_fingertip("coupon", *words)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert not list(folder.iterdir())
-
-
 @pytest.mark.full
 def test_calibrate_writes_a_design_that_the_printed_changes_give_too(folder: Path) -> None:
     path = readings()

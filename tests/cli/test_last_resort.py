@@ -124,3 +124,17 @@ def test_exit_codes_are_documented() -> None:
     page = (ROOT / "docs/files.md").read_text(encoding="utf-8")
     for code in (0, 1, 2, 70, 130, 141):
         assert f"\n| {code} | " in page
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full disk to offer")
+@pytest.mark.parametrize("words", [("params",), ("params", "--json"), ("params", "--schema"), ("--version",)])
+def test_results_that_cannot_be_written(words: tuple[str, ...]) -> None:
+    script = (
+        "import os, sys\nos.dup2(os.open('/dev/full', os.O_WRONLY), 1)\n"
+        "from fingertip.cli import app\napp(sys.argv[1:])\n"
+    )
+    done = run_python("-c", script, *words)
+    assert done.returncode == 2
+    assert (
+        done.stderr == "error: standard output: cannot be written (No space left on device); redirect it elsewhere.\n"
+    )

@@ -9,12 +9,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
-import typer
 
-from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.design.new_design import PRESETS, list_hands, write_new_design
+from fingertip.design.new_design import write_new_design
 from tests.conftest import run_fingertip, some_of
 
 SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
@@ -42,13 +40,6 @@ def test_the_file_is_the_bundled_design_of_its_sensor(sensor: str, folder: Path)
     assert run_fingertip("params", "mine.toml").returncode == 0
 
 
-def test_the_choice_of_sensors_is_that_of_the_parameter() -> None:
-    (model,) = (p for p in list_parameters() if p.path == "sensor.model")
-    assert model.bounds == " | ".join(SENSORS)
-    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "sensor")  # type: ignore[attr-defined]
-    assert f"{', '.join(SENSORS[:-1])} or {SENSORS[-1]} " in option.help
-
-
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -> None:
     text = write_new_design("mine", sensor).text
@@ -63,84 +54,12 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
             assert f"[{parameter.unit}, {parameter.bounds}]" in line
 
 
-def test_figures_of_ones_own_silicone_stand_at_the_top() -> None:
-    own = write_new_design("mine", "fsr400", changes=["silicone.product=own", "silicone.parts_b=5"])
-    lines = own.text.splitlines()
-    assert any(line.startswith("silicone.parts_b = 5.0 ") for line in lines)
-    assert any(line.startswith("silicone.density_g_cm3 = 1.08 ") for line in lines), "none is left as a comment"
-    catalogue = write_new_design("mine", "fsr400").text.splitlines()
-    assert any(line.startswith("#silicone.density_g_cm3 = 1.08 ") for line in catalogue)
-
-
 def test_the_top_of_the_file_is_short() -> None:
     lines = write_new_design("mine", "fsr400").text.splitlines()
     set_here = [line.partition(" = ")[0] for line in lines if line and not line.startswith("#")]
     assert set_here[:3] == ["name", "sensor.model", "skin.width_mm"]
     assert len(set_here) <= 12
     assert max(i for i, line in enumerate(lines) if line and not line.startswith("#")) < 20
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("a b",), "NAME: 'a b' cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("../up",), "NAME: '../up' cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("",), "NAME: '' cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("x" * 41,), "cannot name a folder; use up to 40 letters, digits, - and _."),
-        (("fsr402",), "NAME: fsr402 is the name of a bundled design; choose another, such as my_fsr402."),
-        (("mine", "--sensor", "fsr404"), "--sensor: 'fsr404' is not known; did you mean fsr400?"),
-        (("mine", "--sensor", "piezo"), "--sensor: 'piezo' is not known; known names: fsr400, fsr400_short, "),
-        (("mine", "--preset", "child"), "--preset: 'child' is not known; did you mean child_"),
-        (("mine", "--hand", "flexible"), "flexible: is neither a file nor the name of a bundled hand; "),
-    ],
-)
-def test_what_cannot_be_written_is_refused_with_a_remedy(words: tuple[str, ...], message: str, folder: Path) -> None:
-    done = run_fingertip("new", *words)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert not list(folder.iterdir())
-
-
-def test_all_issues_are_reported_at_once(folder: Path) -> None:
-    done = run_fingertip("new", "a/b", "--sensor", "fsr404", "--out", "x.txt")
-    assert [line.split(":")[1] for line in done.stderr.splitlines()] == [" --out", " NAME", " --sensor"]
-
-
-@pytest.mark.parametrize("kind", ["file", "folder", "broken link"])
-def test_nothing_is_overwritten(kind: str, folder: Path) -> None:
-    path = folder / "mine.toml"
-    if kind == "file":
-        path.write_text("[skin]\n")
-    elif kind == "folder":
-        path.mkdir()
-    else:
-        path.symlink_to("nowhere")
-    before = identity(path)
-    done = run_fingertip("new", "mine")
-    assert done.returncode == 2
-    assert re.search(r"is a folder|exists and is not overwritten; .* give another name\.", done.stderr)
-    assert identity(path) == before
-
-
-def identity(path: Path) -> tuple[int, ...]:
-    """What changes if a file is replaced or written; not the time of its last access."""
-    status = path.lstat()
-    return status.st_ino, status.st_mode, status.st_size, status.st_mtime_ns
-
-
-def test_out_json_and_quoting(folder: Path) -> None:
-    done = run_fingertip("new", "mine", "--out", "my designs/first try.toml", "--json")
-    data = json.loads(done.stdout)
-    assert data == {
-        "design": "my designs/first try.toml",
-        "name": "mine",
-        "sensor": "fsr400",
-        "base": "fsr400",
-        "fitted": {},
-        "reasons": {},
-        "next": "fingertip make 'my designs/first try.toml'",
-    }
-    assert Design.load(data["design"]).name == "mine"
 
 
 @pytest.mark.full
@@ -168,10 +87,3 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     lines = Path("mine.toml").read_text().splitlines()
     top = lines[: lines.index("")] + lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)
-
-
-def test_the_choices_of_presets_and_hands_are_those_of_the_help() -> None:
-    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "preset")  # type: ignore[attr-defined]
-    assert f"{', '.join(PRESETS[:-1])} or {PRESETS[-1]}" in option.help
-    (option,) = (p for p in typer.main.get_command(app).commands["new"].params if p.name == "hand")  # type: ignore[attr-defined]
-    assert all(name in option.help for name in list_hands())

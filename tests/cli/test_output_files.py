@@ -111,12 +111,6 @@ def test_a_file_beside_the_parts_of_another_design_is_refused_before_work(
     assert "out/fsr400: holds the parts of another design, or of other parameters" in done.stderr
 
 
-def test_a_report_of_no_design_is_refused(tmp_path: Path) -> None:
-    done = run_fingertip("check", tmp_path, "--junit", tmp_path / "checks.xml")
-    assert done.returncode == 2
-    assert "--junit: reports on designs, but only folders are given; give a design too." in done.stderr
-
-
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -144,25 +138,6 @@ def test_each_fault_of_a_file_is_named(
     assert len(issues) == (said is not None)
     assert not said or said in str(issues[0])
     assert sorted(tmp_path.iterdir()) == before
-
-
-@pytest.mark.parametrize(
-    ("words", "idle"),
-    [
-        (("board", "--check", "--bode", "x.csv", "--plot", "x.svg", "--bringup"), ["--bode", "--plot", "--bringup"]),
-        (("board", "--readings", "r.toml", "--check", "--fab", "--bode", "x.csv"), ["--check", "--fab", "--bode"]),
-        (("params", "--schema", "--toml", "--html", "x.html"), ["--html", "--toml"]),
-        (("params", "--toml", "--html", "x.html"), ["--html"]),
-        (("simulate", "--parameters", "--out", "x.csv", "--plot", "x.png"), ["--out", "--plot"]),
-        (("sweep", "board", "--outputs", "--csv", "x.csv", "--parquet", "x.parquet"), ["--csv", "--parquet"]),
-    ],
-)
-def test_a_file_that_would_not_be_written_is_refused(words: tuple[str, ...], idle: list[str], tmp_path: Path) -> None:
-    done = run_fingertip(*words, PWD=str(tmp_path))
-    assert done.returncode == 2
-    said = re.findall(r"^error: (--\w+): has no effect with --\w+, which writes nothing", done.stderr, re.MULTILINE)
-    assert said == idle
-    assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("words", [("board", "--out", ""), ("board", "--out="), ("build", "")])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import shutil
 import subprocess
@@ -243,34 +242,6 @@ def test_the_c_locale_writes_the_same_bytes(tmp_path: Path) -> None:
     done = run("params", "fsr400", folder=tmp_path, **ascii_only)
     assert done.returncode == 0, done.stderr
     assert read_files(tmp_path / "utf8") == read_files(tmp_path / "c")
-
-
-def read_from_terminal(command: list[str], **environment: str) -> bytes:
-    """Run a command on a terminal, and return what it printed."""
-    import pty
-
-    child, handle = pty.fork()
-    if child == 0:
-        os.environ.update(environment)
-        os.execv(command[0], command)
-    printed = b""
-    with contextlib.suppress(OSError):  # the end of a terminal
-        while data := os.read(handle, 4096):
-            printed += data
-    os.close(handle)
-    assert os.waitpid(child, 0)[1] == 0
-    return printed
-
-
-@pytest.mark.full
-def test_no_color_is_obeyed_on_a_terminal() -> None:
-    command = [sys.executable, "-m", "fingertip", "board", "--help"]
-    coloured = read_from_terminal(command, TERM="xterm-256color")
-    plain = read_from_terminal(command, TERM="xterm-256color", NO_COLOR="1")
-    assert b"Usage" in plain
-    assert b"\x1b[3" not in plain
-    assert b"\x1b[1;3" not in plain
-    assert b"--bringup" in coloured
 
 
 # Processors, memory, time

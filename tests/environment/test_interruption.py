@@ -18,22 +18,11 @@ from fingertip.foundation import processes as interruption
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import Interruption
-from tests.conftest import ROOT, run_python
+from tests.conftest import run_python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE")
 
-SOME = {"board": 8, "new": 4}
-"""Commands that `tools.fuzz.interrupt` interrupts here, and how often; it takes all of them."""
 WAIT_S = 120.0
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(("name", "count"), SOME.items())
-def test_random_interruptions_leave_whole_sets_and_no_litter(name: str, count: int, tmp_path: Path) -> None:
-    words = ("-m", "tools.fuzz.interrupt", "--commands", name, "--cases", str(count), "--seed", "24")
-    done = run_python(*words, "--out", str(tmp_path / "found"), PWD=str(ROOT))
-    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-1000:]
-    assert f"{count} interruptions, 0 faults" in done.stdout
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ def test_an_axis_of_the_smallest_numbers(least: float) -> None:
     ("statement", "message"),
     [
         ("UPDATE meta SET value = '= 1' WHERE key = 'plan'", "the description of its sweep cannot be read"),
-        ("DELETE FROM meta WHERE key = 'plan'", "the description of its sweep cannot be read"),
+        ("CREATE TABLE other (a)", "it holds other tables than a sweep"),
         ("UPDATE meta SET value = '[' || hex(zeroblob(3000)) WHERE key = 'plan'", "cannot be read"),
         ("UPDATE rows SET point = 99 WHERE point = 2", "row 99 is damaged"),
         ("UPDATE rows SET status = 'odd'", "row 0 is damaged"),
@@ -60,27 +60,6 @@ def test_a_damaged_database_of_a_sweep(tmp_path: Path, statement: str, message: 
         assert "is damaged: " in done.stderr
         assert message in done.stderr
         assert "restore it from a copy, or run the sweep again in another folder." in done.stderr
-
-
-@pytest.mark.full
-def test_axes_are_refused_before_their_values_are_made(tmp_path: Path) -> None:
-    path = tmp_path / "s.toml"
-    for axis, message in (
-        ("skin.width_mm = { low = 14.0, high = 20.0, steps = 1000000000 }", "1000000000 values are too many"),
-        (f"skin.width_mm = {list(range(100_001))}", "lists 100001 values; at most 100000"),
-        ("skin.width_mm = [[1]]", "[1] is no value of a parameter; list numbers or texts"),
-        ("skin.width_mm = [{a = 1}]", "{'a': 1} is no value of a parameter"),
-        ("skin.width_mm = [17, 17.0]", "17.0 is listed more than once"),
-    ):
-        path.write_text(f"outputs = []\n[axes]\n{axis}\n")
-        done = run_fingertip("sweep", path, "--out", tmp_path / "out")
-        assert done.returncode == 2
-        assert message in done.stderr
-    path.write_text(
-        'outputs = []\nsampling = "sobol"\npoints = 67108864\n[axes]\nskin.width_mm = {low = 14, high = 20}\n'
-    )
-    done = run_fingertip("sweep", path, "--out", tmp_path / "out")
-    assert "points: 67108864 points of 1 axes do not fit in memory; at most 16777216." in done.stderr
 
 
 def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:

@@ -10,7 +10,6 @@ import hashlib
 import io
 import json
 import os
-import random
 import sqlite3
 import zipfile
 from collections.abc import Callable
@@ -20,12 +19,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fingertip.design.parameters import PARAMETERS
-from fingertip.foundation.errors import DesignError, Issue
-from tools.fuzz import in_process, pieces, run, targets
-from tools.fuzz.cases import Case, design_cases
-from tools.fuzz.computing import draw_case, draw_value, settle
-from tools.fuzz.outcome import Outcome, find_faults, judge
+from tools.fuzz import pieces
+from tools.fuzz.cases import Case
+from tools.fuzz.outcome import Outcome, find_faults
 from tools.fuzz.pieces import Line, Pieces
 from tools.fuzz.promises import PROMISES, check_folder
 
@@ -51,34 +47,6 @@ CASE = Case("test", ("params", "--json"), promise="design", is_accepted=True)
 )
 def test_each_fault_is_seen(tmp_path: Path, outcome: Outcome, fault: str) -> None:
     assert any(found.startswith(fault) for found in find_faults(CASE, outcome, tmp_path))
-
-
-def _made(code: int, *paths: str) -> Callable[[Case, Path], Outcome]:
-    """Run of a command that writes files and ends with an exit code."""
-
-    def run(case: Case, folder: Path) -> Outcome:
-        for path in paths:
-            (folder / path).write_text("nan")
-        return Outcome(code, "", "error" * (code == 2), 0, 0.1)
-
-    return run
-
-
-@pytest.mark.parametrize(
-    ("run", "fault"),
-    [
-        (_made(0, "a.md"), "promise: has_only_numbers: a.md"),
-        (_made(0, "a.xyz"), "promise: is_expected: a.xyz"),
-        (_made(2, "a.md"), "litter: refused"),
-        (_made(0, ".a"), "litter: ['.a"),
-        (_made(0, "../tmp/a"), "litter: ['a: nan"),
-    ],
-)
-def test_what_a_command_leaves_is_judged(tmp_path: Path, run: Callable[[Case, Path], Outcome], fault: str) -> None:
-    outcome, found = judge(Case("test", ("sheet",), promise="files"), tmp_path, run)
-    assert outcome.seconds == 0.1
-    assert [text for text in found if text.startswith(fault)], found
-    assert not any(tmp_path.iterdir())
 
 
 def _saved(save: Callable[[io.BytesIO], object]) -> bytes:
@@ -152,53 +120,6 @@ def test_each_promise_can_be_broken(tmp_path: Path, name: str, sound: str | byte
     assert {promise for promises in PROMISES.values() for promise in promises} == tested, "every promise is tested"
 
 
-@pytest.mark.full
-def test_the_same_seed_gives_the_same_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "cases", design_cases)  # recordings need heavy packages
-    drawn: list[list[Case]] = []
-    for done in (0, 0, 8):
-        cases: list[Case] = []
-        run.run_cases(
-            12, 5, lambda case, *_, cases=cases: cases.append(case), tmp_path,
-            lambda case, _: Outcome(2, "", "error", 0, 0.0), done,
-        )  # fmt: skip
-        drawn.append(cases)
-    assert drawn[0] == drawn[1]
-    assert drawn[0][8:] == drawn[2]
-    assert len(drawn[0]) == 12
-    assert draw_case(3, 4) == draw_case(3, 4) != draw_case(4, 4)
-
-
-def test_a_computing_case_that_is_sound_has_no_fault(tmp_path: Path) -> None:
-    number = next(n for n in range(1000) if random.Random(f"0 {n}").random() < 0.05)  # the cheapest of the families
-    found: list[tuple[str, int | None, list[str]]] = []
-
-    def note(case: Case, outcome: Outcome, faults: list[str]) -> None:
-        # The peak of memory is that of this process, which has run other tests.
-        found.append((case.family, outcome.code, [fault for fault in faults if not fault.startswith("memory")]))
-
-    run.compute_cases(0, range(number, number + 1), note, tmp_path)
-    assert found == [("values", 0, [])]
-
-
-def test_values_are_drawn_at_the_bounds_and_next_to_them() -> None:
-    rng, width = random.Random(1), PARAMETERS["skin.width_mm"]
-    drawn = {float(draw_value(rng, width) or "nan") for _ in range(300)}
-    assert {6.0, 60.0, np.nextafter(6.0, 0.0), np.nextafter(60.0, 99.0)} <= drawn
-    assert len([value for value in drawn if 6.0 <= value <= 60.0]) > 100
-    assert 0.0 not in {float(draw_value(rng, PARAMETERS["board.cutoff_hz"]) or "0") for _ in range(100)}
-
-
-def test_remedies_are_typed_in_until_they_help() -> None:
-    def load(changes: list[str]) -> str:
-        if changes[-1] != "a.b=3":
-            raise DesignError(Issue("a.b", f"{changes[-1]} is too small; at least {len(changes) + 1}."))
-        return "accepted"
-
-    assert settle(load, ["a.b=1"]) == ("accepted", ["a.b=1", "a.b=2", "a.b=3"])
-    assert settle(lambda changes: load([*changes, "x"]), ["a.b=1"])[0] is None
-
-
 def test_a_run_that_was_stopped_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A case that ends its process counts as a crash, one that hangs as well, and no case runs twice."""
     monkeypatch.setattr(pieces, "SILENCE_S", 0.3)
@@ -219,21 +140,3 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path, monkeypatch: pytest.Monk
         ["crash: exit code 3"], ["crash: exit code -9"]
     ]  # fmt: skip
     assert json.dumps(again) == json.dumps(lines)
-
-
-def test_a_target_that_fails_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    targets.run_hypothesis("manifest", 5, 0)
-    monkeypatch.setattr(targets, "verify_sets", lambda folder: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        targets.run_hypothesis("manifest", 5, 0)
-    assert targets.run_each(lambda name: int(name), ["1"]) == 0
-    assert targets.run_each(lambda name: int(name), ["1", "x"]) == 1
-
-
-def test_a_hang_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def never_end(rows: object) -> str:
-        while True:
-            pass
-
-    monkeypatch.setattr("fingertip.design.files.format_parameter_table", never_end)
-    assert in_process.run(Case("test", ("params",), limit_s=0.05), tmp_path).code is None

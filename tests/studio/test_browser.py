@@ -12,9 +12,10 @@ import pytest
 
 from fingertip import Design
 from fingertip.design.files import to_toml
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_bounds
 from fingertip.studio.server import StudioServer
 from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait
-from tests.studio.test_server import list_bad_values
 
 
 @pytest.fixture(scope="module")
@@ -96,15 +97,6 @@ def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
 
 
 @pytest.mark.full
-def test_a_choice_brings_other_parts(opened: Any) -> None:
-    assert "core" not in opened.find_element("id", "boxes").text
-    put(opened, "mold.method", "sleeve")
-    assert "core" in opened.find_element("id", "boxes").text
-    moved = opened.find_element("css selector", "[data-named='skin.width_mm']").get_attribute("data-moves")
-    assert "core" in moved.split()
-
-
-@pytest.mark.full
 def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     before = picture(opened)
     verdict = put(opened, "skin.width_mm", 8)
@@ -120,6 +112,16 @@ def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     assert "is not a number" in find_refusals(opened)["/skin/width_mm"]
     assert put(opened, "skin.width_mm", 17) == WARNS.format(passed=61, all=63)
     assert find_refusals(opened) == {}
+
+
+def list_bad_values(count: int) -> dict[str, float]:
+    """Values out of bounds for as many numbers of a design."""
+    bad = {}
+    for path, declared in PARAMETERS.items():
+        bounds = find_bounds(declared)
+        if "." in path and bounds.maximum is not None and len(bad) < count:
+            bad[path] = bounds.maximum * 10 + 1 if len(bad) % 2 else -1.0 - 10 * abs(bounds.minimum or 0.0)
+    return bad
 
 
 def test_fifty_refusals_stand_beside_their_fields(opened: Any) -> None:
@@ -158,14 +160,6 @@ def test_files_of_the_changed_design_are_downloaded(opened: Any, design: Design)
     with zipfile.ZipFile(packed) as archive:
         assert archive.testzip() is None
         assert "bone.stl" in archive.namelist()
-
-
-@pytest.mark.full
-def test_all_checks_come_on_demand(opened: Any) -> None:
-    before = int(opened.execute_script("return document.documentElement.dataset.checked"))
-    click(opened, "#check-all")
-    wait(lambda: "shape and files" in opened.find_element("id", "verdict").text, 60)
-    assert int(opened.execute_script("return document.documentElement.dataset.checked")) > before
 
 
 @pytest.mark.full

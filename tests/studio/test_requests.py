@@ -41,7 +41,7 @@ def server(design: Design) -> Iterator[StudioServer]:
             thread.join()
 
 
-def post(server: StudioServer, body: bytes | str, **headers: str | None) -> bytes:
+def post(server: StudioServer, body: bytes | str, path: str = "/api/download/design", **headers: str | None) -> bytes:
     """A request as the page sends it. A header given as None is left out, others replace the page's."""
     data = body.encode() if isinstance(body, str) else body
     shown: dict[str, str | None] = {
@@ -49,7 +49,7 @@ def post(server: StudioServer, body: bytes | str, **headers: str | None) -> byte
         "Content-Length": str(len(data)),
     }  # fmt: skip
     shown |= {name.replace("_", "-"): value for name, value in headers.items()}
-    lines = ["POST /api/download/design HTTP/1.1", *(f"{n}: {v}" for n, v in shown.items() if v is not None), "", ""]
+    lines = [f"POST {path} HTTP/1.1", *(f"{n}: {v}" for n, v in shown.items() if v is not None), "", ""]
     return "\r\n".join(lines).encode("utf-8") + data
 
 
@@ -99,6 +99,19 @@ def list_malformed(server: StudioServer) -> Iterator[tuple[bytes, int, str]]:
     yield post(server, b'{"\xff": 1}'), 400, "not valid JSON"
     yield post(server, TABLES % (100_000 * "[")), 400, "not valid JSON"
     yield post(server, TABLES % (13 * "[" + 13 * "]")), 400, "nests tables and lists more than 12 deep"
+    yield post(server, "{"), 400, "not valid JSON"
+    yield post(server, "[]"), 400, "no JSON object"
+    for body in ("{}", '{"client": 3, "tables": {}}'):
+        yield post(server, body), 400, "not both tables and a client"
+    for path in ("/api/nothing", "/api/download/step", "/parts"):
+        yield post(server, TABLES % "{}", path), 404, "nothing at this address"
+    yield post(server, "{}", Content_Type="text/plain"), 415, "application/json"
+    for value in ("evil.example", "127.0.0.1", "127.0.0.1:1", None):
+        yield post(server, "{}", Host=value), 403, "answers to"
+    for name, values in {"Origin": ("http://evil.example", "null"), TOKEN_HEADER: (None, "wrong", "\xe9")}.items():
+        for value in values:
+            yield post(server, "{}", **{name: value}), 403, ""
+    yield post(server, TABLES % '{"x": 1}', Origin=f"http://{server.hosts[1]}"), 200, "there is no such parameter"
     yield post(server, TABLES % '{"width_mm": NaN, "length_mm": 1e999}'), 200, "is not a finite number"
     yield post(server, TABLES % '{"\\u0000\\u202e": null}'), 200, "there is no such parameter"
 
@@ -110,6 +123,7 @@ def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest
         content: dict[str, Any] = json.loads(reply.data)  # type: ignore[attr-defined]
         assert (reply.status, set(content)) == (status, {"issues" if status == 200 else "error"}), request[:80]
         assert said in json.dumps(content), request[:80]
+        assert "Access-Control-Allow-Origin" not in reply.headers
     wait_for_handlers()
     assert capfd.readouterr() == ("", "")
 

@@ -19,7 +19,6 @@ import numpy
 import pytest
 
 from fingertip import __version__
-from fingertip.cli.console import format_state
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep import engines
 from fingertip.sweep.database import SweepDatabase
@@ -205,11 +204,6 @@ def test_closed_port_is_refused_at_once_and_nothing_is_written(tmp_path: Path) -
     )
 
 
-@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1", "tcp://:8786", "tcp://host:port"])
-def test_malformed_address_is_refused(tmp_path: Path, address: str) -> None:
-    assert f"--cluster: {address!r} is not an address; write it as tcp://HOST:8786" in run_refused(tmp_path, address)
-
-
 def test_listener_that_is_not_a_scheduler_is_refused_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fingertip.sweep.engines._CONNECT_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -263,28 +257,3 @@ def test_worker_that_hangs_is_refused_before_anything_is_written(
         assert "a worker has not answered for 1 s; end the workers that hang, or start them again" in message
     finally:
         os.killpg(group, signal.SIGCONT)
-
-
-@pytest.mark.full
-def test_worker_that_hangs_later_is_reported_and_its_rows_come_in_the_end(
-    dask: DaskCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    dask.start_all(1)
-    engine = DaskEngine(dask.address)
-    monkeypatch.setattr("fingertip.sweep.run.HANG_LIMITS", 1.0)
-    plan = make_plan(**LONG_SWEEP, time_limit_s=1.0)
-    lines: list[str] = []
-    group = dask.processes[1].pid
-
-    def hang_once(state: RunState) -> None:
-        if state.written and not lines:
-            os.killpg(group, signal.SIGSTOP)
-        if state.written:
-            lines.append(format_state(state))
-            if "no worker has answered for" in lines[-1]:
-                os.killpg(group, signal.SIGCONT)
-
-    with SweepDatabase.create(tmp_path / "out", plan) as database:
-        run_sweep(plan, database, engine, hang_once, worker_functions.succeed)
-    assert any("one may hang; Ctrl-C keeps the rows, and --resume continues" in line for line in lines)
-    assert_rows_complete(tmp_path / "out", plan.size)

@@ -8,10 +8,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from fingertip.sweep import run
+from fingertip.sweep import engines, run
 from fingertip.sweep.database import FILE, SweepDatabase, SweepRow
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
@@ -19,7 +20,6 @@ from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import run_sweep
 from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan
-from tests.tools import require_tool
 
 BOARD_POINTS = 72
 """Points of `examples.BOARD`."""
@@ -93,6 +93,19 @@ def test_crash_or_hang_of_a_worker_fails_only_its_point(
             assert reason in row.reason
         else:
             assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
+
+
+def test_points_of_workers_that_died_by_themselves_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A broken pool terminates the others; where all look terminated, nobody knows which of them died."""
+    monkeypatch.setattr(engines, "EXIT_TIMEOUT_S", 0.0)
+    monkeypatch.setattr(engines, "time", SimpleNamespace(monotonic=lambda: 100.0))
+    engine = ProcessEngine(6)
+    codes = (None, 0, -signal.SIGTERM, 1, -signal.SIGKILL, 9)
+    status = SimpleNamespace(pids=range(6), points=(50, 51, 52, 53, 54, engines.NO_POINT), since_s=range(90, 96))
+    monkeypatch.setattr(engine, "_status", status)
+    for seen, found in ((codes, {53: 7.0, 54: 6.0}), ((0,) * 6, {50 + i: 10.0 - i for i in range(5)})):
+        engine._processes = [SimpleNamespace(pid=i, exitcode=code) for i, code in enumerate(seen)]  # type: ignore[misc]
+        assert engine.find_crashed_points() == found
 
 
 def find_processes(group: int) -> list[int]:
@@ -181,35 +194,3 @@ def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     assert_processes_end(process.pid)
     assert [path.name for path in out.iterdir()] == [FILE]
     assert len(read_rows(out)) > 0
-
-
-@pytest.mark.full
-def test_full_disk_is_reported_and_resume_completes_the_rows(tmp_path: Path, uninterrupted: list[str]) -> None:
-    """The disk is a small file system, mounted in a mount namespace of the test."""
-    unshare = require_tool("unshare", "util-linux")
-    if subprocess.run([unshare, "-rm", "true"], capture_output=True, check=False).returncode:
-        pytest.skip("A MOUNT NAMESPACE IS NOT ALLOWED HERE, A REAL FULL DISK IS NOT TESTED")
-    file, disk = tmp_path / "sweep.toml", tmp_path / "disk"
-    file.write_text(LARGE_SWEEP)
-    disk.mkdir()
-    sweep = f"{sys.executable} -m fingertip sweep {file} --out {disk}/out"
-    script = f"""
-mount -t tmpfs -o size=200k none {disk} || exit 9
-{sweep} 2> {tmp_path}/errors
-echo $? > {tmp_path}/code
-mount -o remount,size=20m {disk} || exit 9
-{sweep} --resume -q || exit 8
-cp -r {disk}/out {tmp_path}/out
-"""
-    result = subprocess.run(
-        [unshare, "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert result.returncode == 0, result.stderr
-    errors = (tmp_path / "errors").read_text()
-    assert (tmp_path / "code").read_text() == "2\n"
-    assert "Traceback" not in errors
-    assert (
-        f"error: {disk}/out: cannot be written any further (database or disk is full); free some space, then continue "
-        "with --resume. The rows written so far are safe.\n"
-    ) in errors
-    assert read_rows(tmp_path / "out") == uninterrupted

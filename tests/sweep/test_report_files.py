@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import json
 import math
@@ -14,22 +13,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import Result
 from PIL import Image
-from typer.testing import CliRunner
 
-from fingertip.cli import app
 from fingertip.design import Design
+from fingertip.foundation import plot_style
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
+from fingertip.sweep import report
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
-from fingertip.sweep.report.plots import draw_pareto_front, draw_scatter_matrix
 from fingertip.sweep.report.statistics import classify_points
-from fingertip.sweep.report.summary import Objective, format_text, summarise, to_json_data
-from tests.sweep.examples import InlineEngine, make_table
+from tests.sweep.examples import assert_approved, make_table
 
 SWEEP: dict[str, Any] = {
     "name": "hand",
@@ -77,50 +73,98 @@ def make_database(
     return database
 
 
-Report = tuple[SweepDatabase, Path, dict[str, Any]]
-"""A database, the folder of its report, and the data that `write_report` returned."""
-
-
-def compute_hashes(folder: Path) -> dict[str, str]:
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
-
-
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Report]:
-    folder = tmp_path_factory.mktemp("report")
-    with make_database(folder / "sweep") as database:
-        yield database, folder / "out", write_report(database, folder / "out")
+def database(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SweepDatabase]:
+    with make_database(tmp_path_factory.mktemp("report") / "sweep") as database:
+        yield database
 
 
-@pytest.mark.full
-def test_report_contains_the_files_and_numbers_that_it_names(report: Report) -> None:
-    _, out, data = report
-    assert sorted(path.name for path in out.iterdir() if path.name != "manifest.json") == data["files"]
-    assert set(data["files"]) >= {
-        "best.toml",
-        "feasibility.png",
-        "heatmap_delay_ms.png",
-        "heatmap_skin_volume_mm3.png",
-        "pareto_front.csv",
-        "pareto_front.png",
-        "scatter_matrix.png",
-        "sensitivity.png",
-    }
-    summary = json.loads((out / "summary.json").read_text())
+def figures(*values: float) -> str:
+    """Figures of numbers, without what the last digits of a processor leave of zero."""
+    return " ".join(f"{round(value, 9) + 0.0:.5g}" for value in values)
+
+
+def describe_artist(artist: Any) -> str:
+    """Describe what is drawn by its kind, colours, sizes, and the sums of its numbers."""
+    kind = type(artist).__name__
+    if kind == "Text" and artist.get_text():
+        place = f"{figures(*artist.get_position())} {artist.get_color()} {artist.get_fontsize():.3g}"
+        return f"text at {place}: {artist.get_text()!r}"
+    if kind == "Line2D":
+        drawn = np.array(artist.get_data(), dtype=float)
+        x, y = drawn[:, np.isfinite(drawn).all(axis=0)]
+        look = [artist.get_color(), artist.get_marker(), artist.get_linestyle(), artist.get_drawstyle()]
+        sizes = (artist.get_markersize(), artist.get_markeredgewidth(), artist.get_linewidth())
+        sums = figures(*sizes, *x[:2], *y[:2], x.sum(), y.sum(), x @ y)
+        label = artist.get_label().partition("_child")[0]  # those that matplotlib gives are no text
+        return f"line of {len(x)}, {label!r} {look}: {sums}"
+    if kind in ("QuadMesh", "AxesImage"):
+        cells = np.ma.filled(artist.get_array().astype(float), -1.0)
+        return f"cells, {artist.get_clim()}: {[figures(*row) for row in cells.reshape(-1, cells.shape[-1])]}"
+    if kind == "PathCollection":
+        offsets = np.asarray(artist.get_offsets())
+        return f"marks: {len(offsets)}, {figures(*offsets.sum(axis=0), *artist.get_facecolors().sum(axis=0))}"
+    return f"legend: {[text.get_text() for text in artist.get_texts()]}" if kind == "Legend" else ""
+
+
+def describe_bars(bars: Any) -> str:
+    numbers = np.array([(bar.get_x(), bar.get_width(), bar.get_y(), bar.get_height()) for bar in bars])
+    sums = figures(*bars[0].get_facecolor(), *numbers.sum(axis=0), numbers[:, 0] @ numbers[:, 3])
+    return f"{len(bars)} bars: {sums}"
+
+
+def describe_figure(figure: Any) -> str:
+    lines = [f"figure of {figures(*figure.get_size_inches())} in: {figure.get_suptitle()!r}"]
+    lines += map(describe_artist, figure.legends)
+    for axes in figure.axes:
+        labels = [axes.get_title(), axes.get_title("left"), axes.get_xlabel(), axes.get_ylabel()]
+        scales = f"{axes.get_xscale()} {figures(*axes.get_xlim())}, {axes.get_yscale()} {figures(*axes.get_ylim())}"
+        drawn = axes.get_children() if axes.get_label() != "<colorbar>" else []
+        texts = [*map(describe_artist, drawn), *map(describe_bars, axes.containers)]
+        lines += [f"axes {labels}: {scales}", *(f"  {text}" for text in texts if text)]
+    return "\n".join(lines)
+
+
+GRID = {"skin.width_mm": [15.0, 16.0, 17.0, 18.0, 20.0], "board.cutoff_hz": {"low": 20.0, "high": 130.0, "steps": 6}}
+NARROW = {**SWEEP["axes"], "skin.width_mm": {"low": 14.0, "high": 16.9}}
+SLOW = {**SWEEP["axes"], "board.cutoff_hz": {"low": 20.0, "high": 24.0}}
+CASES: dict[str, dict[str, Any]] = {
+    "complete": {},
+    "grid": {"axes": GRID, "sampling": "grid", "points": 0, "minimise": [], "maximise": ["cutoff_3db_hz"]},
+    "three_objectives": {"points": 60, "maximise": ["cutoff_3db_hz"]},
+    "failed_checks": {"points": 60, "checks_failed": 1.0},
+    "nothing_feasible": {"points": 50, "axes": NARROW},
+    "no_finite_objective": {"points": 60, "axes": SLOW},
+    "no_objective": {"points": 60, "outputs": ["checks_failed"], "minimise": []},
+    "no_row": {"row_count": 0},
+    "one_row": {"row_count": 1},
+    "five_rows": {"row_count": 5},
+}
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", CASES)
+def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Text, and figures of some: what matplotlib is asked to draw stands for its pixels."""
+    pytest.importorskip("matplotlib")
+    drawn: list[str] = []
+    monkeypatch.setattr(plot_style, "to_png", lambda figure: drawn.append(describe_figure(figure)) or b"")
+    if name not in ("complete", "grid", "one_row"):
+        monkeypatch.setattr(report, "select_plots", lambda _: iter(()))
+    with make_database(tmp_path / "sweep", **CASES[name]) as database:
+        data = write_report(database, tmp_path / "out")
+    written = sorted(path.name for path in (tmp_path / "out").iterdir() if path.name != "manifest.json")
+    assert written == data["files"]
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary == {key: value for key, value in data.items() if key != "text"}
-    assert summary["status"] == {"ok": 297, "refused": 100, "failed": 3, "timeout": 0}
-    assert summary["limiting_rules"][0]["rule"] == "skin.width_mm"
-    assert summary["limiting_rules"][0]["axes"][0]["axis"] == "skin.width_mm"
-    assert summary["outputs"]["delay_ms"]["infinite"] > 0
-    strongest = {sensitivity["output"]: sensitivity["axes"][0] for sensitivity in summary["sensitivity"]}
-    assert strongest["delay_ms"]["axis"] == "board.cutoff_hz"
-    assert strongest["delay_ms"]["first_order_index"] > 0.95
-    assert strongest["feasible"]["axis"] == "skin.width_mm"
+    found = "\n\n".join([data["text"], json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn]) + "\n"
+    assert_approved(found, name)
 
 
 @pytest.mark.full
-def test_best_design_file_reproduces_its_row_and_the_front_is_listed(report: Report) -> None:
-    database, out, data = report
+def test_best_design_file_reproduces_its_row_and_the_front_is_listed(database: SweepDatabase, tmp_path: Path) -> None:
+    out = tmp_path
+    data = write_report(database, out)
     best = data["best"]
     design = Design.load(out / "best.toml")
     for name, value in best["parameters"].items():
@@ -135,72 +179,6 @@ def test_best_design_file_reproduces_its_row_and_the_front_is_listed(report: Rep
     assert [int(line["point"]) for line in listed] == data["pareto_front"]
     delay_ms = {row.point: row.outputs["delay_ms"] for row in database.rows()}
     assert [float(line["delay_ms"]) for line in listed] == [delay_ms[point] for point in data["pareto_front"]]
-
-
-def test_failed_check_makes_a_point_infeasible(tmp_path: Path) -> None:
-    with make_database(tmp_path / "sweep", checks_failed=1.0) as database:
-        summary = summarise(database.plan, database.table())
-    assert to_json_data(summary)["feasible"] == 0
-    assert summary.selection.best is None
-    assert summary.limiting_rules[0].rule == "checks_failed"
-    assert "None of 400 points is feasible; the most frequent limiting rule is checks_failed (74 %)" in format_text(
-        summary
-    )
-
-
-@pytest.mark.full
-def test_report_without_feasible_points_names_the_limiting_rule(tmp_path: Path) -> None:
-    narrow = {**SWEEP["axes"], "skin.width_mm": {"low": 14.0, "high": 16.9}}
-    with make_database(tmp_path / "sweep", axes=narrow, points=50) as database:
-        data = write_report(database, tmp_path / "out")
-    assert (
-        "None of 50 points is feasible; the most frequent limiting rule is skin.width_mm (100 %)."
-        in data["best_summary"]
-    )
-    assert REASON in data["best_summary"]
-    assert "best.toml" not in data["files"]
-    assert "feasibility.png" in data["files"]
-
-
-def test_objective_that_is_always_infinite_gives_no_best_point(tmp_path: Path) -> None:
-    slow = {**SWEEP["axes"], "board.cutoff_hz": {"low": 20.0, "high": 24.0}}
-    with make_database(tmp_path / "sweep", axes=slow) as database:
-        summary = summarise(database.plan, database.table())
-    assert to_json_data(summary)["feasible"] == 297
-    assert (summary.selection.best, summary.selection.excluded, len(summary.selection.front)) == (None, 297, 0)
-    goals = "minimise skin_volume_mm3 and minimise delay_ms"
-    assert f"None of 297 feasible points has a finite value of every objective ({goals})." in format_text(summary)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("row_count", [0, 1, 5])
-def test_report_works_with_few_rows(tmp_path: Path, row_count: int) -> None:
-    with make_database(tmp_path / "sweep", row_count=row_count) as database:
-        data = write_report(database, tmp_path / "out")
-    assert data["rows"] == row_count
-    assert (tmp_path / "out" / "summary.json").exists()
-    assert data["text"].startswith(f"hand: {row_count} of 400 points")
-
-
-def test_sweep_without_objectives_still_has_a_feasibility_plot(tmp_path: Path) -> None:
-    with make_database(tmp_path / "sweep", outputs=["checks_failed"], minimise=[], maximise=[]) as database:
-        data = write_report(database, tmp_path / "out")
-    assert "feasibility.png" in data["files"]
-    assert "has no objective" in data["best_summary"]
-
-
-@pytest.mark.full
-def test_same_rows_give_the_same_bytes(report: Report, tmp_path: Path) -> None:
-    database, out, _ = report
-    write_report(database, tmp_path / "again")
-    assert compute_hashes(tmp_path / "again") == compute_hashes(out)
-
-
-@pytest.mark.full
-def test_unwritable_folder_is_reported(report: Report, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="cannot be written"):
-        write_csv(report[0], tmp_path / "file" / "out" / "rows.csv")
 
 
 def count_pixels(png: bytes, *colours: int) -> list[int]:
@@ -222,18 +200,8 @@ def test_areas_of_the_feasibility_map_equal_the_shares_of_the_rules() -> None:
     assert total > 500_000
 
 
-def test_plots_of_many_points_draw_a_sample() -> None:
-    rng = np.random.default_rng(0)
-    columns = {name: rng.random(100_000) for name in ("skin.width_mm", "board.cutoff_hz", "delay_ms")}
-    assert draw_scatter_matrix(columns, rng.random(100_000) < 0.5).startswith(b"\x89PNG")
-    objectives = [Objective("delay_ms", 1), Objective("skin.width_mm", 1)]
-    x, y = columns["delay_ms"], columns["skin.width_mm"]
-    assert draw_pareto_front(objectives, (x, y), np.arange(3), best=0).startswith(b"\x89PNG")
-
-
 @pytest.mark.full
-def test_csv_reads_back_as_the_rows(report: Report, tmp_path: Path) -> None:
-    database, _, _ = report
+def test_csv_reads_back_as_the_rows(database: SweepDatabase, tmp_path: Path) -> None:
     write_csv(database, tmp_path / "rows.csv")
     with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as file:
         lines = list(csv.DictReader(file))
@@ -254,10 +222,9 @@ def test_csv_reads_back_as_the_rows(report: Report, tmp_path: Path) -> None:
 
 @pytest.mark.full
 def test_parquet_has_types_groups_and_the_same_rows(
-    report: Report, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    database: SweepDatabase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    database, _, _ = report
     monkeypatch.setattr("fingertip.sweep.report._GROUP_ROWS", 150)
     write_parquet(database, tmp_path / "rows.parquet")
     file = parquet.ParquetFile(tmp_path / "rows.parquet")
@@ -311,57 +278,11 @@ def test_failed_export_leaves_the_existing_file_unchanged(
     tmp_path: Path, export: Callable[[RowSource, Path], None]
 ) -> None:
     (tmp_path / "rows").write_bytes(b"old")
-    with pytest.raises(ZeroDivisionError):
-        export(GeneratedRows(100, fails=True), tmp_path / "rows")
+    for name in ("rows", "new/deeper/rows"):
+        with pytest.raises(ZeroDivisionError):
+            export(GeneratedRows(100, fails=True), tmp_path / name)
     assert (tmp_path / "rows").read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [tmp_path / "rows"]
     (tmp_path / "folder").mkdir()
     with pytest.raises(OutputError, match="is a folder"):
         export(GeneratedRows(1), tmp_path / "folder")
-
-
-BOARDS = """
-name = "boards"
-outputs = ["cutoff_3db_hz", "gain"]
-GOAL
-[axes]
-board.cutoff_hz = [60, 67, 75]
-"""
-
-
-@pytest.mark.full
-def test_show_uses_the_objectives_of_the_file_and_refuses_a_different_sweep(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Rows do not depend on objectives, so a report may use others than the run. Any other change is refused."""
-    monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
-    file, out = tmp_path / "sweep.toml", tmp_path / "rows"
-
-    def run(goal: str, *arguments: str) -> Result:
-        file.write_text(BOARDS.replace("GOAL", goal))
-        return CliRunner().invoke(app, ["sweep", str(file), "--out", str(out), "--json", "--quiet", *arguments])
-
-    assert run("", "--jobs", "1").exit_code == 0
-    assert json.loads(run("", "--show").stdout)["best"] is None
-    for goal, point in (('minimise = ["cutoff_3db_hz"]', 0), ('maximise = ["cutoff_3db_hz"]', 2)):
-        result = run(goal, "--show")
-        assert result.exit_code == 0, result.stderr
-        assert json.loads(result.stdout)["best"]["point"] == point
-        assert (out / "best.toml").read_text().startswith(f"# Point {point} of the sweep boards.")
-
-    # Given the folder alone, the report uses the objectives of the latest run.
-    show_folder = ["sweep", "--show", "--out", str(out), "--json", "--quiet"]
-    assert json.loads(CliRunner().invoke(app, show_folder).stdout)["best"] is None
-    resumed = run('minimise = ["cutoff_3db_hz"]', "--resume", "--jobs", "1")
-    assert resumed.exit_code == 0, resumed.stderr
-    assert json.loads(resumed.stdout)["computed_now"] == 0
-    assert json.loads(CliRunner().invoke(app, show_folder).stdout)["best"]["point"] == 0
-    assert "--set: changes a sweep file" in CliRunner().invoke(app, [*show_folder, "--set", "trials=4"]).stderr
-
-    for option in ("--show", "--resume"):
-        for change in ("skin.width_mm=18", "axes.board.cutoff_hz=[60, 68, 75]"):
-            result = run('maximise = ["cutoff_3db_hz"]', option, "--set", change)
-            assert result.exit_code == 2
-            assert "holds a different sweep than the file now describes (- stored, + file)" in result.stderr
-            assert "maximise" not in result.stderr  # a different objective is no difference
-            assert "18" in result.stderr or "68" in result.stderr

@@ -17,7 +17,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
 from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
-from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading, draw_scatter_matrix
+from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading
 from fingertip.sweep.report.statistics import (
     Bins,
     Column,
@@ -69,6 +69,38 @@ def test_ranks_equal_those_of_scipy(values: list[float]) -> None:
     assert compute_ranks(np.array(values)).tolist() == stats.rankdata(values).tolist()
 
 
+@settings(max_examples=40)
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 3)), min_size=2, max_size=30))
+def test_correlation_equals_that_of_numpy(points: list[tuple[int, int]]) -> None:
+    x, y = np.array(points, dtype=float).T
+    if np.ptp(x) and np.ptp(y):
+        assert compute_correlation(x, y) == pytest.approx(np.corrcoef(x, y)[0, 1], abs=1e-12)
+    else:
+        assert math.isnan(compute_correlation(x, y))
+
+
+VALUES = st.sampled_from([-3.0, 0.5, 7.0, math.inf, math.nan])
+CELLS = st.lists(st.tuples(st.integers(0, 3), st.integers(0, 2), VALUES, st.booleans()), min_size=1, max_size=40)
+
+
+@settings(max_examples=60)
+@given(CELLS, st.booleans())
+def test_cells_contain_the_best_value_and_the_mean_over_other_axes(
+    points: list[tuple[int, int, float, bool]], minimise: bool
+) -> None:
+    x, y, values, feasible = (np.array(column, dtype=float) for column in zip(*points, strict=True))
+    bins = [bin_by_value(axis, 9) for axis in (x, y)]
+    with np.errstate(all="raise"):
+        cells = compute_cell_statistics(*bins, values, feasible.astype(bool), minimise=minimise)
+    for i, j in itertools.product(range(bins[1].count), range(bins[0].count)):
+        inside = (bins[0].indices == j) & (bins[1].indices == i)
+        usable = values[inside & (feasible > 0) & np.isfinite(values)]
+        assert (cells.points[i, j], cells.finite[i, j]) == (inside.sum(), len(usable))
+        best, mean = (min(usable) if minimise else max(usable), usable.mean()) if len(usable) else (math.nan, math.nan)
+        assert cells.best[i, j] == pytest.approx(best, nan_ok=True)
+        assert cells.mean[i, j] == pytest.approx(mean, nan_ok=True)
+
+
 def get_indices(sensitivity: OutputSensitivity) -> dict[str, float]:
     return {axis.axis: axis.first_order_index for axis in sensitivity.axes}
 
@@ -88,15 +120,6 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
     assert signs["b"] < -0.3
     assert select_strongest_axes(sensitivity, list(axes), 2) == ["a", "b"]
     assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
-
-
-def test_categorical_axis_has_an_index_but_no_rank_correlation() -> None:
-    words = np.array(["E12", "E24", "E96"] * 40)
-    y = np.where(words == "E24", 1.0, 0.0)
-    sensitivity = compute_sensitivity("y", y, {"board.series": words})
-    assert sensitivity is not None
-    assert sensitivity.axes[0].first_order_index == pytest.approx(1.0)
-    assert math.isnan(sensitivity.axes[0].rank_correlation)
 
 
 @pytest.mark.parametrize("column", [np.ones(100), np.full(100, np.nan), np.arange(19.0)])
@@ -159,30 +182,6 @@ def test_point_classes_and_ranges_of_limiting_rules() -> None:
     assert axes["skin.length_mm"].limiting_ranges == ((8.0, 9.0),)
     assert axes["skin.width_mm"].limiting_ranges == ((3.0, 9.0),)
     assert (checks.rule, checks.points, failed.rule) == ("checks_failed", 1, "failed")
-
-
-def test_point_classes_if_nothing_is_feasible() -> None:
-    table = make_table({"a": np.arange(3.0)}, {}, ["refused"] * 3, ["x", "y", "y"], ["1", "2", "3"])
-    classes = classify_points(table)
-    assert classes.names == ("feasible", "y", "x")
-    assert classes.count().tolist() == [0, 2, 1]
-    assert [rule.example for rule in find_limiting_rules(table, classes)] == ["2", "1"]
-
-
-def test_cells_contain_the_best_value_and_the_mean_over_other_axes() -> None:
-    x, y, z = (np.array(c, dtype=float) for c in zip(*itertools.product(range(3), range(2), range(5)), strict=True))
-    values = 100 * x + 10 * y + z
-    values[7] = np.inf
-    feasible = x < 2
-    x_bins, y_bins = bin_by_value(x, 9), bin_by_value(y, 9)
-    cells = compute_cell_statistics(x_bins, y_bins, values, feasible, minimise=False)
-    assert cells.points.tolist() == [[5, 5, 5], [5, 5, 5]]
-    assert cells.finite.tolist() == [[5, 5, 0], [4, 5, 0]]
-    assert cells.best.tolist()[0][:2] == [4.0, 104.0]
-    assert cells.mean.tolist()[1][:2] == [pytest.approx((10 + 11 + 13 + 14) / 4), 112.0]
-    assert np.isnan(cells.best[:, 2]).all()
-    assert np.isnan(cells.mean[:, 2]).all()
-    assert compute_cell_statistics(x_bins, y_bins, values, feasible, minimise=True).best[1, 0] == 10.0
 
 
 def test_failed_check_is_reported_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -264,15 +263,6 @@ def test_logarithmic_scale_does_not_depend_on_the_unit(unit: float) -> None:
         assert not suits_log_scale(np.array(["1", "4", "16"]))
 
 
-def test_correlation_of_a_line_is_one_and_of_a_constant_unknown() -> None:
-    x = np.array([1.0, 2.0, 4.0])
-    assert compute_correlation(x, 3 * x + 7) == pytest.approx(1.0)
-    assert compute_correlation(x, 7 - 3 * x) == pytest.approx(-1.0)
-    assert compute_correlation(x, np.array([1.0, -1.0, 1.0])) == pytest.approx(1 / math.sqrt(28))
-    assert math.isnan(compute_correlation(x, np.ones(3)))
-    assert math.isnan(compute_correlation(np.ones(3), x))
-
-
 def test_explained_variance_of_four_points_by_hand() -> None:
     """Means of 0.5 and 2.5: the variance between is 4 of 5, less what chance adds, 1 - 0.2 x 3 / 2."""
     bins = bin_by_value(np.array([0.0, 0.0, 1.0, 1.0]), 2)
@@ -284,18 +274,6 @@ def test_explained_variance_of_four_points_by_hand() -> None:
 def test_deviation_without_effect_is_that_of_chi_squared(bins: int, points: int, deviation: float) -> None:
     """The variance of bins - 1 degrees of freedom is twice their number."""
     assert compute_null_deviation(bins, points) == pytest.approx(deviation)
-
-
-def test_cells_with_one_point_or_none() -> None:
-    axis = bin_by_value(np.array([0.0, 1.0, 2.0]), 3)
-    with np.errstate(all="raise"):
-        cells = compute_cell_statistics(
-            axis, Bins(np.zeros(3, int), np.zeros(1), np.zeros(1)), np.array([5.0, -3.0, np.nan]),
-            np.array([True, True, True]), minimise=True,
-        )  # fmt: skip
-    assert (cells.points.tolist(), cells.finite.tolist()) == ([[1, 1, 1]], [[1, 1, 0]])
-    assert cells.best[0, :2].tolist() == cells.mean[0, :2].tolist() == [5.0, -3.0]
-    assert np.isnan([cells.best[0, 2], cells.mean[0, 2]]).all()
 
 
 def test_objective_that_is_the_same_on_the_whole_front_does_not_count() -> None:
@@ -351,13 +329,6 @@ def test_no_line_of_the_heading_is_cut_off(width_in: float) -> None:
     text = figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=9)
     assert text.get_window_extent().x1 <= figure.bbox.width
     assert max(map(len, lines)) <= width_in / _CHARACTER_IN
-
-
-def test_a_small_matrix_is_drawn() -> None:
-    require_module("matplotlib")
-    rows = np.arange(40.0)
-    data = draw_scatter_matrix({"x": rows, "y": np.sqrt(rows)}, rows > 7, ["left"])
-    assert data.startswith(b"\x89PNG")
 
 
 def test_continuous_values_have_bins_of_equal_width() -> None:

@@ -62,23 +62,6 @@ def test_each_row_equals_a_single_evaluation_of_its_design(finished: Path) -> No
 
 
 @pytest.mark.full
-def test_folder_with_a_sweep_is_not_changed_without_resume(finished: Path) -> None:
-    before = (finished / "out" / "sweep.sqlite").read_bytes()
-    result = run_sweep_command(finished / "sweep.toml", "--out", finished / "out")
-    assert result.exit_code == 2
-    assert "--resume" in result.stderr
-    assert (finished / "out" / "sweep.sqlite").read_bytes() == before
-    assert [path.name for path in (finished / "out").iterdir()] == ["sweep.sqlite"]
-
-
-def test_outputs_are_listed_with_group_and_description() -> None:
-    listed = json.loads(run_sweep_command("--outputs", "--json").stdout)["outputs"]
-    assert {"name", "group", "description"} == set(listed[0])
-    assert {"checks_failed", "q", "delay_ms", "silicone_g"} <= {output["name"] for output in listed}
-    assert "min_skin_thickness_mm" in run_sweep_command("--outputs").stdout
-
-
-@pytest.mark.full
 def test_points_beyond_the_time_limit_make_the_exit_code_one(tmp_path: Path) -> None:
     text = FILE.replace('name = "boards"', 'name = "boards"\ntime_limit_s = 0.05\ntrials = 50\nscene = "slow.toml"')
     text = text.replace('outputs = ["q",', 'outputs = ["delay_ms", "q",').replace("steps = 6", "steps = 2")

@@ -1,0 +1,94 @@
+"""Transcripts of sessions at a terminal: every line that the commands print, and every file that they write.
+
+After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/cli/test_transcripts.py` writes them; then read the
+difference. In a transcript, `== ` begins a heading, `--- NAME` the content of a file, and `$ ` a command. Below it
+stand its output, what it says on stderr after `! `, the files that it made (`+`), changed (`~`) or removed (`-`), and
+its exit code.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import itertools
+import os
+import re
+import shlex
+from contextlib import redirect_stdout
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+import typer
+
+from fingertip.cli import app
+from fingertip.cli.completion import answer_shell
+from tests.conftest import run_fingertip
+from tests.sweep.examples import InlineEngine
+
+TRANSCRIPTS = {path.stem: path for path in sorted((Path(__file__).parent / "transcripts").glob("*.txt"))}
+WITHOUT_EXTRAS = ("without_extras", "sweeps")
+"""Transcripts of a core installation; a sweep's report has plots otherwise, which take seconds."""
+COMMAND: Any = typer.main.get_command(app)
+
+
+def files_below(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def run(words: list[str]) -> str:
+    """Run a command in the working folder, and return what it prints, writes and ends with."""
+    program, *words = words
+    if program == "cat":
+        return Path(*words).read_text(encoding="utf-8")
+    if program == "edit":
+        path, old, new = words
+        Path(path).write_text(Path(path).read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
+        return ""
+    if program == "complete":  # what a shell asks for at the tab key
+        with patch.dict(os.environ, _TYPER_COMPLETE_ARGS=words[0]), redirect_stdout(io.StringIO()) as offered:
+            answer_shell(COMMAND)
+        return offered.getvalue()
+    before = files_below(Path())
+    done = run_fingertip(*words)
+    after = files_below(Path())
+    names = sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
+    names = [name for name in names if ".3dshapes/" not in name]  # of the packages on a board, some dozen
+    files = [f"{'-' if name not in after else '~' if name in before else '+'} {name}\n" for name in names]
+    said = [f"! {line}\n" for line in done.stderr.splitlines()]
+    return "".join([done.stdout, *said, *files, f"[{done.returncode}]\n"])
+
+
+def replay(transcript: str) -> str:
+    """Run the commands of a transcript anew, and return it with what they do now."""
+    done = []
+    for block in re.split(r"^(?=\$ |--- |== )", transcript, flags=re.MULTILINE):
+        head, _, body = block.partition("\n")
+        if head.startswith("$ "):
+            block = f"{head}\n{run(shlex.split(head[2:]))}\n"
+        elif head.startswith("--- "):
+            path = Path(head[4:])
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(body, encoding="utf-8")
+        done.append(block)
+    return "".join(done)
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", TRANSCRIPTS)
+def test_commands_do_what_the_transcript_shows(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fingertip.sweep.engines.ProcessEngine", InlineEngine)
+    clock = SimpleNamespace(perf_counter=itertools.count(0.0, 2.0).__next__)  # each sweep takes two seconds
+    monkeypatch.setattr(importlib.import_module("fingertip.cli.sweep"), "time", clock)
+    if name in WITHOUT_EXTRAS:
+        request.getfixturevalue("core")
+    approved = TRANSCRIPTS[name].read_text(encoding="utf-8")
+    found = replay(approved)
+    if os.environ.get("FINGERTIP_APPROVE"):
+        TRANSCRIPTS[name].write_text(found, encoding="utf-8")
+    assert found == approved

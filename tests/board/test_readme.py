@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import math
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import combinations
@@ -32,6 +31,7 @@ from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
 from fingertip.tasks.board import board_files, bring_up_files, write_board
+from tests.approved import check_text
 from tests.board.test_bringup import draw_board, plan_of
 from tests.conftest import ROOT
 from tests.designs import load_article
@@ -40,26 +40,19 @@ APPROVED = Path(__file__).parent / "approved"
 SLOW_SHEETS = ("precision_split", "comparator_split", "comparator_single_3v3")
 
 
-def check_approved(name: str, data: bytes) -> None:
-    """Compare a document with the approved one, or approve it."""
-    if os.environ.get("FINGERTIP_APPROVE"):
-        (APPROVED / name).write_bytes(data)
-    assert data.decode() == (APPROVED / name).read_text(encoding="utf-8")
-
-
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_readme_and_wiring_are_the_approved_ones(name: str) -> None:
     design = load_article(BOARD_CONFIGURATIONS[name].changes)
     files, circuit = board_files(design), board_circuit(board_values(design))
-    check_approved(f"{name}.md", files["README.md"])
+    check_text(APPROVED / f"{name}.md", files["README.md"])
     if name == "comparator_single_3v3":  # has the most parts; the folder `pcb` holds these files of two other boards
         for file in ("values.json", "slip_filter.cir", "bom.csv"):
-            check_approved(f"{name}_{file}", files[file])
-        check_approved(f"{name}_bom_assembly.csv", assembly_bom_file(circuit))
+            check_text(APPROVED / f"{name}_{file}", files[file])
+        check_text(APPROVED / f"{name}_bom_assembly.csv", assembly_bom_file(circuit))
         placement = BOARD_CONFIGURATIONS[name].placement
-        check_approved(f"{name}_placement.csv", placement_file(circuit, placement, for_house=True))
-    check_approved(f"{name}_wiring.svg", wiring_diagram(circuit, design.board.supply_v, design.name))
+        check_text(APPROVED / f"{name}_placement.csv", placement_file(circuit, placement, for_house=True))
+    check_text(APPROVED / f"{name}_wiring.svg", wiring_diagram(circuit, design.board.supply_v, design.name))
 
 
 SHEETS = ["article_single", *(pytest.param(name, marks=pytest.mark.full) for name in SLOW_SHEETS)]
@@ -69,9 +62,9 @@ SHEETS = ["article_single", *(pytest.param(name, marks=pytest.mark.full) for nam
 def test_bring_up_sheet_and_readings_are_the_approved_ones(name: str) -> None:
     design = load_article(BOARD_CONFIGURATIONS[name].changes)
     files = bring_up_files(design)
-    check_approved(f"{name}_bringup.md", files["bringup.md"])
-    check_approved(f"{name}_readings.toml", files["bringup_readings.toml"])
-    check_approved(f"{name}_wiring.svg", files["wiring.svg"])
+    check_text(APPROVED / f"{name}_bringup.md", files["bringup.md"])
+    check_text(APPROVED / f"{name}_readings.toml", files["bringup_readings.toml"])
+    check_text(APPROVED / f"{name}_wiring.svg", files["wiring.svg"])
 
 
 @pytest.mark.parametrize(
@@ -95,7 +88,7 @@ def analysis_of(variant: str) -> Analysis:
 
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
 def test_analysis_is_the_approved_one(variant: str) -> None:
-    check_approved(f"analysis_{variant}.txt", analysis_text(analysis_of(variant)).encode())
+    check_text(APPROVED / f"analysis_{variant}.txt", analysis_text(analysis_of(variant)).encode())
 
 
 @pytest.mark.parametrize(("name", "part"), [("below", 1 - 4e-7), ("above", 1 + 4e-7)])
@@ -126,7 +119,7 @@ def test_figures_of_the_analysis_are_rounded_at_their_edges(name: str, part: flo
         sensitivity={"cutoff_hz": row, "passband_gain": dict.fromkeys(row, -0.0)},
     )  # fmt: skip
     assert len(volts) == len(NETS)
-    check_approved(f"analysis_{name}_edges.txt", analysis_text(made_up).encode())
+    check_text(APPROVED / f"analysis_{name}_edges.txt", analysis_text(made_up).encode())
 
 
 def test_cost_of_the_capacitors_is_stated_unless_they_are_the_articles() -> None:
@@ -166,7 +159,7 @@ def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(singl
     for fault, readings in zip(faults, predict(board, faults), strict=True):
         lines += assess(single_plan, fault.sentence, readings)
         lines.append("  " + ", ".join(f"{name} {round(1e3 * v, 1) + 0.0:g}" for name, v in readings.items()))
-    check_approved("article_single_faults.txt", ("\n".join(lines) + "\n").encode())
+    check_text(APPROVED / "article_single_faults.txt", ("\n".join(lines) + "\n").encode())
 
 
 def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]:
@@ -219,7 +212,7 @@ def test_what_is_said_of_wrong_readings_is_the_approved_text(single_plan: BringU
     few = {"supply_ohm": math.inf, SUPPLY_MA: 1.5, "tp1_open_v": 1.9, "tp5_open_v": 2.0, "tp3_134hz_v": 0.7}
     table = format_assessment(assess_readings(plan, Readings(TONE_V, few)))
     lines += [line.rstrip() for line in table.splitlines()]
-    check_approved(f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
+    check_text(APPROVED / f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
 
 
 @pytest.mark.parametrize("name", ["comparator_split", "comparator_single_3v3", "precision_single"])
@@ -229,7 +222,7 @@ def test_limits_of_the_readings_are_the_approved_ones(name: str) -> None:
         " ".join([key, *(f"{round(v, 5) + 0.0:g}" for v in (limits.low_v, limits.expected_v, limits.high_v))])
         for key, limits in plan_of(BOARD_CONFIGURATIONS[name].changes)[1].all.items()
     ]
-    check_approved(f"{name}_limits.txt", ("\n".join(lines) + "\n").encode())
+    check_text(APPROVED / f"{name}_limits.txt", ("\n".join(lines) + "\n").encode())
 
 
 # Legibility of the diagrams

@@ -1,12 +1,10 @@
-"""Figures of designs, compared whole with approved ones: sizes, solids, filling, checks, and the catalogues.
-
-How to approve others stands in `tests/design/figures.py`.
-"""
+"""Figures of designs, compared whole with approved ones: sizes, solids, filling, checks, and the catalogues."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import cache
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
@@ -33,9 +31,9 @@ from fingertip.design.interfaces import interface_of
 from fingertip.filling.gate import gate_opening, list_ducts
 from fingertip.filling.mold_filling import predict_mold_filling
 from fingertip.filling.vents import find_pose, vent_cavity
+from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file
-from tests.design.figures import check_figures, list_properties, render
 
 APPROVED = Path(__file__).parent / "approved"
 CHANGES = {
@@ -58,6 +56,34 @@ CHANGES = {
 """Changes of each design; those without are bundled ones."""
 BASE = {"fork": "youth_thumb", "clevis": "fsr402"}
 WITH_PLAY = ("fsr400", "sleeve", "free")
+
+
+def render(value: object) -> str:
+    """Write a value with six digits of each number; of an object, its name and its fields."""
+    match value:
+        case bool() | None | str():
+            return repr(value)
+        case float():
+            return f"{value:.6g}" if abs(value) > 1e-12 else "0"
+        case int():
+            return str(value)
+        case tuple() | list():
+            return f"({', '.join(map(render, value))})"
+        case Mapping():
+            return f"{{{', '.join(f'{key}: {render(item)}' for key, item in value.items())}}}"
+    if dataclasses.is_dataclass(value):
+        fields = (f"{field.name}={render(getattr(value, field.name))}" for field in dataclasses.fields(value))
+        return f"{type(value).__name__}({', '.join(fields)})"
+    return str(value)
+
+
+def list_properties(value: object) -> Iterator[str]:
+    """Yield a line for each property of an object, in the order of its class."""
+    for name, member in vars(type(value)).items():
+        if isinstance(member, (property, cached_property)) and not name.startswith("_"):
+            yield f"{name} = {render(getattr(value, name))}"
+
+
 """Designs whose contacts in the mold and losses of silicone are compared."""
 
 
@@ -126,7 +152,7 @@ def list_filling(design: Design) -> Iterator[str]:
 @pytest.mark.parametrize("list_figures", [list_sizes, list_solids, list_filling])
 def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Callable[[Design], Iterator[str]]) -> None:
     kind = list_figures.__name__.removeprefix("list_")
-    check_figures(APPROVED / f"{name}_{kind}.txt", "\n".join([*list_figures(load(name)), ""]))
+    check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4)
 
 
 @pytest.mark.every_case
@@ -138,7 +164,7 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
         state = "" if check.passed else f" fails: {check.to_dict()['change']}"
         lines.append(f"{check.name}: {render(check.value)} {check.sign} {render(check.limit)} {check.unit}{state}")
         assert isinstance(list_causes(check.name), tuple)
-    check_figures(APPROVED / f"{name}_checks.txt", "\n".join([*lines, ""]), rel=1e-3)
+    check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3)
 
 
 def test_catalogues_are_the_approved_ones() -> None:
@@ -148,4 +174,4 @@ def test_catalogues_are_the_approved_ones() -> None:
         *print_materials.PRINT_MATERIALS.values(), *BOARDS, *THREADS, *SYRINGES.values(),
     ]  # fmt: skip
     needles = [f"needle for {hole} mm: {render(find_needle(hole))}" for hole in (0.9, 1.1, 1.3, 1.6, 2.0, 2.4)]
-    check_figures(APPROVED / "catalogues.txt", "\n".join([*map(render, entries), *needles, ""]), rel=0.0)
+    check_figures(APPROVED / "catalogues.txt", [*map(render, entries), *needles], 0.0, 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,6 @@ import pytest
 from fingertip.design import Design
 from fingertip.design.formulas import filter as formulas
 from fingertip.foundation.errors import DesignError, Issue
-from tests.design.figures import check_section
 from tools.fuzz.remedies import as_changes, read_alternatives, read_remedy
 
 APPROVED = Path(__file__).parent / "approved" / "refusals.txt"
@@ -172,6 +172,16 @@ def find_issues(words: list[str]) -> tuple[Issue, ...]:
     except DesignError as error:
         return error.issues
     return ()
+
+
+def check_section(path: Path, heading: str, text: str) -> None:
+    """Compare a text with a section of an approved file, whose sections begin with "# " and their heading."""
+    _, *sections = path.read_text(encoding="utf-8").split("# ")
+    approved = dict(section.split("\n", 1) for section in sections)
+    if os.environ.get("FINGERTIP_APPROVE"):
+        approved[heading] = text
+        path.write_text("".join(f"# {name}\n{body}" for name, body in approved.items()), encoding="utf-8")
+    assert text == approved[heading]
 
 
 @pytest.mark.every_case

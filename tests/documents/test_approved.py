@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 import json
-import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -26,6 +25,7 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
+from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 
 APPROVED = Path(__file__).parent / "approved"
@@ -99,10 +99,7 @@ def render_documents(name: str) -> dict[str, str]:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_documents_are_the_approved_ones(name: str) -> None:
     for document, text in render_documents(name).items():
-        path = APPROVED / f"{name}_{document}.md"
-        if os.environ.get("FINGERTIP_APPROVE"):
-            path.write_text(text, encoding="utf-8")
-        assert text == path.read_text(encoding="utf-8"), document
+        check_text(APPROVED / f"{name}_{document}.md", text)
 
 
 UNUSED = {"thinner than the hole of"}

@@ -19,11 +19,11 @@ from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
-from tests.approved import check_approved
+from tests.approved import check_figures
 from tests.drawing.conftest import CALIBRATED, load_variant
 from tests.drawing.test_primitives import SHEET
+from tests.figures import sum_up
 from tests.tools import require_module
-from tests.view.describe import sum_up
 
 APPROVED = Path(__file__).parent / "approved"
 WITHOUT_CHAPLET = ("mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "printer.surface_error_mm=0")
@@ -60,7 +60,7 @@ def describe_size(size: Size) -> Iterator[str]:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_sizes_of_all_parts_are_the_approved_ones(name: str) -> None:
     drawings = part_drawings(load_variant(DESIGNS[name]))
-    check_approved(APPROVED / f"sizes_{name}.txt", (line for one in drawings for line in describe_drawing(one)))
+    check_figures(APPROVED / f"sizes_{name}.txt", (line for one in drawings for line in describe_drawing(one)))
 
 
 def draw_box(design: Design, drawing: PartDrawing) -> dict[ViewName, ProjectedView]:
@@ -89,13 +89,13 @@ def test_sheet_is_the_approved_one(name: str, part: str) -> None:
     design = load_variant(DESIGNS[name])
     (drawing,) = (one for one in part_drawings(design) if one.part == part)
     sheet = lay_out(drawing, draw_box(design, drawing), Heading("a-name-of-forty-characters-is-cut-1234567", "", 2, 4))
-    check_approved(APPROVED / f"sheet_{part}.svg", render_svg(sheet).decode().splitlines())
+    check_figures(APPROVED / f"sheet_{part}.svg", render_svg(sheet).decode().splitlines())
 
 
 def test_pdf_and_svg_of_all_primitives_are_the_approved_ones() -> None:
     """And the PDF has a page for each sheet and no date of today."""
     require_module("reportlab")
-    check_approved(APPROVED / "primitives.svg", render_svg(SHEET).decode().splitlines())
+    check_figures(APPROVED / "primitives.svg", render_svg(SHEET).decode().splitlines())
     data = render_pdf((SHEET, SHEET), "title")
     assert data == render_pdf((SHEET, SHEET), "title")
     assert re.findall(rb"/CreationDate \(D:(\d{4})", data) == [b"2000"]
@@ -106,4 +106,4 @@ def test_pdf_and_svg_of_all_primitives_are_the_approved_ones() -> None:
         for text in (part.strip().removesuffix(b"~>") for part in contents)
     )
     assert first == second
-    check_approved(APPROVED / "primitives_pdf.txt", first.decode("latin-1").splitlines())
+    check_figures(APPROVED / "primitives_pdf.txt", first.decode("latin-1").splitlines())

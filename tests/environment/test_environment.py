@@ -161,9 +161,8 @@ def test_a_user_without_rights_and_home(unprivileged: tuple[str, ...], tmp_path:
 def test_a_folder_of_somebody_else_is_refused(unprivileged: tuple[str, ...], tmp_path: Path) -> None:
     theirs = tmp_path / "theirs"
     theirs.mkdir(0o755)
-    for words in (("board", "fsr400", "--out", "b"), ("firmware", "fsr400", "--out", "f")):
-        done = run(*words, folder=theirs, launcher=unprivileged, HOME="/nonexistent")
-        assert_refused(done, "may not be written; change its mode, or choose another folder with --out.")
+    done = run("firmware", "fsr400", "--out", "f", folder=theirs, launcher=unprivileged, HOME="/nonexistent")
+    assert_refused(done, "may not be written; change its mode, or choose another folder with --out.")
     done = run("new", "tip", folder=theirs, launcher=unprivileged, HOME="/nonexistent")
     assert_refused(done, "may not be written; change its mode, or choose another file with --out.")
     assert list(theirs.iterdir()) == []

@@ -43,7 +43,8 @@ from fingertip.lab.validation import RequirementLimits, Validation, check_closed
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
 from fingertip.slip.traces.truth import Origin
-from tests.slip.figures import assert_approved, collect_figures, describe_figure
+from tests.approved import check_figures, check_text
+from tests.figures import describe_figure, keep_figures
 
 APPROVED = Path(__file__).with_name("approved")
 SCENES = [scene for scene, _ in article_trials()]
@@ -175,7 +176,7 @@ def validation() -> Validation:
 @pytest.mark.parametrize("name", ["validation.txt", "validation.json", "omissions.md"])
 def test_report_is_the_approved_one(validation: Validation, name: str) -> None:
     text = validation.files(with_plots=False)[name].decode()
-    assert_approved(APPROVED / name, text)
+    check_text(APPROVED / name, text)
     if name == "validation.json":
         assert json.loads(text) == validation.as_data()
 
@@ -191,13 +192,13 @@ def example(label: str, speed_m_s: float, rest_v: float) -> ExampleTrial:
 
 def test_figures_are_the_approved_ones(validation: Validation, monkeypatch: pytest.MonkeyPatch) -> None:
     """Positions of all bars, lines and areas, their colours, and all words; drawn from the results above."""
-    figures = collect_figures(monkeypatch)
     examples = [example("wood", 0.04, 4.3), example("object, smooth", 0.06, 4.0), example("object, paper", 0.08, 4.1)]
     monkeypatch.setattr(trial_plots, "simulate_examples", lambda *_: examples)
-    names = [name for name in validation.files() if name.endswith(".png")]
+    with keep_figures() as figures:
+        names = [name for name in validation.files() if name.endswith(".png")]
     assert [*names] == [name for name in lab.FILES if name.endswith(".png")]
     text = "\n".join(line for name, f in zip(names, figures, strict=True) for line in (name, *describe_figure(f)))
-    assert_approved(APPROVED / "figures.txt", text + "\n")
+    check_figures(APPROVED / "figures.txt", text.splitlines(), 1e-3, 1e-9)
 
 
 def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(

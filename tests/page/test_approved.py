@@ -24,10 +24,10 @@ from fingertip.page.model_section import list_items, scene_json
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict
 from fingertip.page.schematic_svg import render_schematic
 from fingertip.page.trial_section import render_trial
-from tests.approved import check_approved
+from tests.approved import check_figures
 from tests.conftest import design_file
+from tests.figures import sum_up
 from tests.page.conftest import INPUTS, Page, make_check, make_report, make_sources
-from tests.view.describe import sum_up
 
 APPROVED = Path(__file__).parent / "approved"
 
@@ -55,7 +55,7 @@ def test_pictures_of_the_board_are_the_approved_ones() -> None:
         "back": render_back(board, "back"),
     }
     for name, picture in pictures.items():
-        check_approved(APPROVED / f"{name}.svg", list_lines(picture))
+        check_figures(APPROVED / f"{name}.svg", list_lines(picture))
 
 
 def describe_item(item: dict[str, Any]) -> str:
@@ -69,13 +69,13 @@ def describe_item(item: dict[str, Any]) -> str:
 def test_page_is_the_approved_one(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     """The table of parameters and the meshes stand in files of their own, the meshes for two designs more."""
     start, end = (page.source.index(mark) for mark in ("<p>Press the name", "</div></div></section>"))
-    check_approved(APPROVED / "page.html", list_lines(page.source[:start] + page.source[end:]), abs_=0.11)
+    check_figures(APPROVED / "page.html", list_lines(page.source[:start] + page.source[end:]), abs_=0.11)
     others = (("child_finger", ("mold.method=sleeve", "printer.scale_percent=100.4")), ("adult_thumb", ()))
     scenes = [page.scene]
     for name, changes in others:
         sources = make_sources(name, changes=changes)
         scenes.append(json.loads(scene_json(list_items(sources.design, sources.files))))
-    check_approved(APPROVED / "scene.txt", (describe_item(item) for scene in scenes for item in scene), abs_=0.05)
+    check_figures(APPROVED / "scene.txt", (describe_item(item) for scene in scenes for item in scene), abs_=0.05)
 
 
 def test_effects_of_parameters_are_the_approved_ones() -> None:
@@ -85,7 +85,7 @@ def test_effects_of_parameters_are_the_approved_ones() -> None:
     text = Page(render_parameters(design)).text
     assert all(f"{one.path}{one.description}" in text and one.bounds in text for one in list_parameters())
     wanted = ("<summary", "<button", "<small", '<span class="code"', '<span class="num"')
-    check_approved(APPROVED / "parameters.html", (line for line in drawn if line.startswith(wanted)))
+    check_figures(APPROVED / "parameters.html", (line for line in drawn if line.startswith(wanted)))
 
 
 FAILED = make_check("mold.fill_time", 99.0, 31.0, passed=False)
@@ -116,4 +116,4 @@ def test_sections_of_other_folders_are_the_approved_ones() -> None:
     for name, report in CHECKS.items():
         sections |= {name: render_verdict(report), f"checks, {name}": render_checks(report, "basis")}
     lines = [line for name, markup in sections.items() for line in (f"== {name}", *list_lines(markup))]
-    check_approved(APPROVED / "sections.html", lines, abs_=0.11)
+    check_figures(APPROVED / "sections.html", lines, abs_=0.11)

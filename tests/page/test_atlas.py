@@ -25,9 +25,9 @@ from fingertip.page.atlas import (
     find_ring,
     render_atlas,
 )
-from tests.approved import check_approved
+from tests.approved import check_figures
+from tests.figures import sum_up
 from tests.page.conftest import Page
-from tests.view.describe import sum_up
 
 
 def open_picture(png: bytes) -> Any:
@@ -65,7 +65,7 @@ def test_the_change_is_coloured_as_approved(design: Design, picture: AtlasPictur
     """A part that becomes longer, and a hole that becomes wider."""
     hole = draw_parameter(design, "bone.cross_bolt_diameter_mm", ("bone",), "another design")
     lines = [describe_picture(one) for one in (picture, hole) if one]
-    check_approved(Path(__file__).parent / "approved" / "atlas.txt", lines, rel=0.04, abs_=2.0)
+    check_figures(Path(__file__).parent / "approved" / "atlas.txt", lines, rel=0.04, abs_=2.0)
 
 
 def test_depth_changes_have_their_sign() -> None:

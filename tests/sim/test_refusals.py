@@ -22,9 +22,9 @@ from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import Mount, drag
 from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode
 from fingertip.sim.signal.filter_board import AnalogStream, Comparator, ComparatorStream, simulate_board
+from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 from tests.designs import ARTICLE, article_design
-from tests.slip.figures import assert_approved
 
 SCENES = ROOT / "params/scenes"
 BOARD = AnalogBoard.from_design(ARTICLE)
@@ -147,7 +147,7 @@ def test_errors_are_the_approved_ones(family: str) -> None:
                 ]
             )
         )
-    assert_approved(Path(__file__).with_name("approved") / f"refusals_{family}.txt", "\n\n".join(told) + "\n")
+    check_text(Path(__file__).with_name("approved") / f"refusals_{family}.txt", "\n\n".join(told) + "\n")
 
 
 def test_bounds_that_errors_name_are_accepted() -> None:

@@ -19,7 +19,8 @@ from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_sce
 from fingertip.sim.report import as_data, as_text, draw, encode_trace
 from fingertip.sim.runs.scene import SceneRecord
 from fingertip.slip.traces.truth import SlipCollector, intervals
-from tests.slip.figures import assert_approved, collect_figures, describe_figure
+from tests.approved import check_figures, check_text
+from tests.figures import describe_figure, keep_figures
 
 BOARDS = {
     "comparator": {"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3},
@@ -61,9 +62,10 @@ HANDS: dict[str, dict[str, Any]] = {
 }
 
 
-def describe(result: Any, figures: list[Any], **grips: Any) -> str:
+def describe(result: Any, **grips: Any) -> str:
     record = getattr(result, "record", result)
-    draw(result, "title")
+    with keep_figures() as figures:
+        draw(result, "title")
     table = encode_trace(result.time_s, result.columns, Path("t.csv")).decode().splitlines()
     every = len(table) // 10
     data = json.dumps(as_data(record, **grips))
@@ -73,9 +75,7 @@ def describe(result: Any, figures: list[Any], **grips: Any) -> str:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", [*SCENES, *HANDS])
-def test_simulation_is_the_approved_one_compiled_or_not(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    figures = collect_figures(monkeypatch)
-    monkeypatch.setattr("fingertip.sim.report.to_png", figures.append)
+def test_simulation_is_the_approved_one_compiled_or_not(name: str) -> None:
     grips: dict[str, Any] = {}
     if name in SCENES:
         board, tables = SCENES[name]
@@ -88,8 +88,9 @@ def test_simulation_is_the_approved_one_compiled_or_not(name: str, monkeypatch: 
     with compiled():
         fast = run(Design(board=BOARDS[board]), scene, 4)
     assert all(plain.columns[column].tobytes() == fast.columns[column].tobytes() for column in plain.columns)
-    text = describe(plain, figures, **grips)
-    assert_approved(Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt", text + "\n")
+    text = describe(plain, **grips)
+    path = Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt"
+    check_figures(path, text.splitlines(), 1e-3, 1e-9)
 
 
 STILL: dict[str, Any] = {"hold": {"wait_s": 0.1, "release": False}}
@@ -119,7 +120,7 @@ def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_othe
             alone = run([name])
             assert np.array_equal(alone.columns[name], full.columns[name]), name
             told.append(f"{name}: {', '.join(f'{stage.name} {stage.states}' for stage in alone.stages)}")
-    assert_approved(Path(__file__).with_name("approved") / f"stages_{kind}.txt", "\n".join(told) + "\n")
+    check_text(Path(__file__).with_name("approved") / f"stages_{kind}.txt", "\n".join(told) + "\n")
 
 
 def test_summary_merges_slips_as_detection_does() -> None:

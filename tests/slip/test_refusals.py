@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved import check_text
 from tests.conftest import ROOT
-from tests.slip.figures import assert_approved
 from tests.slip.recordings import DATES, PLAIN, T, V, burst, csv, lvm, rows, run, zip_of
 
 HEADER = "time_s,voltage_v,force_n,slip"
@@ -189,7 +189,7 @@ def test_outputs_are_the_approved_ones(family: str, tmp_path: Path) -> None:
         told.append(
             f"{number}: {'standard input' if lines is not None else path.name} {' '.join(map(str, options))}\n{said}"
         )
-    assert_approved(
+    check_text(
         Path(__file__).with_name("approved") / f"refusals_{family.replace(' ', '_')}.txt", "\n\n".join(told) + "\n"
     )
 
@@ -201,4 +201,4 @@ def test_other_kinds_of_files_are_answered_by_how_to_convert_them(tmp_path: Path
         said = describe(tmp_path, tmp_path / name)
         assert said.count("error: ") == 1
         told.append(said)
-    assert_approved(Path(__file__).with_name("approved") / "other_kinds.txt", "\n\n".join(told) + "\n")
+    check_text(Path(__file__).with_name("approved") / "other_kinds.txt", "\n\n".join(told) + "\n")

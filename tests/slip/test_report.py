@@ -16,7 +16,8 @@ from fingertip import Design, Trace, detect
 from fingertip.slip import ChainSettings, SlipChain
 from fingertip.slip.report import as_data, as_text, draw_trace
 from fingertip.slip.traces.truth import Origin
-from tests.slip.figures import assert_approved, collect_figures, describe_figure
+from tests.approved import check_figures
+from tests.figures import describe_figure, keep_figures
 
 T = np.arange(8000) / 2000
 NOISE_V = np.random.default_rng(3).normal(0.0, 4e-4, len(T))
@@ -51,24 +52,23 @@ CASES = {
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", CASES)
-def test_report_of_a_detection_is_the_approved_one(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    figures = collect_figures(monkeypatch)
+def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
     trace, detector = CASES[name]
     found = detect(trace, Design() if trace.filtered_v is not None else Design.load("article"), detector)
-    _ = found.plot("title"), draw_trace(trace)
+    with keep_figures() as figures:
+        _ = found.plot("title"), draw_trace(trace)
     data = json.dumps(as_data(found, found.noise), indent=1)
     parts = (as_text(found), repr(found), found._repr_html_(), data)
     text = "\n\n".join((*parts, *("\n".join(describe_figure(figure)) for figure in figures)))
-    assert_approved(
-        Path(__file__).with_name("approved") / f"{name.replace(', ', '_').replace(' ', '_')}.txt", text + "\n"
-    )
+    path = Path(__file__).with_name("approved") / f"{name.replace(', ', '_').replace(' ', '_')}.txt"
+    check_figures(path, text.splitlines(), 1e-3, 1e-9)
 
 
-def test_threshold_drawn_is_the_one_of_each_sample(monkeypatch: pytest.MonkeyPatch) -> None:
-    figures = collect_figures(monkeypatch)
+def test_threshold_drawn_is_the_one_of_each_sample() -> None:
     trace, detector = CASES["fast, simulated with a motion"]
     found = detect(trace, Design.load("article"), detector)
-    found.plot()
+    with keep_figures() as figures:
+        found.plot()
     assert found.threshold.lowest_v < found.threshold.highest_v
     for axes in (figures[0].axes[1], figures[0].axes[3]):
         (line,) = [line for line in axes.get_lines() if str(line.get_label()).startswith("threshold")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from pathlib import Path
@@ -84,11 +83,3 @@ def run_sweep_command(*arguments: object) -> Result:
 def read_rows(folder: Path) -> list[SweepRow]:
     with SweepDatabase.open(folder) as database:
         return list(database.rows())
-
-
-def assert_approved(found: str, name: str) -> None:
-    """Compare a text with the approved one; `FINGERTIP_APPROVE=1` writes it."""
-    approved = Path(__file__).parent / "approved" / f"{name}.txt"
-    if os.environ.get("FINGERTIP_APPROVE"):
-        approved.write_text(found, encoding="utf-8")
-    assert found == approved.read_text(encoding="utf-8")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
@@ -27,7 +28,8 @@ from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache
 from fingertip.sweep.outputs import GROUPS, OUTPUTS
 from fingertip.sweep.point_evaluator import PointEvaluator
-from tests.sweep.examples import assert_approved, make_plan
+from tests.approved import check_figures
+from tests.sweep.examples import make_plan
 
 COARSE_MM = 0.1
 """Tolerance of the meshes, coarse because only their reuse matters here [mm]."""
@@ -214,7 +216,8 @@ def test_outputs_of_a_design_are_the_approved_ones(name: str, changes: tuple[str
     context = PointContext(Design.load("fsr400", changes=changes), None, make_plan().file, lambda: evaluator)
     groups = [name for name in compute.GROUP_FUNCTIONS if name not in ("checks", "detection", "simulation")]
     outputs = {key: value for group in groups for key, value in compute.GROUP_FUNCTIONS[group](context).items()}
-    assert_approved("".join(f"{key}: {value:.4g}\n" for key, value in outputs.items()), name)
+    lines = (f"{key}: {value:.4g}" for key, value in outputs.items())
+    check_figures(Path(__file__).parent / f"approved/{name}.txt", lines, 1e-3, 1e-9)
 
 
 def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,6 @@ import pytest
 from PIL import Image
 
 from fingertip.design import Design
-from fingertip.foundation import plot_style
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep import report
@@ -25,7 +24,9 @@ from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.statistics import classify_points
-from tests.sweep.examples import assert_approved, make_table
+from tests.approved import check_figures
+from tests.figures import describe_figure, keep_figures
+from tests.sweep.examples import make_table
 
 SWEEP: dict[str, Any] = {
     "name": "hand",
@@ -79,52 +80,6 @@ def database(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SweepDatabase
         yield database
 
 
-def figures(*values: float) -> str:
-    """Figures of numbers, without what the last digits of a processor leave of zero."""
-    return " ".join(f"{round(value, 9) + 0.0:.5g}" for value in values)
-
-
-def describe_artist(artist: Any) -> str:
-    """Describe what is drawn by its kind, colours, sizes, and the sums of its numbers."""
-    kind = type(artist).__name__
-    if kind == "Text" and artist.get_text():
-        place = f"{figures(*artist.get_position())} {artist.get_color()} {artist.get_fontsize():.3g}"
-        return f"text at {place}: {artist.get_text()!r}"
-    if kind == "Line2D":
-        drawn = np.array(artist.get_data(), dtype=float)
-        x, y = drawn[:, np.isfinite(drawn).all(axis=0)]
-        look = [artist.get_color(), artist.get_marker(), artist.get_linestyle(), artist.get_drawstyle()]
-        sizes = (artist.get_markersize(), artist.get_markeredgewidth(), artist.get_linewidth())
-        sums = figures(*sizes, *x[:2], *y[:2], x.sum(), y.sum(), x @ y)
-        label = artist.get_label().partition("_child")[0]  # those that matplotlib gives are no text
-        return f"line of {len(x)}, {label!r} {look}: {sums}"
-    if kind in ("QuadMesh", "AxesImage"):
-        cells = np.ma.filled(artist.get_array().astype(float), -1.0)
-        return f"cells, {artist.get_clim()}: {[figures(*row) for row in cells.reshape(-1, cells.shape[-1])]}"
-    if kind == "PathCollection":
-        offsets = np.asarray(artist.get_offsets())
-        return f"marks: {len(offsets)}, {figures(*offsets.sum(axis=0), *artist.get_facecolors().sum(axis=0))}"
-    return f"legend: {[text.get_text() for text in artist.get_texts()]}" if kind == "Legend" else ""
-
-
-def describe_bars(bars: Any) -> str:
-    numbers = np.array([(bar.get_x(), bar.get_width(), bar.get_y(), bar.get_height()) for bar in bars])
-    sums = figures(*bars[0].get_facecolor(), *numbers.sum(axis=0), numbers[:, 0] @ numbers[:, 3])
-    return f"{len(bars)} bars: {sums}"
-
-
-def describe_figure(figure: Any) -> str:
-    lines = [f"figure of {figures(*figure.get_size_inches())} in: {figure.get_suptitle()!r}"]
-    lines += map(describe_artist, figure.legends)
-    for axes in figure.axes:
-        labels = [axes.get_title(), axes.get_title("left"), axes.get_xlabel(), axes.get_ylabel()]
-        scales = f"{axes.get_xscale()} {figures(*axes.get_xlim())}, {axes.get_yscale()} {figures(*axes.get_ylim())}"
-        drawn = axes.get_children() if axes.get_label() != "<colorbar>" else []
-        texts = [*map(describe_artist, drawn), *map(describe_bars, axes.containers)]
-        lines += [f"axes {labels}: {scales}", *(f"  {text}" for text in texts if text)]
-    return "\n".join(lines)
-
-
 GRID = {"skin.width_mm": [15.0, 16.0, 17.0, 18.0, 20.0], "board.cutoff_hz": {"low": 20.0, "high": 130.0, "steps": 6}}
 NARROW = {**SWEEP["axes"], "skin.width_mm": {"low": 14.0, "high": 16.9}}
 SLOW = {**SWEEP["axes"], "board.cutoff_hz": {"low": 20.0, "high": 24.0}}
@@ -147,18 +102,17 @@ CASES: dict[str, dict[str, Any]] = {
 def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Text, and figures of some: what matplotlib is asked to draw stands for its pixels."""
     pytest.importorskip("matplotlib")
-    drawn: list[str] = []
-    monkeypatch.setattr(plot_style, "to_png", lambda figure: drawn.append(describe_figure(figure)) or b"")
     if name not in ("complete", "grid", "one_row"):
         monkeypatch.setattr(report, "select_plots", lambda _: iter(()))
-    with make_database(tmp_path / "sweep", **CASES[name]) as database:
+    with make_database(tmp_path / "sweep", **CASES[name]) as database, keep_figures() as figures:
         data = write_report(database, tmp_path / "out")
     written = sorted(path.name for path in (tmp_path / "out").iterdir() if path.name != "manifest.json")
     assert written == data["files"]
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary == {key: value for key, value in data.items() if key != "text"}
-    found = "\n\n".join([data["text"], json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn]) + "\n"
-    assert_approved(found, name)
+    drawn = ("\n".join(describe_figure(figure)) for figure in figures)
+    found = "\n\n".join([data["text"], json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn])
+    check_figures(Path(__file__).parent / f"approved/{name}.txt", found.splitlines(), 1e-3, 1e-9)
 
 
 @pytest.mark.full

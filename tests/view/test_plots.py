@@ -35,10 +35,10 @@ from fingertip.sweep.report import plots as sweep_plots
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.statistics import AxisSensitivity, OutputSensitivity, PointClasses
 from fingertip.sweep.report.summary import Objective
-from tests.approved import check_approved
+from tests.approved import check_figures
+from tests.figures import describe_figure, keep_figures
 from tests.slip.recordings import burst
 from tests.tools import require_module
-from tests.view.describe import describe_figure, keep_figures
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGN = Design(board={"variant": "precision"})
@@ -287,4 +287,4 @@ def test_plot_is_the_approved_one(name: str) -> None:
     with keep_figures() as figures:
         PLOTS[name]()
     assert figures
-    check_approved(APPROVED / f"plot_{name}.txt", (line for figure in figures for line in describe_figure(figure)))
+    check_figures(APPROVED / f"plot_{name}.txt", (line for figure in figures for line in describe_figure(figure)))

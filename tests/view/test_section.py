@@ -21,8 +21,9 @@ from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
 from fingertip.pictures.steps.scene import View
-from tests.approved import check_approved
-from tests.view.describe import PenRecord, sum_up
+from tests.approved import check_figures
+from tests.figures import sum_up
+from tests.view.describe import PenRecord
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGNS = {
@@ -61,7 +62,7 @@ def area(ring: Any) -> float:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_section_is_the_approved_one(name: str) -> None:
     sections = load(name)[1]
-    check_approved(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
+    check_figures(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
 
 
 @pytest.mark.parametrize("name", ["sleeve", "folded", "fork"])
@@ -71,7 +72,7 @@ def test_picture_is_drawn_as_approved(name: str, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(picture, "_TOLERANCE_MM", 0.3)
     monkeypatch.setattr(section, "_dash", lambda pen, line: pen.polygon(line, outline="dashed"))
     size = Image.open(io.BytesIO(draw(load(name)[0], 400))).size
-    check_approved(APPROVED / f"picture_{name}.txt", [f"picture of {size}", *pen.lines], rel=5e-3, abs_=1.1)
+    check_figures(APPROVED / f"picture_{name}.txt", [f"picture of {size}", *pen.lines], rel=5e-3, abs_=1.1)
 
 
 def test_dashes_are_7_pixels_long_and_4_apart_around_corners(monkeypatch: pytest.MonkeyPatch) -> None:

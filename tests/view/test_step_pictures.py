@@ -22,7 +22,7 @@ from fingertip.pictures.raster import Canvas
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.pictures import SCENES
 from fingertip.pictures.steps.scene import Scene, draw_scene
-from tests.approved import check_approved
+from tests.approved import check_figures
 from tests.conftest import design_file, run_fingertip
 from tests.view.describe import PenRecord, describe_scene, join_lines
 
@@ -57,7 +57,7 @@ def scenes(name: str, *changes: str) -> dict[str, Scene]:
 def test_scenes_are_the_approved_ones(name: str) -> None:
     file, changes = DESIGNS[name]
     found = scenes(file, *changes).items()
-    check_approved(APPROVED / f"scenes_{name}.txt", join_lines((key, describe_scene(scene)) for key, scene in found))
+    check_figures(APPROVED / f"scenes_{name}.txt", join_lines((key, describe_scene(scene)) for key, scene in found))
 
 
 def test_every_scene_is_used_and_no_step_shows_the_picture_of_another() -> None:
@@ -76,7 +76,7 @@ def test_labels_and_arrows_are_drawn_as_approved(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(Canvas, "draw", lambda *args: None)
     for name, scene in shown.items():
         pen.lines.append(f"{name}, {Image.open(io.BytesIO(draw_scene(scene))).size}")
-    check_approved(APPROVED / "drawn_scenes.txt", pen.lines, abs_=0.6)
+    check_figures(APPROVED / "drawn_scenes.txt", pen.lines, abs_=0.6)
 
 
 @pytest.mark.full

@@ -3,6 +3,7 @@ passes. Random numbers never meet these."""
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Iterator, Mapping
@@ -10,6 +11,7 @@ from functools import cache
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from fingertip.design import Design
 from fingertip.design.all_rules import RULES
@@ -53,7 +55,10 @@ def check_rules(tables: DesignTables) -> list[BrokenRule]:
 @cache
 def find_broken() -> Mapping[Rule, BrokenRule]:
     """Each rule with a design that breaks it, and as little else as any that was tried."""
-    designs = [DesignTables(**load_tables([], case.split()).tables) for case in CASES if "=" in case.split()[0]]
+    designs = []
+    for case in CASES:
+        with contextlib.suppress(ValidationError):  # some cases break a bound, before any rule
+            designs += [DesignTables(**load_tables([], case.split()).tables)] if "=" in case.split()[0] else []
     electronic = {name: levels for name, levels in list_levels().items() if name.startswith(("board.", "detector."))}
     designs += (DEFAULTS.with_values({name: end}) for name in NUMERIC for end in find_ends(name))
     designs += (DEFAULTS.with_values(row) for row in make_covering_array(electronic))

@@ -94,7 +94,7 @@ def _draw_text(ink: _Ink, content: str, owner: Node, turned_deg: float = 0.0) ->
     if owner.head == "label" and angle == 180.0:
         justify = ["right", "bottom"]
     upright = (angle + turned_deg) % 180.0 == 90.0
-    for i, row in enumerate(content.split("\\n")):
+    for i, row in enumerate(content.split("\n")):
         ink.text(row, (x, y + 1.6 * size * i), size, upright=upright, justify=justify)
 
 

@@ -185,7 +185,10 @@ def _list_ways(design: Design) -> list[tuple[Solid, float]]:
     else:
         shown = [(union(*ways), layout.gate_x)]
     for vent, solid in zip(vents, fixed[len(ways) :], strict=True):
-        shown.append((solid, vent.point_mm[0]))
+        x = vent.point_mm[0]
+        if vent.kind == "side":  # leads along x: the plane is halfway to the face of the block
+            x = (x + math.copysign(layout.half_width, x)) / 2
+        shown.append((solid, x))
     # Some reach past the block, so that they cut its faces.
     return [(intersection(solid, block(design)), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
 

@@ -170,9 +170,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
             f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(p90_s)} "
             f"{band:>18} {100 * nominal.share_within_30_ms:6.1f}%"
         )
-    lines.append(
-        f"{'bound':8} {'':7} {1000 * studies.bound_s(0.5):6.1f} ms {1000 * studies.bound_s(0.9):6.1f} ms {BOUND_LABEL}"
-    )
+    lines.append(f"{'bound':8} {'':7} {_ms(studies.bound_s(0.5))} {_ms(studies.bound_s(0.9))} {BOUND_LABEL}")
     lines += [
         "found, median, p90, worst: slips found, percentiles of the delay, longest found.",
         "Since gross slip: the pad slides at 1 mm/s. Since motion: the robot moved;",

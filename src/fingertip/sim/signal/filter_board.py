@@ -66,13 +66,13 @@ def simulate_boards(
 ) -> Iterator[BoardSignals]:
     """Simulate more boards than memory holds: yields the signals of 256 boards at a time; else as `simulate_board`."""
     after = voltage_v if after_v is None else after_v
+    given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
     raise_issues(
         [
             *find_not_positive("step_s", step_s, "s", "0.0005"),
             *find_not_positive("tolerance_v", tolerance_v, "V", "1e-4"),
-            *(columns := list(find_column_issues(voltage_v=voltage_v, after_v=after))),
-            *(() if columns else find_voltage_issues("voltage_v", voltage_v)),
-            *(() if columns or after is voltage_v else find_voltage_issues("after_v", after)),
+            *(columns := list(find_column_issues(**given))),
+            *(issue for name, rows in given.items() if not columns for issue in find_voltage_issues(name, rows)),
         ]
     )
     table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)

@@ -36,6 +36,7 @@ LOOSE = {
     "chaplet_stands_on_bone": 0.025,  # found in steps of the height
     "bone_is_held": 0.02,  # found by search, on the safe side
     "filter_resistors_in_range": 0.2,  # preferred values
+    "envelope_resistor_in_range": 0.2,  # preferred values
     "amplifier_drives_the_filter": 0.1,  # preferred values
     "amplifier_charges_the_envelope": 0.05,  # preferred values
     "threshold_within_supply": 0.011,  # recommends 99 % of what the supply allows

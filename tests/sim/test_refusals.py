@@ -67,6 +67,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         lambda: run_scene(ARTICLE, SceneFile(outputs=["slip_pin_v"])),
         lambda: load("motor_vibration", "motor.frequency_hz=500.0", "detector.sample_rate_hz=1000.0").run(),
         lambda: load("sliding_finger", "slide.acceleration_m_s2=0.05", speed_m_s=0.2),
+        lambda: load("sliding_finger", "slide.distance_m=3.5e-6", "contact.length_m=3.5e-6"),
         lambda: load("load_change", "load_change.by_n=-4"),
         lambda: load("sliding_finger", "converter.high_v=3.3"),
         lambda: load("sliding_finger", "outputs=voltage_v"),

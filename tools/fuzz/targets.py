@@ -142,7 +142,7 @@ def try_recording(data: bytes) -> None:
 def list_examples(name: str) -> list[bytes]:
     """Valid bytes for a target."""
     recordings = [bytes([i]) + data for i, (_, data) in enumerate(sorted(originals.recordings().items()))]
-    plan = b'{"files": ["a.txt", "manifest.json"], "removed": ["b.txt", "../other.txt"]}'
+    plan = b'{"files": {"a.txt": "nothing", "manifest.json": "nothing"}, "removed": {"b.txt": "no file"}}'
     examples: Mapping[str, list[bytes]] = {
         "manifest": [originals.board_folder()["manifest.json"]], "plan": [plan],
         "database": [originals.sweep_database()],

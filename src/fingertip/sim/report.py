@@ -171,6 +171,8 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
 # Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk.
 
 SUFFIXES = (".csv", ".npz")
+_ROWS = 2**16
+"""Samples that are written at a time: a number takes ten times the memory as text."""
 DECIMALS = {"_v": 6, "_n": 6, "_m": 9, "_m_s": 7}
 """Decimals of a column by the end of its name, so that equal numbers give equal bytes."""
 
@@ -189,12 +191,14 @@ class CsvTraceWriter:
         file.write((",".join(["time_s", *names]) + "\n").encode("ascii"))
 
     def write(self, time_s: NDArray[Any], columns: Mapping[str, NDArray[Any]]) -> None:
-        cells = [[f"{t:.7f}" for t in time_s.tolist()]]
-        for name, values in columns.items():
-            form = "d" if values.dtype == np.bool_ else f".{_decimals(name)}f"
-            cells.append([f"{value:{form}}" for value in round_column(name, values).tolist()])
-        lines = [*map(",".join, zip(*cells, strict=True)), ""]
-        self._file.write("\n".join(lines).encode("ascii"))
+        for start in range(0, len(time_s), _ROWS):
+            rows = slice(start, start + _ROWS)
+            cells = [[f"{t:.7f}" for t in time_s[rows].tolist()]]
+            for name, values in columns.items():
+                form = "d" if values.dtype == np.bool_ else f".{_decimals(name)}f"
+                cells.append([f"{value:{form}}" for value in round_column(name, values[rows]).tolist()])
+            lines = [*map(",".join, zip(*cells, strict=True)), ""]
+            self._file.write("\n".join(lines).encode("ascii"))
 
     def close(self) -> None:
         """Complete the file."""

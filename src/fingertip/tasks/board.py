@@ -70,14 +70,14 @@ def board_files(design: Design) -> dict[str, bytes]:
     }
 
 
-def model_sets(folder: Path, force: bool = False) -> list[tuple[SetWriter, dict[str, bytes]]]:
+def model_sets(folder: Path, force: bool = False, top: Path | None = None) -> list[tuple[SetWriter, dict[str, bytes]]]:
     """List the 3D models beside a board, the same for every design: for each folder writer and content."""
-    parameters, sets = hash_parameters({}), dict[str, dict[str, bytes]]()
+    parameters, sets, top = hash_parameters({}), dict[str, dict[str, bytes]](), top or folder
     for path, data in model_files().items():
         library, name = path.split("/")
         sets.setdefault(library, {})[name] = data
     return [
-        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", parameters, force=force, top=folder), files)
+        (SetWriter(folder / MODEL_FOLDER / library, "models", "all boards", parameters, force=force, top=top), files)
         for library, files in sets.items()
     ]
 
@@ -108,8 +108,13 @@ class BoardPlan:
         return tuple(self.writer.folder / name for name in self.files)
 
 
-def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: bool = False) -> BoardPlan:
-    """Plan the board's files, and refuse what the folder cannot take, as `write_board` does."""
+def plan_board(
+    design: Design, folder: Path, *, force: bool = False, bring_up: bool = False, top: Path | None = None
+) -> BoardPlan:
+    """Plan the board's files, and refuse what the folder cannot take, as `write_board` does.
+
+    `top` is the folder that the user has named, if this one is below it.
+    """
     files = board_files(design)
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:
@@ -119,11 +124,11 @@ def plan_board(design: Design, folder: Path, *, force: bool = False, bring_up: b
             circuit = circuit.replace(reference, value)
         return find_configuration(values).project.enter(circuit)[LAYOUT]
 
-    finish_interrupted(folder)
+    writer, models = BOARD.writer(design, folder, force, top), model_sets(folder, force, top)
+    writer.check(())
     edited = EditedFiles({}, ()) if force else revise_edited(folder, files, make_layout)
     if bring_up:
         files |= bring_up_files(design)
-    writer, models = BOARD.writer(design, folder, force), model_sets(folder, force)
     writer.check(files, edited.revisions)
     for model_writer, contents in models:
         model_writer.check(contents)

@@ -97,7 +97,7 @@ def make(
     draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
     BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
-    plan_board(design, board_folder, force=force)
+    plan_board(design, board_folder, force=force, top=folder)
     signal.check((TRACE, PLOT, DETECTION))
     boards: list[BoardPlan] = []
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
@@ -106,7 +106,7 @@ def make(
 
     def make_the_others() -> None:
         progress("making the board")
-        boards.append(plan_board(design, board_folder, force=force, bring_up=True))
+        boards.append(plan_board(design, board_folder, force=force, bring_up=True, top=folder))
         signal_set, detection = simulate_and_detect(design, progress)
         page = render_acceptance(acceptance_data(design, detection.detection))
         drawings.update(draw_files(design, progress) if draws else {})

@@ -74,7 +74,7 @@ class Detector(ParameterTable):
     sample_rate_hz: float = quantity(2000.0, "Hz", (1000, 20000), "Sampling rate of the traces.")
     window_samples: int = quantity(60, "samples", (1, 10000), "Length L of the averaging window.")
     threshold_v: float = quantity(
-        0.023, "V", (Above(0), 10),
+        0.023, "V", (1e-9, 10),
         "Threshold of the mean envelope above which slip is ON; default: its mean plus 6 standard deviations in noise.",
     )  # fmt: skip
     noise_v: float = quantity(

@@ -5,8 +5,9 @@ that stays, and both folders then swap their names. Whoever is killed in between
 Where folders cannot be swapped (another file system, Windows, the current folder of this process), the files are
 renamed one after the other, and the next command that writes to the folder completes what was begun.
 
-What a killed command seems to have left may be a stranger's. Only folders are taken for it, no links, and a plan of
-renames counts if it names files of its folder.
+What a killed command seems to have left may be a stranger's. Only folders are taken for it, no links. A plan of renames
+counts if it names files of its folder, and states of each what it was, which a stranger cannot know of a file of one's
+own: what was changed or put there since stays.
 """
 
 from __future__ import annotations
@@ -111,20 +112,34 @@ def try_to_write(folder: Path, path: Path) -> None:
         (made / path.name).write_bytes(b"?")
 
 
-def read_plan(commit: Path) -> tuple[list[str], list[str]]:
-    """Read which files a complete plan of renames puts in place and removes; none without it. Raises OutputError."""
+def read_plan(commit: Path) -> tuple[dict[str, str], dict[str, str]]:
+    """Read which files a complete plan of renames puts in place and removes; none without it. Raises OutputError.
+
+    Each name comes with what stood there when the plan was made, in the form of `_identify`.
+    """
     if not os.path.lexists(commit / _COMPLETE):
-        return [], []
+        return {}, {}
     try:
         plan = json.loads(read_input(commit / _COMPLETE, PARSED_LIMIT, below=commit))
         files, removed = plan["files"], plan["removed"]
-        is_sound = isinstance(files, list) and isinstance(removed, list) and not find_unsafe_names(files + removed)
-        if is_sound and not any(is_folder(commit.parent / name) for name in files + removed):
+        is_sound = isinstance(files, dict) and isinstance(removed, dict) and not find_unsafe_names([*files, *removed])
+        is_sound &= not any(is_folder(commit.parent / name) for name in (*files, *removed))
+        if is_sound and all(_identify(commit / f"new-{name}") != _OTHER for name in files):
             return files, removed
     except (InputFileError, ValueError, KeyError, TypeError, RecursionError):
         pass
     remedy = "remove this folder, then write the set again"
     raise OutputError(Issue(str(commit), f"holds a damaged {_COMPLETE}, so that nothing can complete it; {remedy}."))
+
+
+_ABSENT, _OTHER = "nothing", "no file"
+
+
+def _identify(path: Path) -> str:
+    """Return the hash of a regular file, or that there is nothing or something else, such as a link."""
+    if not os.path.lexists(path):
+        return _ABSENT
+    return hash_content(path) if path.is_file() and not path.is_symlink() else _OTHER
 
 
 def is_folder(path: Path) -> bool:
@@ -222,7 +237,8 @@ def _rename_in(folder: Path, files: Mapping[str, Content], removed: Collection[s
     try:
         for name, data in files.items():
             write_content(data, commit / f"new-{name}")
-        plan = {"files": list(files), "removed": list(removed)}
+        plan = {"files": {name: _identify(folder / name) for name in files},
+                "removed": {name: _identify(folder / name) for name in removed}}  # fmt: skip
         (commit / _PLAN).write_text(json.dumps(plan), "utf-8")
     except BaseException:
         shutil.rmtree(commit, ignore_errors=True)
@@ -235,10 +251,11 @@ def _finish_renames(folder: Path) -> None:
     """Carry out a complete plan, or the rest of it. The manifest comes last."""
     commit = folder / _COMMIT
     files, removed = read_plan(commit)
-    for name in removed:
-        (folder / name).unlink(missing_ok=True)
-    for name in files:
-        if os.path.lexists(commit / f"new-{name}"):
+    for name, before in removed.items():
+        if before != _ABSENT and _identify(folder / name) == before:
+            (folder / name).unlink()
+    for name, before in files.items():
+        if os.path.lexists(commit / f"new-{name}") and _identify(folder / name) == before:
             os.replace(commit / f"new-{name}", folder / name)
     _remove_folder(commit)
 

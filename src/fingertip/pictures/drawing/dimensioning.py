@@ -223,9 +223,10 @@ def _text_middles(low: float, high: float, width: float) -> Iterator[tuple[float
         for share in (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0):
             yield middle + share * room, 0.5 * abs(share)
     beyond = _ARROW_MM + 2.0 + width / 2
-    for further in (0.0, 6.0, 14.0):
-        yield high + beyond + further, 1.5 + 0.1 * further
-        yield low - beyond - further, 1.7 + 0.1 * further
+    # Far from its dimension a text is hard to find: only where no lane has room for it nearer.
+    for further, penalty in ((0.0, 0.0), (6.0, 0.6), (14.0, 1.4), (24.0, 50.0), (36.0, 60.0)):
+        yield high + beyond + further, 1.5 + penalty
+        yield low - beyond - further, 1.7 + penalty
 
 
 def place_circle(

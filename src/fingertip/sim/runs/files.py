@@ -75,11 +75,14 @@ class Hold(ParameterTable):
     after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
 
 
+_MIN_SPEED_M_S = 0.005
+
+
 class Slide(ParameterTable):
     """Slide of the surface under the finger; 0 m means none."""
 
     distance_m: float = quantity(0.0, "m", (0, 1), "Distance (article: 0.04).")
-    speed_m_s: float = quantity(0.04, "m/s", (0.005, 0.2), "Peak velocity (article: 0.04, 0.06, 0.08).")
+    speed_m_s: float = quantity(0.04, "m/s", (_MIN_SPEED_M_S, 0.2), "Peak velocity (article: 0.04, 0.06, 0.08).")
     acceleration_m_s2: float = assumption(1.0, "m/s2", (0.05, 20), "Acceleration of the trapezoidal velocity profile.")
 
 
@@ -160,7 +163,15 @@ class SceneFile(PathTables, _SceneTables):
             message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
         reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m)
-        if slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):
+        if slide.distance_m and reached < _MIN_SPEED_M_S:
+            least = 1.01 * _MIN_SPEED_M_S**2 / slide.acceleration_m_s2
+            message = (
+                f"{slide.distance_m:g} m is too short to reach {_MIN_SPEED_M_S:g} m/s at {slide.acceleration_m_s2:g} "
+                f"m/s2; set slide.distance_m={least:.3g} and contact.length_m={max(least, self.contact.length_m):.3g}, "
+                "or slide.distance_m=0."
+            )
+            yield Issue("slide.distance_m", message), {"slide.distance_m", "slide.acceleration_m_s2"}
+        elif slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):
             message = (
                 f"{slide.speed_m_s:g} m/s is not reached within {slide.distance_m:g} m at "
                 f"{slide.acceleration_m_s2:g} m/s2; at most {round_down(reached):g} m/s."

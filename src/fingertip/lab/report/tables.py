@@ -206,7 +206,7 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
     lines += robustness.step_table(studies.steps)
     lines += ["", "digital by window length: median delay, alarms per minute at contacts, releases and load changes:"]
     lines += [
-        f"{1000 * row.window_s:7.0f} ms {1000 * row.median_s:7.1f} ms {row.contact_alarms_per_minute:8.1f}"
+        f"{1000 * row.window_s:7.0f} ms {format_ms(row.median_s):>10} {row.contact_alarms_per_minute:8.1f}"
         for row in studies.windows
     ]
     return "\n".join(lines)

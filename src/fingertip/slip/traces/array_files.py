@@ -42,7 +42,7 @@ MAX_METADATA_BYTES = 16 * 2**20
 """Maximum size of the names and properties of a TDMS file [bytes]."""
 MAX_LISTED = 10_000_000
 """Maximum number of objects that the segments of a TDMS file list together. The library goes through each list, also
-where a segment takes over the one before; this many take it some ten seconds."""
+where a segment takes over the one before; this many take it some twenty seconds."""
 _LEAD_IN = struct.Struct("<4sI")
 _LEAD_IN_BYTES = 28
 _HAS_METADATA, _HAS_NEW_LIST, _IS_BIG_ENDIAN = 1 << 1, 1 << 2, 1 << 6
@@ -195,15 +195,15 @@ def _load_numbers(
 
     An empty one of its type takes its place, which is refused by its name; a rate may be a short text.
     """
+    sizes: dict[str, int] = {}
     for name, (shape, dtype) in claims.items():
         _check_shape(path, name, shape, dtype.itemsize)
-    sizes = {name: math.prod(shape) * dtype.itemsize for name, (shape, dtype) in claims.items()}
+        size = math.prod(shape) * dtype.itemsize
+        if dtype.kind in "bifumM" or (dtype.kind in "cSU" and size <= _MAX_TEXT_BYTES):
+            sizes[name] = size
     if message := total_message(sum(sizes.values())):
         raise TraceError(Issue(str(path), message))
-    kinds = {name: "bifumM" + "cSU" * (sizes[name] <= _MAX_TEXT_BYTES) for name in claims}
-    return {
-        name: load(name) if dtype.kind in kinds[name] else np.zeros(0, dtype) for name, (_, dtype) in claims.items()
-    }
+    return {name: load(name) if name in sizes else np.zeros(0, dtype) for name, (_, dtype) in claims.items()}
 
 
 def _check_shape(path: Path, name: str, shape: tuple[int, ...], item_bytes: int = 8) -> None:

@@ -13,7 +13,7 @@ import struct
 import wave
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -43,19 +43,14 @@ MAX_METADATA_BYTES = 16 * 2**20
 MAX_LISTED = 10_000_000
 """Maximum number of objects that the segments of a TDMS file list together. The library goes through each list, also
 where a segment takes over the one before; this many take it some twenty seconds."""
-_LEAD_IN = struct.Struct("<4sI")
 _LEAD_IN_BYTES = 28
 _HAS_METADATA, _HAS_NEW_LIST, _IS_BIG_ENDIAN = 1 << 1, 1 << 2, 1 << 6
-_UNFINISHED = 2**64 - 1
-"""Length of the last segment of a recording that was interrupted."""
 _NO_INDEX = (0, 2**32 - 1)
 """First number of an object that has no raw data, or as much as before; another one tells of an index."""
 _SCALER_BYTES = {0x1269: 20, 0x126A: 17}
 """First number of the index of DAQmx data -> size of each scaler in it [bytes]."""
 _STRING = 0x20
-_PROPERTY_BYTES = {
-    1: 1, 2: 2, 3: 4, 4: 8, 5: 1, 6: 2, 7: 4, 8: 8, 9: 4, 10: 8, 0x19: 4, 0x1A: 8, 0x21: 1, 0x44: 16,
-}  # fmt: skip
+_PROPERTY_BYTES = dict(enumerate((1, 2, 4, 8) * 2 + (4, 8), 1)) | {0x19: 4, 0x1A: 8, 0x21: 1, 0x44: 16}
 """Type of a property -> size of its value [bytes]."""
 _COMPRESSED = 15
 _PIECE_BYTES = 2**20
@@ -75,31 +70,27 @@ def check_tdms_segments(file: BinaryIO) -> None:
     while place + _LEAD_IN_BYTES <= size:
         file.seek(place)
         lead_in = file.read(_LEAD_IN_BYTES)
-        tag, flags = _LEAD_IN.unpack_from(lead_in)
+        tag, flags = struct.unpack_from("<4sI", lead_in)
         if tag != b"TDSm":
             break  # the library says what is wrong
         order = ">" if flags & _IS_BIG_ENDIAN else "<"
         length, raw_at = struct.unpack_from(f"{order}QQ", lead_in, 12)
-        start = place + _LEAD_IN_BYTES
-        end, is_last = start + length, length == _UNFINISHED or start + length > size
-        count += 1
         stated = min(raw_at, size - place)
-        is_read = flags & _HAS_METADATA and not (is_last and start + raw_at > size)
-        if is_read and metadata + stated <= MAX_METADATA_BYTES:
-            names = list(_list_objects(file, order, start + MAX_METADATA_BYTES - metadata))
+        place += _LEAD_IN_BYTES
+        count += 1
+        is_interrupted = place + length > size and place + raw_at > size  # the library leaves such names alone
+        if flags & _HAS_METADATA and not is_interrupted and metadata + stated <= MAX_METADATA_BYTES:
+            names = list(_list_objects(file, order, place + MAX_METADATA_BYTES - metadata))
             if flags & _HAS_NEW_LIST:
                 listed, known = 0, set()
             listed += sum(name not in known for name in names)
             known.update(names)
-            stated = max(stated, file.tell() - start)  # what it states may be less than what the library reads
-        metadata, in_all = metadata + stated, in_all + listed
+            stated = max(stated, file.tell() - place)  # what it states may be less than what the library reads
+        metadata, in_all, place = metadata + stated, in_all + listed, place + length
         if count > MAX_SEGMENTS or metadata > MAX_METADATA_BYTES:
             raise ValueError(f"it has {count} segments or more, with {metadata} bytes of names and properties")
         if in_all > MAX_LISTED:
             raise ValueError(f"its segments list {in_all} objects or more; at most {MAX_LISTED} are read")
-        if is_last:
-            break
-        place = end
     file.seek(0)
 
 
@@ -164,6 +155,8 @@ _MAX_TEXT_BYTES = 1000
 """Maximum size of an array of text that is loaded, as a rate may be [bytes]."""
 _MAX_REASON = 200
 """Maximum length of the reason that a library gives, which may repeat bytes of the file [characters]."""
+Claim = tuple[tuple[int, ...], np.dtype[Any]]
+"""Shape and type of an array, as its file states them."""
 AS_CSV = "save the recording as CSV"
 _WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
 """Bytes of a sample -> its full scale."""
@@ -186,11 +179,7 @@ def _wanted(columns: ColumnMap) -> set[str]:
     return {*map(columns.name_in_file, COLUMNS), *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
-def _load_numbers(
-    path: Path,
-    claims: Mapping[str, tuple[Sequence[int], np.dtype[Any]]],
-    load: Callable[[str], Any],
-) -> dict[str, Any]:
+def _load_numbers(path: Path, claims: Mapping[str, Claim], load: Callable[[str], Any]) -> dict[str, Any]:
     """Load arrays once all of what they claim is within bounds. An array that holds no numbers is not loaded.
 
     An empty one of its type takes its place, which is refused by its name; a rate may be a short text.
@@ -243,7 +232,7 @@ def _name_columns(path: Path, array: NDArray[Any], columns: ColumnMap) -> Mappin
 
 
 def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    def read_claim(name: str) -> tuple[Sequence[int], np.dtype[Any]]:
+    def read_claim(name: str) -> Claim:
         check_member(archive.getinfo(members[name]))
         with archive.open(members[name]) as member:
             return _read_npy_header(member)
@@ -263,7 +252,7 @@ def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         return dict.fromkeys(members) | _load_numbers(path, claims, load)
 
 
-def _read_npy_header(recording: Any) -> tuple[Sequence[int], np.dtype[Any]]:
+def _read_npy_header(recording: Any) -> Claim:
     file = io.BytesIO(recording.read(_MAX_HEADER_BYTES))  # the library would read whatever length the header states
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
@@ -286,9 +275,8 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
 
 def _mat_type(kind: str) -> np.dtype[Any]:
     """Return the type of a MATLAB class; of one that holds other variables, in which the library recurses, objects."""
-    if kind in ("logical", "char"):
-        return np.dtype("?" if kind == "logical" else "U1")
-    return np.dtype(kind if kind.startswith(("double", "single", "int", "uint")) else "O")
+    kind = {"logical": "?", "char": "U1"}.get(kind, kind)
+    return np.dtype(kind if kind.startswith(("?", "U1", "double", "single", "int", "uint")) else "O")
 
 
 def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
@@ -310,7 +298,7 @@ def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
             return np.concatenate(parts) if parts else None
 
         is_number = (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_duration)
-        claims: dict[str, tuple[Sequence[int], np.dtype[Any]]] = {}
+        claims: dict[str, Claim] = {}
         for field in file.schema_arrow:
             # The library takes `voltage_v.raw` too where it is asked for `voltage_v`.
             for name in (name for name in _wanted(columns) if f"{field.name}.".startswith(f"{name}.")):
@@ -353,7 +341,7 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
     nptdms = extras.load("nptdms", str(path), alternative=AS_CSV)
 
-    def read_claim(channel: Any) -> tuple[Sequence[int], np.dtype[Any]]:
+    def read_claim(channel: Any) -> Claim:
         if len(channel) > (size := path.stat().st_size):  # a value takes a byte at least
             raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
         return (len(channel),), np.dtype(channel.dtype)

@@ -225,7 +225,36 @@ def encrypted(content: bytes) -> bytes:
     return bytes(changed)
 
 
+def nested_mat(depth: int, flags: int = 1) -> bytes:
+    """MATLAB file of cells within each other."""
+    parts = [b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"]
+    for inner in range(48 * (depth - 1), -1, -48):
+        name = b"voltage_v" if len(parts) == 1 else b""
+        padded = name + bytes(-len(name) % 8)
+        size = 40 + len(padded) + inner
+        parts.append(struct.pack("<12I", 14, size, 6, 8, flags, 0, 5, 8, 1, 1, 1, len(name)) + padded)
+    return b"".join(parts)
+
+
+def tdms_segment(content: bytes, flags: int, order: str) -> bytes:
+    flags |= 1 << 6 if order == ">" else 0
+    return struct.pack("<4sI", b"TDSm", flags) + struct.pack(f"{order}IQQ", 4713, len(content), len(content)) + content
+
+
+def tdms_lists(order: str, adds: bool) -> bytes:
+    """TDMS file whose segments take over many objects, or add one each."""
+    count, following = (5000, 0) if adds else (1000, 10_000)
+
+    def names(first: int, last: int) -> bytes:
+        objects = (struct.pack(f"{order}I6s2I", 6, b"/'%03x'" % n, 2**32 - 1, 0) for n in range(first, last))
+        return struct.pack(f"{order}I", last - first) + b"".join(objects)
+
+    more = [names(n, n + 1) for n in range(count)] if adds else [names(0, 1)] * following
+    return b"".join(tdms_segment(part, 2, order) for part in [names(0, 1000), *more])
+
+
 SOUND = npz(time_s=T, voltage_v=V)
+TABLE = npy_header("(4, 8388608)")
 
 HUGE = "(10000000000000,)"
 
@@ -240,6 +269,39 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
     "huge.npy": (lambda: npy_header(HUGE), "claims to hold 1e+13 values"),
     "wide.npy": (lambda: npy_header("(2,)", "|V2000000000"), "claims to hold 2 values"),
     "objects.npy": (lambda: npy_header("(2,)", "|O") + bytes(16), "it holds objects, which only pickle reads"),
+    "long header.npz": (
+        lambda: npz_of(voltage_v=b"\x93NUMPY\x02\x00" + struct.pack("<I", 2**20) + bytes(2**20)),
+        "expected 1048576 bytes got 65524",
+    ),
+    "texts.npz": (
+        lambda: npz_of(**dict.fromkeys(("time_s", "voltage_v", "force_n"), npy_header("(4000000,)", "|S200"))),
+        "voltage_v: has the type |S200; give an array of numbers.",
+    ),
+    "many.npz": (
+        lambda: npz_of(time_s=TABLE, voltage_v=TABLE, force_n=TABLE),
+        "claims to hold 1.01e+08 values; at most 8388608 samples are read",
+    ),
+    "low rate.npz": (lambda: npz(voltage_v=V, sample_rate_hz=5e-324), "sample_rate_hz: contains 5e-324; save the rate"),
+    **{
+        f"{kind[:2]} {kind[3:-1]}.npz": (
+            lambda kind=kind: npz(time_s=np.arange(2000).astype(kind), voltage_v=V),
+            f"time_s: has the type {np.dtype(kind)}; give an array of numbers.",
+        )
+        for kind in ("M8[Y]", "M8[M]", "M8[as]", "M8", "m8[Y]", "m8[as]")
+    },
+    "cells.mat": (lambda: nested_mat(200_000), "voltage_v: has the type object; give an array of numbers."),
+    "logical cells.mat": (lambda: nested_mat(2, 0x201), "a variable of the class 1 states that it is logical"),
+    **{
+        f"{'growing' if adds else 'long'} lists, {name}.tdms": (
+            lambda order=order, adds=adds: tdms_lists(order, adds), "at most 10000000 are read",
+        )
+        for name, order in (("little-endian", "<"), ("big-endian", ">")) for adds in (False, True)
+    },
+    "64 bits.wav": (
+        lambda: b"RIFF" + struct.pack("<I", 44) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 1, 1, 2000, 16000, 8, 64)
+        + b"data" + struct.pack("<I", 8) + bytes(8),
+        "its samples have 64 bits",
+    ),
     "header.npy": (lambda: b"\x93NUMPY\x01\x00\x10\x00{[(((((((((((((", "is not a NumPy file that can be read"),
     "0-d.npz": (lambda: npz(time_s=np.array(0.0), voltage_v=np.array(2.3)), "voltage_v: is a single number; give one"),
     "no dates.npz": (lambda: npz(time_s=np.zeros(0, "M8[s]"), voltage_v=V), "has 0 samples"),
@@ -463,7 +525,59 @@ def test_tdms_file_written_by_nptdms_is_read(tmp_path):
     channel = nptdms.ChannelObject("group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000})
     with nptdms.TdmsWriter(tmp_path / "t.tdms") as writer:
         writer.write_segment([channel])
+    (tmp_path / "t.tdms_index").write_bytes(b"TDSh" + bytes(60))  # the library would read it
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
+
+
+def test_tdms_file_of_many_kinds_of_properties_is_read(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    kinds = {
+        "text": "é",
+        "whole": -3,
+        "true": True,
+        "start": np.datetime64("2024-05-31T12:00:00"),
+        "wf_increment": 5e-4,
+    }
+    with nptdms.TdmsWriter(tmp_path / "t.tdms") as writer:
+        for number, part in enumerate(np.split(np.round(V, 6), 4)):
+            text = nptdms.ChannelObject("group", "notes", ["pressed", "slipped"])
+            channel = nptdms.ChannelObject("group", "AI0", part, properties=kinds | {"part": np.uint16(number)})
+            writer.write_segment([nptdms.RootObject(kinds), channel, *[text][: number % 2]])
+    words = ("--column", "voltage_v=AI0", "--json")
+    assert single_onset(run("detect", tmp_path / "t.tdms", *words)) == ONSET
+    with (tmp_path / "t.tdms").open("ab") as file:  # a segment whose names were not written to their end
+        file.write(struct.pack("<4sIIQQ", b"TDSm", 2, 4713, 2**64 - 1, 100) + b"\1")
+    assert single_onset(run("detect", tmp_path / "t.tdms", *words)) == ONSET
+    assert (
+        "notes: has the type object" in run("detect", tmp_path / "t.tdms", "--column", "force_n=notes", *words).stderr
+    )
+
+
+def test_daqmx_data_of_a_tdms_file_is_read(tmp_path):
+    pytest.importorskip("nptdms")
+    counts = np.round(V * 1000).astype("<i2")
+    index = struct.pack("<3IQ", 0x1269, 2, 1, len(counts)) + struct.pack("<8I", 1, 3, 0, 0, 0, 0, 1, 2)
+    increment = struct.pack("<I12sId", 12, b"wf_increment", 10, 1 / 2000)
+    names = struct.pack("<2I9s", 1, 9, b"/'g'/'v1'") + index + struct.pack("<I", 1) + increment
+    lead_in = struct.pack("<4sIIQQ", b"TDSm", 0x8E, 4713, len(names) + 2 * len(counts), len(names))
+    (tmp_path / "t.tdms").write_bytes((lead_in + names + counts.tobytes()) * 2)
+    done = run("detect", tmp_path / "t.tdms", "--scale", 1e-3, "--json")
+    assert json.loads(done.stdout)["intervals"][0]["onset_s"] == pytest.approx(ONSET, abs=0.002)
+
+
+def test_columns_of_text_of_a_parquet_file_are_not_read(tmp_path, monkeypatch):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    save_parquet(tmp_path / "t.parquet", time_s=T, voltage_v=["2.3 V"] * len(T))
+    save_parquet(tmp_path / "u.parquet", time_s=T, voltage_v=V, **{"voltage_v.raw": ["2.3 V"] * len(T)})
+    read = parquet.ParquetFile.iter_batches
+
+    def iter_batches(file, columns):
+        assert columns == ["time_s"]
+        return read(file, columns=columns)
+
+    monkeypatch.setattr(parquet.ParquetFile, "iter_batches", iter_batches)
+    for name in ("t.parquet", "u.parquet"):
+        assert "voltage_v: has the type object; give an array of numbers." in run("detect", tmp_path / name).stderr
 
 
 def test_read_trace_in_python(tmp_path):
@@ -506,19 +620,21 @@ def test_a_missing_row_is_ignored_with_the_options_in_the_message(tmp_path):
     assert shlex.split(re.search(r"ignore the times with (.*)\.$", live.stderr, re.MULTILINE)[1]) == remedy
 
 
-def bomb_mat(megabytes: int) -> bytes:
+def bomb_mat(megabytes: int, version: bytes = b"\x00\x01IM") -> bytes:
     """MATLAB file whose compressed variable unpacks to zeros."""
     packed = zlib.compress(bytes(megabytes * 2**20), 9)
-    return b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + struct.pack("<II", 15, len(packed)) + packed
+    order = "<" if version.endswith(b"IM") else ">"
+    return b"MATLAB 5.0 MAT-file".ljust(124) + version + struct.pack(f"{order}II", 15, len(packed)) + packed
 
 
 def test_a_matlab_file_that_unpacks_to_much_is_refused(tmp_path, monkeypatch):
     pytest.importorskip("scipy")
     monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", "100000")
-    (tmp_path / "t.mat").write_bytes(bomb_mat(8))
-    done = run("detect", tmp_path / "t.mat")
-    assert done.exit_code == 2
-    assert "its variables unpack to more than 3 MB" in done.stderr
+    for version in (b"\x00\x01IM", b"\x01\x00MI", b"\x01\x00??"):  # the library takes the last one as big-endian
+        (tmp_path / "t.mat").write_bytes(bomb_mat(8, version))
+        done = run("detect", tmp_path / "t.mat")
+        assert done.exit_code == 2
+        assert "its variables unpack to more than 3 MB" in done.stderr
     (tmp_path / "t.mat").write_bytes(bomb_mat(1))
     assert "unpack to" not in run("detect", tmp_path / "t.mat").stderr
 

@@ -6,12 +6,14 @@ Every array is measured by its header before it is read, and only those are read
 from __future__ import annotations
 
 import contextlib
+import io
+import math
 import os
 import struct
 import wave
 import zipfile
 import zlib
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -21,7 +23,14 @@ from numpy.typing import NDArray
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
-from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap, max_table_bytes, shape_message
+from fingertip.slip.traces.trace import (
+    BOARD_COLUMNS,
+    COLUMNS,
+    ColumnMap,
+    max_table_bytes,
+    shape_message,
+    total_message,
+)
 
 # Claims of files of arrays: how much a library would unpack or list, found before it does so.
 #
@@ -31,57 +40,123 @@ MAX_SEGMENTS = 100_000
 """Maximum number of segments of a TDMS file. A converter that streams writes some a second."""
 MAX_METADATA_BYTES = 16 * 2**20
 """Maximum size of the names and properties of a TDMS file [bytes]."""
-_LEAD_IN = struct.Struct("<4sIIQQ")
-_UNFINISHED = 2**64 - 1
-"""Length of the last segment of a recording that was interrupted."""
+MAX_LISTED = 10_000_000
+"""Maximum number of objects that the segments of a TDMS file list together. The library goes through each list, also
+where a segment takes over the one before; this many take it some twenty seconds."""
+_LEAD_IN_BYTES = 28
+_HAS_METADATA, _HAS_NEW_LIST, _IS_BIG_ENDIAN = 1 << 1, 1 << 2, 1 << 6
+_NO_INDEX = (0, 2**32 - 1)
+"""First number of an object that has no raw data, or as much as before; another one tells of an index."""
+_SCALER_BYTES = {0x1269: 20, 0x126A: 17}
+"""First number of the index of DAQmx data -> size of each scaler in it [bytes]."""
+_STRING = 0x20
+_PROPERTY_BYTES = dict(enumerate((1, 2, 4, 8) * 2 + (4, 8), 1)) | {0x19: 4, 0x1A: 8, 0x21: 1, 0x44: 16}
+"""Type of a property -> size of its value [bytes]."""
 _COMPRESSED = 15
 _PIECE_BYTES = 2**20
+_MAT_HEAD_BYTES = 24
+"""Length of the start of a variable of a MATLAB file, which states its class and its flags [bytes]."""
+_MAT_NUMBERS = range(6, 16)
+"""Classes of variables of numbers; the others, such as cells, hold variables themselves."""
+_MAT_LOGICAL = 1 << 9
+_MAX_HEADER_BYTES = 2**16
+"""Maximum length of the header of a NumPy array. The library reads 10 000 characters."""
 
 
 def check_tdms_segments(file: BinaryIO) -> None:
-    """Walk over the segments of a TDMS file. Raises ValueError."""
-    size, place, count, metadata = file.seek(0, os.SEEK_END), 0, 0, 0
-    while place + _LEAD_IN.size <= size:
+    """Walk over the segments of a TDMS file and the objects that they list. Raises ValueError or struct.error."""
+    size, place, count, metadata, listed, in_all = file.seek(0, os.SEEK_END), 0, 0, 0, 0, 0
+    known = set[bytes]()
+    while place + _LEAD_IN_BYTES <= size:
         file.seek(place)
-        tag, _, _, length, raw_at = _LEAD_IN.unpack(file.read(_LEAD_IN.size))
+        lead_in = file.read(_LEAD_IN_BYTES)
+        tag, flags = struct.unpack_from("<4sI", lead_in)
         if tag != b"TDSm":
             break  # the library says what is wrong
+        order = ">" if flags & _IS_BIG_ENDIAN else "<"
+        length, raw_at = struct.unpack_from(f"{order}QQ", lead_in, 12)
+        stated = min(raw_at, size - place)
+        place += _LEAD_IN_BYTES
         count += 1
-        metadata += min(raw_at, size - place)
+        is_interrupted = place + length > size and place + raw_at > size  # the library leaves such names alone
+        if flags & _HAS_METADATA and not is_interrupted and metadata + stated <= MAX_METADATA_BYTES:
+            names = list(_list_objects(file, order, place + MAX_METADATA_BYTES - metadata))
+            if flags & _HAS_NEW_LIST:
+                listed, known = 0, set()
+            listed += sum(name not in known for name in names)
+            known.update(names)
+            stated = max(stated, file.tell() - place)  # what it states may be less than what the library reads
+        metadata, in_all, place = metadata + stated, in_all + listed, place + length
         if count > MAX_SEGMENTS or metadata > MAX_METADATA_BYTES:
             raise ValueError(f"it has {count} segments or more, with {metadata} bytes of names and properties")
-        if length == _UNFINISHED:
-            break
-        place += _LEAD_IN.size + length
+        if in_all > MAX_LISTED:
+            raise ValueError(f"its segments list {in_all} objects or more; at most {MAX_LISTED} are read")
     file.seek(0)
+
+
+def _list_objects(file: BinaryIO, order: str, end: int) -> Iterator[bytes]:
+    """Yield the names of the objects that a segment lists, as the library reads them, up to a place in the file."""
+
+    def read(length: int) -> bytes:
+        if file.tell() + length > end:
+            raise ValueError(f"it has more than {MAX_METADATA_BYTES} bytes of names and properties")
+        return file.read(length)
+
+    def number() -> int:
+        return int(struct.unpack(f"{order}I", read(4))[0])
+
+    for _ in range(number()):
+        yield read(number())
+        index = number()
+        if index in _SCALER_BYTES:
+            read(16)
+            read(number() * _SCALER_BYTES[index])
+            read(number() * 4)
+        elif index not in _NO_INDEX:
+            read(20 if number() == _STRING else 12)
+        for _ in range(number()):
+            read(number())
+            kind = number()
+            read(number() if kind == _STRING else _PROPERTY_BYTES[kind])
 
 
 def check_mat_variables(file: BinaryIO) -> None:
     """Unpack the compressed variables of a MATLAB file piece by piece, keeping none. Raises ValueError or error."""
     header = file.read(128)
-    order = ">" if header[126:128] == b"MI" else "<"
+    order = "<" if header[126:128] == b"IM" else ">"
     left = max_table_bytes()
-    while len(tag := file.read(8)) == 8:
+    # A file of MATLAB 4 has a zero there, and neither compression nor cells.
+    while 0 not in header[:4] and len(tag := file.read(8)) == 8:
         kind, length = struct.unpack(f"{order}II", tag)
         end = file.tell() + length
+        head = b"" if kind == _COMPRESSED else tag + file.read(_MAT_HEAD_BYTES - len(tag))
         unpacker = zlib.decompressobj()
         while kind == _COMPRESSED and file.tell() < end and not unpacker.eof:
             piece = file.read(min(_PIECE_BYTES, end - file.tell()))
             while piece:
-                left -= len(unpacker.decompress(piece, _PIECE_BYTES))
+                unpacked = unpacker.decompress(piece, _PIECE_BYTES)
+                head += unpacked[: _MAT_HEAD_BYTES - len(head)]
+                left -= len(unpacked)
                 if left < 0:
                     raise ValueError(f"its variables unpack to more than {max_table_bytes() / 2**20:.0f} MB")
                 piece = unpacker.unconsumed_tail
             if file.tell() >= os.fstat(file.fileno()).st_size:
                 break
+        flags = struct.unpack_from(f"{order}I", head, 16)[0] if len(head) == _MAT_HEAD_BYTES else 0
+        if flags & _MAT_LOGICAL and flags & 0xFF not in _MAT_NUMBERS:  # the library would call it logical
+            raise ValueError(f"a variable of the class {flags & 0xFF} states that it is logical")
         file.seek(end)
     file.seek(0)
 
 
 RATE = "sample_rate_hz"
 """Name of a number in a file that replaces its times."""
+_MAX_TEXT_BYTES = 1000
+"""Maximum size of an array of text that is loaded, as a rate may be [bytes]."""
 _MAX_REASON = 200
 """Maximum length of the reason that a library gives, which may repeat bytes of the file [characters]."""
+Claim = tuple[tuple[int, ...], np.dtype[Any]]
+"""Shape and type of an array, as its file states them."""
 AS_CSV = "save the recording as CSV"
 _WAV_FULL_SCALE = {1: 128.0, 2: 2.0**15, 3: 2.0**23, 4: 2.0**31}
 """Bytes of a sample -> its full scale."""
@@ -104,9 +179,20 @@ def _wanted(columns: ColumnMap) -> set[str]:
     return {*map(columns.name_in_file, COLUMNS), *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
-def _skip_others(names: Collection[str], load: Callable[[str], Any], columns: ColumnMap) -> dict[str, Any]:
-    wanted = _wanted(columns)
-    return {name: load(name) if name in wanted else None for name in names}
+def _load_numbers(path: Path, claims: Mapping[str, Claim], load: Callable[[str], Any]) -> dict[str, Any]:
+    """Load arrays once all of what they claim is within bounds. An array that holds no numbers is not loaded.
+
+    An empty one of its type takes its place, which is refused by its name; a rate may be a short text.
+    """
+    sizes: dict[str, int] = {}
+    for name, (shape, dtype) in claims.items():
+        _check_shape(path, name, shape, dtype.itemsize)
+        size = math.prod(shape) * dtype.itemsize
+        if dtype.kind in "bifumM" or (dtype.kind in "cSU" and size <= _MAX_TEXT_BYTES):
+            sizes[name] = size
+    if message := total_message(sum(sizes.values())):
+        raise TraceError(Issue(str(path), message))
+    return {name: load(name) if name in sizes else np.zeros(0, dtype) for name, (_, dtype) in claims.items()}
 
 
 def _check_shape(path: Path, name: str, shape: tuple[int, ...], item_bytes: int = 8) -> None:
@@ -146,11 +232,12 @@ def _name_columns(path: Path, array: NDArray[Any], columns: ColumnMap) -> Mappin
 
 
 def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    def load(name: str) -> Any:
+    def read_claim(name: str) -> Claim:
         check_member(archive.getinfo(members[name]))
         with archive.open(members[name]) as member:
-            shape, dtype = _read_npy_header(member)
-        _check_shape(path, name, shape, dtype.itemsize)
+            return _read_npy_header(member)
+
+    def load(name: str) -> Any:
         with archive.open(members[name]) as member:
             return np.lib.format.read_array(member, allow_pickle=False)
 
@@ -161,10 +248,12 @@ def _load_npz(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         check_archive(file)
         archive = zipfile.ZipFile(file)
         members = {name.removesuffix(".npy"): name for name in archive.namelist()}
-        return _skip_others(members, load, columns)
+        claims = {name: read_claim(name) for name in members if name in _wanted(columns)}
+        return dict.fromkeys(members) | _load_numbers(path, claims, load)
 
 
-def _read_npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+def _read_npy_header(recording: Any) -> Claim:
+    file = io.BytesIO(recording.read(_MAX_HEADER_BYTES))  # the library would read whatever length the header states
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(file)
@@ -178,31 +267,44 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
         with path.open("rb") as file:
             check_mat_variables(file)
-        shapes = {name: shape for name, shape, _ in scipy_io.whosmat(path)}
-        needed = [name for name in shapes if name in _wanted(columns)]
-        for name in needed:
-            _check_shape(path, name, shapes[name])
-        loaded = scipy_io.loadmat(path, variable_names=needed) if needed else {}
-        return {name: loaded[name] if name in needed else None for name in shapes}
+        variables = scipy_io.whosmat(path)[::-1]  # of two variables with one name, the first one is loaded
+        claims = {name: (shape, _mat_type(kind)) for name, shape, kind in variables if name in _wanted(columns)}
+        arrays = _load_numbers(path, claims, lambda name: scipy_io.loadmat(path, variable_names=[name])[name])
+        return dict.fromkeys(name for name, _, _ in variables) | arrays
+
+
+def _mat_type(kind: str) -> np.dtype[Any]:
+    """Return the type of a MATLAB class; of one that holds other variables, in which the library recurses, objects."""
+    kind = {"logical": "?", "char": "U1"}.get(kind, kind)
+    return np.dtype(kind if kind.startswith(("?", "U1", "double", "single", "int", "uint")) else "O")
 
 
 def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     parquet = extras.load("pyarrow.parquet", str(path), alternative=AS_CSV)
+    types = extras.load("pyarrow.types", str(path), alternative=AS_CSV)
     with _damage_reported(path, "a Parquet file", "save it again, or as CSV"), parquet.ParquetFile(path) as file:
-        _check_shape(path, "", (file.metadata.num_rows,))
+        rows = file.metadata.num_rows
+        _check_shape(path, "", (rows,))
         groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
         if (unpacked := sum(group.total_byte_size for group in groups)) > RECORDING_LIMIT.value:
             raise ValueError(f"it unpacks to {unpacked / 2**20:.0f} MB")
-        names = list(file.schema_arrow.names)
-        needed = [name for name in names if name in _wanted(columns)]
-        parts: dict[str, list[Any]] = {name: [] for name in needed}
-        count = 0
-        for batch in file.iter_batches(columns=needed) if needed else ():
-            count += len(batch)
-            _check_shape(path, "", (count,))
-            for name in needed:
-                parts[name].append(batch.column(name).to_numpy(zero_copy_only=False))
-        return {name: (np.concatenate(parts[name]) if parts.get(name) else None) for name in names}
+
+        def load(name: str) -> Any:
+            parts, count = list[Any](), 0
+            for batch in file.iter_batches(columns=[name]):
+                count += len(batch)
+                _check_shape(path, "", (count,))
+                parts.append(batch.column(name).to_numpy(zero_copy_only=False))
+            return np.concatenate(parts) if parts else None
+
+        is_number = (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_duration)
+        claims: dict[str, Claim] = {}
+        for field in file.schema_arrow:
+            # The library takes `voltage_v.raw` too where it is asked for `voltage_v`.
+            for name in (name for name in _wanted(columns) if f"{field.name}.".startswith(f"{name}.")):
+                is_loaded = name not in claims and any(test(field.type) for test in is_number)
+                claims[name] = (rows,), np.dtype("f8" if is_loaded else "O")
+        return dict.fromkeys(file.schema_arrow.names) | _load_numbers(path, claims, load)
 
 
 def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
@@ -212,6 +314,8 @@ def _load_wav(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         wave.open(file) as recording,
     ):
         channels, width = recording.getnchannels(), recording.getsampwidth()
+        if width not in _WAV_FULL_SCALE:
+            raise ValueError(f"its samples have {8 * width} bits")
         frames = min(recording.getnframes(), path.stat().st_size // max(1, channels * width))
         _check_shape(path, "", (frames, channels))
         data = recording.readframes(frames)
@@ -237,26 +341,25 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
     nptdms = extras.load("nptdms", str(path), alternative=AS_CSV)
 
-    def load(name: str) -> Any:
-        channel, size = by_name[name], path.stat().st_size
-        width = getattr(channel.dtype, "itemsize", 1)
-        _check_shape(path, name, (len(channel),), width)
-        if len(channel) > size:  # a value takes a byte at least
+    def read_claim(channel: Any) -> Claim:
+        if len(channel) > (size := path.stat().st_size):  # a value takes a byte at least
             raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
-        return channel[:]
+        return (len(channel),), np.dtype(channel.dtype)
 
     remedy = "export it again, or save it as CSV"
     with _damage_reported(path, "a TDMS file", remedy), contextlib.ExitStack() as resources:
-        with path.open("rb") as file:
-            if file.read(4) != b"TDSm":  # the tag of every segment
-                raise TraceError(Issue(str(path), f"is not a TDMS file; {remedy}."))
-            check_tdms_segments(file)
-        recording = resources.enter_context(nptdms.TdmsFile.open(path))
+        file = resources.enter_context(path.open("rb"))
+        if file.read(4) != b"TDSm":  # the tag of every segment
+            raise TraceError(Issue(str(path), f"is not a TDMS file; {remedy}."))
+        check_tdms_segments(file)
+        # By its path, the library would also read an index file beside it, which nobody has checked.
+        recording = resources.enter_context(nptdms.TdmsFile.open(file))
         channels = [channel for group in recording.groups() for channel in group.channels()]
         by_name = {channel.name: channel for channel in channels}
         if len(channels) == 1 and "voltage_v" not in columns.names:
             by_name = {"voltage_v": channels[0]}
-        arrays = _skip_others(by_name, load, columns)
+        claims = {name: read_claim(by_name[name]) for name in by_name if name in _wanted(columns)}
+        arrays = dict.fromkeys(by_name) | _load_numbers(path, claims, lambda name: by_name[name][:])
         voltage = by_name.get(columns.name_in_file("voltage_v"))
         increment = voltage.properties.get("wf_increment") if voltage is not None else None
         if increment is not None:

@@ -236,6 +236,8 @@ def _read_by_line(source: _Source) -> RawTrace:
     issues = list(_find_issues(name, source, samples))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
     has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", _Faults[str]()).count
+    if samples.start is not None:  # dates are in seconds: their scale is an issue, and would make others
+        columns = replace(columns, time_scale=1.0)
     trace = columns.make_trace(values)
     return RawTrace(name, trace, tuple(issues), samples.lines, has_all_times, columns.in_volts, tuple(notes))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
 import zipfile
 from collections.abc import Mapping
@@ -72,6 +73,8 @@ _ENDINGS = {
 }  # fmt: skip
 """Endings of names -> how to convert such a file, if its first bytes are unknown."""
 _HEAD_BYTES = 64
+_MIN_STATED_HZ = 1e-300
+"""Rate below which the times of a recording overflow [Hz]."""
 
 
 def identify(path: Path) -> str:
@@ -216,8 +219,9 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             continue
         array = np.asarray(arrays[name_in_file])
         if column == "time_s" and array.dtype.kind in "Mm":
-            array, note = _read_dates(array)
-            notes.append(f"{name}, {name_in_file}: {note}")
+            with contextlib.suppress(TypeError, ValueError, OverflowError):  # years, or no unit: no numbers of seconds
+                array, note = _read_dates(array)
+                notes.append(f"{name}, {name_in_file}: {note}")
             if columns.time_scale != 1.0:
                 issues.append(Issue("--time-scale", f"does not apply to the dates in {name}; leave it out."))
         values[column] = np.zeros(0)
@@ -253,7 +257,7 @@ def _parse_rate(stated: NDArray[Any]) -> float | None:
         rate_hz = float(stated.ravel()[0])
     except ValueError:
         return None
-    return rate_hz if 0.0 < rate_hz < float("inf") else None
+    return rate_hz if _MIN_STATED_HZ < rate_hz < float("inf") else None
 
 
 def _describe(stated: NDArray[Any]) -> str:

@@ -132,6 +132,7 @@ class ColumnMap:
         """True if the signal is a voltage: the column of a force may replace it."""
         return not is_force(self.name_in_file("voltage_v"))
 
+    @np.errstate(over="ignore")  # a value that overflows is infinite, and refused by its name
     def make_trace(self, columns: Mapping[str, Array]) -> Trace:
         """Make a trace of the file's columns, given by a trace's names."""
         voltage, time, slip = columns["voltage_v"], columns.get("time_s"), columns.get("slip")
@@ -310,6 +311,16 @@ def shape_message(shape: Sequence[int], item_bytes: int = 8) -> str | None:
     fits = all(0 <= length <= maximum for length in shape) and 0 <= count <= _CELLS_PER_SAMPLE * maximum
     if fits and count * item_bytes <= RECORDING_LIMIT.value:
         return None
-    held = f"{count:.3g}" if abs(count) < 10**300 else "too many"
+    return _size_message(f"{count:.3g}" if abs(count) < 10**300 else "too many")
+
+
+def total_message(size: int) -> str | None:
+    """Describe arrays that are too large together [bytes]; None for others."""
+    # As many numbers as all columns of a trace hold, and those of the board by their other names.
+    most = 8 * (len(COLUMNS) + len(BOARD_COLUMNS)) * SAMPLES_LIMIT.value
+    return _size_message(f"{size / 8:.3g}") if size > most else None
+
+
+def _size_message(held: str) -> str:
     remedy = f"{_REMEDY}, record again, or raise {SAMPLES_LIMIT.variable}"
-    return f"claims to hold {held} values; at most {maximum} samples are read; {remedy}."
+    return f"claims to hold {held} values; at most {SAMPLES_LIMIT.value} samples are read; {remedy}."

@@ -129,7 +129,8 @@ def group_packages(counts: Counter[str]) -> list[list[str]]:
             pooled.append([])
         pooled[-1].append(name)
     if len(pooled) > 1 and sum(counts[one] for one in pooled[-1]) < GROUP:
-        pooled[-2] += pooled.pop()
+        last = pooled.pop()
+        pooled[-1] += last
     return groups + [names for names in pooled if names]
 
 

@@ -74,10 +74,9 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
     beside = folder / "sweeps"
     beside.mkdir()
     (beside / "by_name.toml").write_text(text.format("fsr402", "drift"))
-    path = "../designs/own.toml"
-    (folder / "designs").mkdir()
-    (folder / "designs/own.toml").write_bytes((PARAMS / "fsr402.toml").read_bytes())
-    (beside / "by_path.toml").write_text(text.format(path, PARAMS / "scenes" / "drift.toml"))
+    (beside / "own.toml").write_bytes((PARAMS / "fsr402.toml").read_bytes())
+    (beside / "wind.toml").write_bytes((PARAMS / "scenes" / "drift.toml").read_bytes())
+    (beside / "by_path.toml").write_text(text.format("own.toml", "wind.toml"))
     tables = read_sweep_file("sweeps/by_name.toml")
     assert tables["design"] == tomllib.loads((PARAMS / "fsr402.toml").read_text())
     assert tables == read_sweep_file("sweeps/by_path.toml")
@@ -88,6 +87,16 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
         read_sweep_file("sweeps/unknown.toml")
     assert [issue.field for issue in caught.value.issues] == ["fsr4", "map"]
     (folder / "own.toml").write_text("[skin]\nwidth_mm = 18\n")
+    for name in ("../own.toml", str(folder / "own.toml"), "./own.toml", "x/own.toml"):  # sent by a stranger
+        (beside / "outside.toml").write_text(text.format(name, "drift"))
+        with pytest.raises(SweepError, match=r"^design: '.*' is no name of a file beside the sweep file"):
+            read_sweep_file("sweeps/outside.toml")
+        typed = read_sweep_file("sweeps/outside.toml", [f"design={folder / 'own.toml'}"])
+        assert typed["design"] == {"skin": {"width_mm": 18}}, "a path that the user types may lead anywhere"
+    (beside / "outside.toml").write_text(text.format("link.toml", "drift"))
+    (beside / "link.toml").symlink_to(folder / "own.toml")
+    with pytest.raises(SweepError, match=r"link\.toml: is a link, not a regular file"):
+        read_sweep_file("sweeps/outside.toml")
     assert read_sweep_file("board", ["design=own.toml"])["design"] == {"skin": {"width_mm": 18}}
     assert read_sweep_file("board", ["design=fsr402"])["design"]["name"] == "fsr402"
     with pytest.raises(SweepError, match=r"^none\.toml: "):

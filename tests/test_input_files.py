@@ -148,6 +148,7 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     assert len(str(issue)) < 5000
     assert issue.field == "a\\n\\x1b[31m"
     assert issue.message.endswith("\\u202e\\udcff; keep the end.")
+    assert Issue("", "a\nb\n  - c\n d").message == "a\\nb\n  - c\\n d", "only indented lines stay lines"
     assert escape_control("a\tb\n\r", kept="\n\t") == "a\tb\n\\r"
     assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
 

@@ -31,6 +31,11 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     return clock
 
 
+def test_a_message_takes_no_line_of_its_own_for_a_text_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    Console(as_json=False, quiet=False).warn(["column 'a\nerror: b\x1b[31m'"])
+    assert capsys.readouterr().err == "warning: column 'a\\nerror: b\\x1b[31m'\n"
+
+
 def test_shares_follow_from_the_durations_of_the_stages(clock: Clock) -> None:
     messages: list[str] = []
     work = Work("bench", {"contact": 30.0, "board": 60.0, "trial": 10.0}, messages.append)

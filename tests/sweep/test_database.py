@@ -72,6 +72,17 @@ def test_row_is_never_written_twice(tmp_path: Path) -> None:
         assert [(r.point, r.status) for r in database.rows()] == [(0, "ok")]
 
 
+def test_rows_that_share_one_text_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows of a damaged file may point at the same pages, so that a small file holds gigabytes."""
+    with SweepDatabase.create(tmp_path, make_plan()) as database:
+        database.add([(i, "refused", "f", "r" * 4000, 20.0, 1.0, "E12", None, None, None) for i in range(72)])
+        assert len(database.table()) == 72
+        fetch = database._fetch
+        monkeypatch.setattr(database, "_fetch", lambda *a, **b: (row for row in fetch(*a, **b) for _ in range(9)))
+        with pytest.raises(SweepError, match="is damaged: its rows hold more text than the file is long"):
+            list(database.rows())
+
+
 @pytest.mark.parametrize("below", ["file", "file/below"])
 def test_folder_that_cannot_be_created_is_refused(tmp_path: Path, below: str) -> None:
     (tmp_path / "file").write_text("not a folder")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fingertip.foundation.errors import SweepError
 from fingertip.sweep.axes import round_significant
 from fingertip.sweep.plan import SweepPlan
 from tests.conftest import ROOT
@@ -60,6 +61,13 @@ def test_computed_values_are_rounded_to_nine_significant_digits() -> None:
 def test_broken_rule_of_the_base_design_is_accepted_if_an_axis_changes_it() -> None:
     design = {"skin": {"width_mm": 6.0}}
     assert make_plan(design=design, outputs=[], axes={"skin.width_mm": [17.0, 18.0]}).size == 2
+
+
+@pytest.mark.parametrize("name", ["axes", "design", "scene"])
+def test_what_is_no_table_is_refused(name: str) -> None:
+    for value in (5, 0, "x", "", [], [1], True, 1e400, [{}]):
+        with pytest.raises(SweepError, match=rf"(?m)^{name}: .* is not a table; write \[{name}\]"):
+            make_plan(**{name: value})
 
 
 @pytest.mark.full

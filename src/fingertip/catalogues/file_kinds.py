@@ -70,8 +70,8 @@ KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
 """All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
 
 
-def read_file(path: Path, kind: FileKind) -> dict[str, Any]:
-    tables = read_toml(path, kind.describe())
+def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str, Any]:
+    tables = read_toml(path, kind.describe(), below)
     _require_kind(path, tables, kind)
     return tables
 

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
-from fingertip.foundation.errors import FingertipError, Issue, OutputError, escape_control, shorten
+from fingertip.foundation.errors import FingertipError, Issue, OutputError, escape_control, escape_message, shorten
 from fingertip.foundation.progress import ShareText, format_duration
 from fingertip.foundation.version import __version__
 
@@ -188,7 +188,7 @@ class Console:
     def progress(self, message: str) -> None:
         """Print a message or a step of progress to stderr; on a terminal a share of long work is a bar."""
         if not self.quiet:
-            text = escape_control(message, kept="\n\t")
+            text = escape_message(message)
             self._display.show(ShareText(text, message.share) if isinstance(message, ShareText) else text)
 
     def end_progress(self) -> None:

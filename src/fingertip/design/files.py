@@ -29,8 +29,13 @@ class LoadedTables:
     """Names of the changed parameters, such as "mold.draft_deg"."""
 
 
-def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN) -> LoadedTables:
-    """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError."""
+def load_tables(
+    files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN, below: Path | None = None
+) -> LoadedTables:
+    """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError.
+
+    Files that another file names are read `below` its folder (see `read_input`).
+    """
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
     before: dict[str, Any] = {}
@@ -38,7 +43,7 @@ def load_tables(files: Iterable[str | Path], changes: Iterable[str], kind: FileK
     issues: list[Issue] = []
     for file in files:
         try:
-            _merge(before, read_file(find_file(file, kind), kind))
+            _merge(before, read_file(find_file(file, kind), kind, below))
         except FingertipError as error:
             issues.extend(error.issues)
     for change in changes:

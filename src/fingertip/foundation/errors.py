@@ -1,7 +1,8 @@
 """Errors that name the field, its value, the bound it violates and a remedy.
 
 Input may be of any length and hold any character. What a message repeats of it is shortened, and control characters are
-escaped, so that a message stays one line that a terminal prints as it is.
+escaped, so that a message stays one line that a terminal prints as it is. Lines below it, such as those of a
+difference, are indented: no text of a file passes for a message of its own.
 """
 
 from __future__ import annotations
@@ -22,12 +23,21 @@ _KEPT_END = 0.4
 """Share of a shortened text that is kept of its end, where the remedy stands."""
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Characters that move the cursor, change the colour or the direction of writing, or cannot be encoded."""
+_LINE_BREAK = re.compile(r"\n(?!  )")
+"""Line break before a line that is not indented."""
 _LONG_WORD = re.compile(rf"\S{{{_MAX_WORD_LENGTH + 1},}}")
 
 
 def escape_control(text: str, kept: str = "") -> str:
     """Escape control characters as Python writes them, but for those in `kept`."""
+    if text.isprintable():
+        return text
     return _CONTROL.sub(lambda found: found[0] if found[0] in kept else ascii(found[0])[1:-1], text)
+
+
+def escape_message(text: str) -> str:
+    """Escape control characters, but for line breaks before indented lines."""
+    return _LINE_BREAK.sub(r"\\n", escape_control(text, kept="\n"))
 
 
 def join_words(words: Iterable[str], last_word: str = "and") -> str:
@@ -51,11 +61,11 @@ def quote_value(value: Any) -> str:
     return shorten(repr(value), MAX_VALUE_LENGTH)
 
 
-def _as_line(text: str, kept: str = "") -> str:
+def _cut(text: str) -> str:
     if len(text) > _MAX_WORD_LENGTH:
         text = _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_WORD_LENGTH), text)
         text = shorten(text, _MAX_MESSAGE_LENGTH)
-    return text if text.isprintable() else escape_control(text, kept)
+    return text
 
 
 @dataclass(frozen=True)
@@ -68,9 +78,8 @@ class Issue:
     """The problem in one sentence: value, bound and remedy."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "field", _as_line(self.field))
-        # The lines of a difference are lines of the message. What a user wrote is quoted, and holds none.
-        object.__setattr__(self, "message", _as_line(self.message, kept="\n"))
+        object.__setattr__(self, "field", escape_control(_cut(self.field)))
+        object.__setattr__(self, "message", escape_message(_cut(self.message)))
 
     def __str__(self) -> str:
         return f"{self.field}: {self.message}" if self.field else self.message

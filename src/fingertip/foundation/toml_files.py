@@ -51,10 +51,10 @@ def check_values(tables: Mapping[str, Any]) -> None:
     raise UnusableTomlError(_TOO_DEEP)
 
 
-def read_toml(path: Path, wanted: str = "a TOML file") -> dict[str, Any]:
-    """Read a TOML file in UTF-8, with or without a byte order mark. Raises TomlFileError."""
+def read_toml(path: Path, wanted: str = "a TOML file", below: Path | None = None) -> dict[str, Any]:
+    """Read a TOML file in UTF-8, with or without a byte order mark, as `read_input` does. Raises TomlFileError."""
     try:
-        text = read_input(path, TOML_LIMIT, wanted).decode("utf-8-sig")
+        text = read_input(path, TOML_LIMIT, wanted, below=below).decode("utf-8-sig")
         text = text.replace("\r\n", "\n").replace("\r", "\n")  # the line breaks of any system
         return parse_toml(text)
     except InputFileError as error:

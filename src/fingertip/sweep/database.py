@@ -5,7 +5,8 @@ its write-ahead log, so that the folder may be on a network drive, and holds a s
 Whatever was committed survives a kill -9; the rest is computed again.
 
 A folder may come from a stranger, and SQLite does what a database says: its tables may be views that never end, and a
-journal may name a file that is removed once it was read. A sweep has neither, so both are refused.
+journal may name a file that is removed once it was read. A sweep has neither, so both are refused. All rows may share
+one long text of a small file: what is read is at most as long as the file.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError, SweepError
-from fingertip.foundation.input_files import check_regular
+from fingertip.foundation.input_files import TOML_LIMIT, check_regular
 from fingertip.foundation.output_set.writer import find_place_issues
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Value
@@ -46,6 +47,17 @@ _JOURNAL_MARK = bytes.fromhex("d9d505f920a163d7")
 _BUSY_TIMEOUT_S = 30.0
 """Time for which a reader and the writer wait for each other [s]."""
 _PAGE_ROWS = 20_000
+_MAX_TEXT_BYTES = 2**16
+"""Maximum length of a text in a row or of a table's definition [bytes]. `MAX_REASON_LENGTH` characters are fewer."""
+MAX_REASON_LENGTH = 4000
+"""Maximum length of a reason that is written [characters]."""
+_MAX_FIELD_LENGTH = 200
+"""Maximum length of the name of a parameter or check [characters]. A table keeps that room for each row."""
+_PLAN_RATIO = 8
+"""Maximum length of a plan, in files of the largest size that is read. A number, such as 1e9, is written out in it."""
+_TEXTS = (str, bytes)
+_MIN_OUTPUT, _MAX_OUTPUT = 1e-100, 1e100
+"""Bounds of the size of an output that is neither 0 nor infinite. Statistics square it."""
 
 StoredRow: TypeAlias = tuple[Any, ...]
 """Row as it is written: point, status, field, reason, then axes and outputs in the plan's order. SQLite stores no NaN;
@@ -171,12 +183,13 @@ class SweepDatabase:
 
     @property
     def text(self) -> str:
-        tables = dict(self._fetch("SELECT name, sql FROM sqlite_master"))
+        tables = dict(self._fetch("SELECT name, sql FROM sqlite_master LIMIT 4"))
         rows_table = str(tables.pop("rows", ""))
         is_sound = rows_table.startswith(_ROWS_TABLE) and _COLUMNS.fullmatch(rows_table, len(_ROWS_TABLE))
         if not is_sound or tables != {"meta": _META_TABLE, "sqlite_autoindex_meta_1": None}:
-            raise self._make_damage_error("it holds other tables than a sweep")
-        meta = dict(self._fetch("SELECT key, value FROM meta"))
+            raise _make_damage_error(self.folder, "it holds other tables than a sweep")
+        query = "SELECT key, value FROM meta WHERE key IN ('format', 'plan')"
+        meta = dict(self._fetch(query, longest=_PLAN_RATIO * TOML_LIMIT.value))
         if meta.get("format") != FORMAT:
             problem = f"was written in format {meta.get('format')!r}, but this version reads {FORMAT!r}"
             raise _make_error(self.folder, f"{problem}; run the sweep again in another folder.")
@@ -184,10 +197,14 @@ class SweepDatabase:
 
     @cached_property
     def plan(self) -> SweepPlan:
+        text = self.text
         try:
-            return SweepPlan.from_toml(self.text)
+            return SweepPlan.from_toml(text)
         except (ValueError, RecursionError):  # no valid TOML
-            raise self._make_damage_error("the description of its sweep cannot be read") from None
+            raise _make_damage_error(self.folder, "the description of its sweep cannot be read") from None
+        except SweepError as error:
+            reason = str(error.issues[0]).rstrip(".")
+            raise _make_damage_error(self.folder, f"the description of its sweep cannot be used ({reason})") from None
 
     def add(self, rows: Sequence[StoredRow]) -> None:
         """Write rows in one transaction: all of them or none. Raises OutputError."""
@@ -196,7 +213,8 @@ class SweepDatabase:
             connection.executemany(f"INSERT INTO rows VALUES ({marks})", rows)
 
     def count_by_status(self) -> dict[str, int]:
-        counts = dict(self._fetch("SELECT status, count(*) FROM rows GROUP BY status"))
+        query = f"SELECT status, count(*) FROM rows WHERE status IN {STATUSES} GROUP BY status"
+        counts = dict(self._fetch(query))
         return {status: int(counts.get(status, 0)) for status in STATUSES}
 
     def find_missing_points(self) -> NDArray[np.bool_]:
@@ -205,7 +223,7 @@ class SweepDatabase:
         missing = np.ones(size, dtype=np.bool_)
         for page in self._read_pages("point"):
             if not all(0 <= point < size for (point,) in page):
-                raise self._make_damage_error("a row is of no point")
+                raise _make_damage_error(self.folder, "a row is of no point")
             missing[[point for (point,) in page]] = False
         return missing
 
@@ -214,15 +232,12 @@ class SweepDatabase:
         size, outputs_at = self.plan.size, 4 + len(self.plan.axes)
         for row in itertools.chain.from_iterable(self._read_pages("*")):
             point, status, *texts = row[:4]
-            if not (0 <= point < size and status in STATUSES and all(isinstance(text, str) for text in texts)):
-                raise self._make_damage_error(f"row {point} is damaged")
-            if any(isinstance(value, str | bytes) for value in row[outputs_at:]) or None in row[4:outputs_at]:
-                raise self._make_damage_error(f"row {point} holds what is no number")
+            is_text = all(isinstance(text, str) for text in texts) and len(texts[0]) <= _MAX_FIELD_LENGTH
+            if not (0 <= point < size and status in STATUSES and is_text):
+                raise _make_damage_error(self.folder, f"row {point} is damaged")
+            if any(isinstance(value, _TEXTS) for value in row[outputs_at:]) or None in row[4:outputs_at]:
+                raise _make_damage_error(self.folder, f"row {point} holds what is no number")
             yield row
-
-    def _make_damage_error(self, what: str) -> SweepError:
-        remedy = "restore it from a copy, or run the sweep again in another folder."
-        return _make_error(self.folder / FILE, f"is damaged: {what}; {remedy}")
 
     def rows(self) -> Iterator[SweepRow]:
         """Read every row in order of the points; few rows are in memory at a time."""
@@ -246,6 +261,11 @@ class SweepDatabase:
             point[i] = number
             outputs[:, i] = [math.nan if v is None else v for v in values[len(plan.axes) :]]
             texts.append((interned.setdefault(status, status), interned.setdefault(field, field), reason))
+        for name, column in zip(plan.outputs, outputs, strict=True):
+            sizes = np.abs(column[np.isfinite(column) & (column != 0.0)])
+            if np.any((sizes < _MIN_OUTPUT) | (sizes > _MAX_OUTPUT)):
+                what = f"{name} is beyond {_MAX_OUTPUT:g}, or nearer to 0 than {_MIN_OUTPUT:g}"
+                raise _make_damage_error(self.folder, what)
         # Reasons are long and mostly differ: an array as wide as the longest one could take gigabytes.
         status, field = (np.array([text[i] for text in texts], dtype=np.str_) for i in range(2))
         reason = np.array([text[2] for text in texts], dtype=np.object_)
@@ -266,18 +286,30 @@ class SweepDatabase:
     def _read_pages(self, columns: str) -> Iterator[list[Any]]:
         """Read rows page by page in order of the points; between two pages the writer can write."""
         query = f"SELECT {columns} FROM rows WHERE point > ? ORDER BY point LIMIT {_PAGE_ROWS}"
-        page: list[Any] = [(-1,)]
-        while page := self._fetch(query, page[-1][0]):
+        last, length, size = -1, 0, 0
+        while True:
+            page = []
+            for row in self._fetch(query, last):
+                length += sum(len(value) for value in row if isinstance(value, _TEXTS))
+                if length > size and length > (size := (self.folder / FILE).stat().st_size):
+                    raise _make_damage_error(self.folder, "its rows hold more text than the file is long")
+                page.append(row)
+            if not page:
+                return
             yield page
+            last = page[-1][0]
 
-    def _fetch(self, query: str, *parameters: Any) -> list[Any]:
+    def _fetch(self, query: str, *parameters: Any, longest: int = _MAX_TEXT_BYTES) -> Iterator[Any]:
+        """Read rows whose texts have a maximum length [bytes]. A longer one is refused before it is in memory."""
         with _translated_errors(self.folder):
-            return self._connection.execute(query, parameters).fetchall()
+            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, longest)
+            yield from self._connection.execute(query, parameters)
 
     @contextlib.contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         """Write all or nothing: a sweep exists completely or not at all."""
         with _translated_errors(self.folder), self._connection:
+            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _PLAN_RATIO * TOML_LIMIT.value)
             self._connection.execute("BEGIN IMMEDIATE")
             yield self._connection
 
@@ -289,6 +321,7 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
         connection = sqlite3.connect(f"file:{uri}?mode={mode}", uri=True, timeout=_BUSY_TIMEOUT_S, isolation_level=None)
     except sqlite3.Error as error:
         raise _make_write_error(path.parent, str(error)) from error
+    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MAX_TEXT_BYTES)  # of the tables' definitions, which come first
     with _translated_errors(path.parent):
         connection.execute("PRAGMA synchronous = FULL")
     return connection
@@ -347,11 +380,18 @@ def _translated_errors(folder: Path) -> Iterator[None]:
         if "not a database" in text or "malformed" in text or "no such table" in text:
             problem = f"is not the database of a sweep ({text}); choose another folder with --out."
             raise _make_error(folder / FILE, problem) from error
+        if isinstance(error, sqlite3.DataError) or "Could not decode" in text:
+            raise _make_damage_error(folder, f"a text in it cannot be read ({text})") from error
         raise _make_write_error(folder, text) from error
 
 
 def _make_error(path: Path, message: str) -> SweepError:
     return SweepError(Issue(str(path), message))
+
+
+def _make_damage_error(folder: Path, what: str) -> SweepError:
+    remedy = "restore it from a copy, or run the sweep again in another folder."
+    return _make_error(folder / FILE, f"is damaged: {what}; {remedy}")
 
 
 def _make_write_error(folder: Path, reason: str) -> OutputError:

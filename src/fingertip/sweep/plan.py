@@ -63,16 +63,17 @@ class SweepPlan:
         """Build a plan from the tables of a sweep file that hold design and scene. Raises as `load` does."""
         # Each section is validated even if another one is wrong, so that all issues are reported at once.
         file, issues = sweep_file.parse_sweep_file(tables)
-        entries = tables.get("axes")
-        if entries is not None and not isinstance(entries, Mapping):
-            raise SweepError(issues)
+        sections = [tables.get(name) for name in ("axes", "design", "scene")]
+        if not all(isinstance(section, Mapping | None) for section in sections):
+            raise SweepError(issues)  # which name what is no table
+        entries, design_tables, scene_tables = sections
         sampled = tables.get("sampling") in ("latin_hypercube", "sobol")
         axes, axis_issues = _read_axes(entries or {}, sampled)
         issues += axis_issues if entries is not None else ()
-        design, design_issues = sweep_file.parse_base_design(tables.get("design", {}))
+        design, design_issues = sweep_file.parse_base_design(design_tables or {})
         issues += design_issues
         scene = None
-        if (scene_tables := tables.get("scene")) is not None:
+        if scene_tables is not None:
             from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
 
             with gather(issues, "scene."):

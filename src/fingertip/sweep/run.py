@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.errors import Issue, SweepError
-from fingertip.sweep.database import StoredRow, SweepDatabase
+from fingertip.foundation.errors import Issue, SweepError, shorten
+from fingertip.sweep.database import MAX_REASON_LENGTH, StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, PointResult, evaluate_chunk
@@ -216,7 +216,7 @@ class _Run:
     def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:
         values = zip(*chunk.columns.values(), strict=True)
         for (point, status, field_, reason, outputs), axes in zip(result.results, values, strict=True):
-            self._pending_rows.append((point, status, field_, reason, *axes, *outputs))
+            self._pending_rows.append((point, status, field_, shorten(reason, MAX_REASON_LENGTH), *axes, *outputs))
             self.state.failures += status in ("failed", "timeout")
             self.state.refused += status == "refused"
 

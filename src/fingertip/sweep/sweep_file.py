@@ -20,6 +20,7 @@ from fingertip.design.model import Design
 from fingertip.design.parameters import quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather, quote_value
+from fingertip.foundation.input_files import is_safe_name
 
 if TYPE_CHECKING:
     from tomlkit.items import Item
@@ -75,9 +76,10 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
     issues = list(_find_changed_axes(tables.get("axes"), design_changes, scene_changes))
     for name, base_changes in (("design", design_changes), ("scene", scene_changes)):
         entry = tables.get(name, {} if name == "design" else None)
-        folder = Path() if is_bundled and name in loaded.changed else path.parent
+        is_typed = name in loaded.changed
+        folder = Path() if is_bundled and is_typed else path.parent
         with gather(issues):
-            tables[name] = _load_base(folder, name, entry, base_changes)
+            tables[name] = _load_base(folder, name, entry, base_changes, is_typed)
     if issues:
         raise SweepError(issues)
     return {name: table for name, table in tables.items() if table is not None}
@@ -132,11 +134,19 @@ def select_row_defining_lines(text: str) -> list[str]:
     return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
 
 
-def _load_base(folder: Path, name: str, entry: Any, changes: list[str]) -> dict[str, Any] | None:
-    """Load the base design or the base scene: a file in a folder, a bundled one, or tables within the sweep file."""
+def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed: bool) -> dict[str, Any] | None:
+    """Load the base design or the base scene: a file in a folder, a bundled one, or tables within the sweep file.
+
+    A path that the user has typed may lead anywhere. A sweep file may come from a stranger, and names files beside it.
+    """
     if isinstance(entry, str):
         kind = DESIGN if name == "design" else SCENE
-        return load_tables([find_file(entry, kind, folder=folder)], changes, kind).tables
+        if not (is_typed or is_safe_name(entry)):
+            problem = f"{quote_value(entry)} is no name of a file beside the sweep file, or of a bundled {kind.name}"
+            raise SweepError(Issue(name, f"{problem}; put the file there, or add --set {name}=PATH."))
+        path = find_file(entry, kind, folder=folder)
+        is_beside = not is_typed and path == folder / entry
+        return load_tables([path], changes, kind, below=folder if is_beside else None).tables
     if entry is None and changes:
         message = "changes a base scene, but the sweep file names none; add --set scene=FILE.toml."
         raise SweepError(Issue(f"--set scene.{changes[0]}", message))

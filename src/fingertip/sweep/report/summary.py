@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fingertip.design.files import to_toml
 from fingertip.design.model import Design
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, escape_control
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
@@ -87,7 +87,7 @@ def format_text(summary: SweepSummary) -> str:
         data = _describe_point(summary, summary.selection.best)
         lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
         lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
-    return "\n".join(lines)
+    return "\n".join(map(escape_control, lines))  # a reason may hold any text
 
 
 def describe_best(summary: SweepSummary) -> str:

@@ -89,7 +89,7 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
     (folder / "own.toml").write_text("[skin]\nwidth_mm = 18\n")
     for name in ("../own.toml", str(folder / "own.toml"), "./own.toml", "x/own.toml"):  # sent by a stranger
         (beside / "outside.toml").write_text(text.format(name, "drift"))
-        with pytest.raises(SweepError, match=r"^design: '.*' is no name of a file beside the sweep file"):
+        with pytest.raises(SweepError, match=r"is no name of a file beside the sweep file"):
             read_sweep_file("sweeps/outside.toml")
         typed = read_sweep_file("sweeps/outside.toml", [f"design={folder / 'own.toml'}"])
         assert typed["design"] == {"skin": {"width_mm": 18}}, "a path that the user types may lead anywhere"

@@ -402,6 +402,12 @@ def test_a_plan_leaves_alone_what_it_cannot_know(tmp_path: Path) -> None:
             recover(tmp_path)
             assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
             assert (tmp_path / "mine.txt").read_text() == "mine"
+    (tmp_path / "link").symlink_to("mine.txt")
+    for data in ({"files": {"link": "no file"}, "removed": {}}, {"files": {}, "removed": {"link": "no file"}}):
+        make_plan(tmp_path / COMMIT, data)
+        (tmp_path / COMMIT / "new-link").write_text("theirs")
+        recover(tmp_path)
+        assert (tmp_path / "link").is_symlink()
     make_plan(tmp_path / COMMIT, {"files": {"mine.txt": "nothing"}, "removed": {}})
     (tmp_path / COMMIT / "new-mine.txt").mkdir()
     with pytest.raises(OutputError, match=r"damaged complete\.json"):

@@ -124,7 +124,7 @@ def read_plan(commit: Path) -> tuple[dict[str, str], dict[str, str]]:
         files, removed = plan["files"], plan["removed"]
         is_sound = isinstance(files, dict) and isinstance(removed, dict) and not find_unsafe_names([*files, *removed])
         is_sound &= not any(is_folder(commit.parent / name) for name in (*files, *removed))
-        if is_sound and all(_identify(commit / f"new-{name}") != _OTHER for name in files):
+        if is_sound and not any(_identify(commit / f"new-{name}").startswith(_OTHER) for name in files):
             return files, removed
     except (InputFileError, ValueError, KeyError, TypeError, RecursionError):
         pass
@@ -136,10 +136,13 @@ _ABSENT, _OTHER = "nothing", "no file"
 
 
 def _identify(path: Path) -> str:
-    """Return the hash of a regular file, or that there is nothing or something else, such as a link."""
+    """Return the hash of a regular file, that there is nothing, or what tells anything else, such as a link, apart."""
     if not os.path.lexists(path):
         return _ABSENT
-    return hash_content(path) if path.is_file() and not path.is_symlink() else _OTHER
+    if path.is_file() and not path.is_symlink():
+        return hash_content(path)
+    status = os.lstat(path)
+    return f"{_OTHER}: {status.st_ino}, {status.st_ctime_ns}"
 
 
 def is_folder(path: Path) -> bool:

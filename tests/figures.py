@@ -71,7 +71,7 @@ def describe_figure(figure: Any) -> Iterator[str]:
                 shape = f"levels {sum_up(mark.levels)} within {sum_up([corners.min(axis=0), corners.max(axis=0)])}"
             array = np.ma.masked_all(0) if mark.get_array() is None else np.ma.asarray(mark.get_array()).astype(float)
             scale = (
-                f"{mark.get_cmap().name} of {mark.get_cmap().N} from {sum_up(mark.get_clim())}" if array.size else ""
+                f"{_name(mark.get_cmap())} of {mark.get_cmap().N} from {sum_up(mark.get_clim())}" if array.size else ""
             )
             values = f" values {sum_up(array.filled(np.nan))} in {scale}" if array.size else ""
             yield f"  area {_label(mark)} {' '.join(colours[:9])} at {sum_up(mark.get_offsets())} {shape}{values}"
@@ -84,6 +84,11 @@ def describe_figure(figure: Any) -> Iterator[str]:
         yield from (f"  {_describe_text(text)}" for text in axes.texts)
         if axes.get_legend():
             yield from _describe_legend(axes.get_legend())
+
+
+def _name(colours: Any) -> str:
+    """Name of a colour map; of a list of colours, none, as it depends on the version of matplotlib."""
+    return "colours" if colours.name in ("from_list", "unnamed") else str(colours.name)
 
 
 def _label(item: Any) -> str:

@@ -44,7 +44,7 @@ from fingertip.tasks.board import board_files, plan_board, write_board
 from fingertip.tasks.build import parts_writer, prints_writer, steps_writer
 from fingertip.tasks.firmware import firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
-from tests.conftest import run_fingertip
+from tests.conftest import run_fingertip, run_python
 from tools.fuzz import in_process, originals
 from tools.fuzz.cases import Case
 from tools.fuzz.outcome import find_faults
@@ -722,6 +722,9 @@ DATABASES: dict[str, Callable[[Path, Path], object]] = {
     "trigger": lambda folder, victim: execute(
         folder, "CREATE TRIGGER t AFTER UPDATE ON meta BEGIN DELETE FROM rows; END"
     ),
+    "many definitions": lambda folder, victim: execute(
+        folder, "".join(f"CREATE VIEW v{number} AS SELECT 1;" for number in range(1500))
+    ),
     "computed column": lambda folder, victim: execute(
         folder, "ALTER TABLE rows ADD COLUMN x AS (hex(zeroblob(point + 499999999)))"
     ),
@@ -737,3 +740,62 @@ def test_databases_of_sweeps(world: World, words: tuple[str, ...]) -> None:
         damage(world.path / "out/sweep", world.victim / "sweep/sweep.sqlite")
         faults += world.run(command, label=label)
     assert faults == []
+
+
+WITHIN = """
+import os, sys
+from fingertip.foundation import jit
+from fingertip.foundation.plot_style import new_figure
+from fingertip.foundation.processes import call_within_limits
+assert call_within_limits(9.0, 2**30, os.path.basename, "a/b") == "b"
+assert not jit.available()
+new_figure(1.0, 1.0)
+import matplotlib
+assert not matplotlib.rcParams["text.usetex"]
+"""
+SHAMS = ("json", "pickle", "multiprocessing", "cadquery", "numpy")
+
+
+@pytest.fixture
+def strange(tmp_path: Path) -> Path:
+    """A current folder with modules, and settings of libraries, that nobody asked for."""
+    for name in SHAMS:
+        (tmp_path / f"{name}.py").write_text(f"open('{name} was run', 'w')\nraise SystemExit('a stranger')\n")
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\n")
+    (tmp_path / ".numba_config.yaml").write_text("cache_dir: .\n")
+    return tmp_path
+
+
+@pytest.fixture
+def run_within(strange: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+    """Runs a program, such as the command that pip installs, in that folder."""
+    place = tmp_path_factory.mktemp("elsewhere") / "program.py"
+
+    def run(program: str, *words: str) -> Any:
+        place.write_text(program)
+        return run_python(str(place), *words, PWD=str(strange))
+
+    return run
+
+
+def test_processes_and_libraries_take_nothing_from_the_current_folder(strange: Path, run_within: Any) -> None:
+    done = run_within(WITHIN)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert not list(strange.glob("* was run"))
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("build", "fsr400", "--out", "o"),
+        ("drawing", "fsr400", "--out", "o"),
+        ("sweep", "sweep.toml", "--out", "o", "--jobs", "2"),
+        ("simulate", "fsr400", "--out", "o.csv", "--plot", "o.png"),
+    ],
+    ids=lambda words: str(words[0]),
+)
+def test_commands_run_nothing_of_the_current_folder(strange: Path, run_within: Any, words: tuple[str, ...]) -> None:
+    (strange / "sweep.toml").write_text(SWEEP)
+    done = run_within("from fingertip.__main__ import main\nif __name__ == '__main__':\n    main()\n", *words)
+    assert (done.returncode, list(strange.glob("* was run"))) == (0, []), done.stderr

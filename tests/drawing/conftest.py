@@ -16,6 +16,7 @@ VARIANTS = some_of(
     [
         *((name, ()) for name in FILES),
         *((name, ("mold.method=sleeve",)) for name in SLEEVES),
+        ("fsr400", ("skin.length_mm=120",)),  # needs the largest paper
         ("adult_finger", CALIBRATED),
     ],
     ("adult_finger", CALIBRATED),

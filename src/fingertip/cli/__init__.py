@@ -74,6 +74,8 @@ def main() -> None:
     """Entry point of the `fingertip` command."""
     # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # The processes that a sweep starts import nothing from the current folder, which may be a stranger's.
+    os.environ["PYTHONSAFEPATH"] = "1"
     # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
     gc.freeze()
     try:

@@ -25,6 +25,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import importlib
+import os
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -48,8 +49,11 @@ _is_reported = False
 
 @functools.cache
 def available() -> bool:
-    """Return whether numba is installed, without importing it."""
-    return extras.is_installed("numba")
+    """Return whether numba is installed, without importing it, and may be used.
+
+    From the current folder it would read its settings, such as the place of its cache, whose files can run any code.
+    """
+    return extras.is_installed("numba") and not os.path.lexists(".numba_config.yaml")
 
 
 @contextlib.contextmanager

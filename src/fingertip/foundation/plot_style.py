@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import logging
+import sys
 from typing import TYPE_CHECKING, Literal
 
 from fingertip.foundation import extras
@@ -41,7 +42,10 @@ REFERENCE = "#98a1aa"
 def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
     # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    is_first = "matplotlib" not in sys.modules
     module = extras.load("matplotlib.figure", "plot")
+    if is_first:  # it has read settings of the current folder, or of the user; who imported it before has set his own
+        extras.load("matplotlib", "plot").rcdefaults()
     layout = "constrained" if automatic_layout else None
     figure: Figure = module.Figure(figsize=(width_in, height_in), dpi=DPI, layout=layout)
     return figure

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import pickle
 import signal
+import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import FrameType
+from typing import Any, TypeVar
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
@@ -102,3 +105,52 @@ def end_with_parent() -> None:
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+
+
+def python_command(module: str, *arguments: str) -> list[str]:
+    """Return the command that runs a module of this program, and imports nothing from the current folder (-P)."""
+    return [sys.executable, "-P", "-m", module, *arguments]
+
+
+T = TypeVar("T")
+_SLOWEST = 4.0
+"""Time on the clock that a busy machine may take for each second of computing."""
+
+
+def call_within_limits(limit_s: float, memory_bytes: int, function: Callable[..., T], *arguments: Any) -> T:
+    """Call a function in a process of its own, for what a library makes of a stranger's file.
+
+    Raises what the function raises, MemoryError where it reaches the limit of memory, and ValueError where the process
+    ends by itself or by the limit of time. Windows knows no limit of memory, and counts time on the clock.
+    """
+    job = pickle.dumps((limit_s, memory_bytes, function, arguments))
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        done = subprocess.run(
+            python_command(__name__), input=job, capture_output=True, timeout=_SLOWEST * limit_s, check=False
+        )
+        if done.returncode == 0:
+            result, error = pickle.loads(done.stdout)
+            if error is not None:
+                raise error
+            return result  # type: ignore[no-any-return]
+    raise ValueError(f"it cannot be read in {limit_s:g} s of computing")
+
+
+def _answer_call() -> None:
+    end_with_parent()
+    limit_s, memory_bytes, function, arguments = pickle.load(sys.stdin.buffer)  # imports what the function needs
+    if sys.platform != "win32":
+        import resource  # noqa: PLC0415
+
+        for kind, limit in ((resource.RLIMIT_CPU, round(limit_s)), (resource.RLIMIT_DATA, memory_bytes)):
+            resource.setrlimit(kind, (limit, resource.getrlimit(kind)[1]))
+    result, error = None, None
+    try:
+        result = function(*arguments)
+    except Exception as raised:
+        error = raised.with_traceback(None)
+    sys.stdout.buffer.write(pickle.dumps((result, error)))
+
+
+if __name__ == "__main__":
+    _answer_call()

@@ -49,6 +49,8 @@ _BUSY_TIMEOUT_S = 30.0
 _PAGE_ROWS = 20_000
 _MAX_TEXT_BYTES = 2**16
 """Maximum length of a text in a row or of a table's definition [bytes]. `MAX_REASON_LENGTH` characters are fewer."""
+_MAX_SCHEMA_STEPS = 2000
+"""Maximum number of steps of SQLite's machine in which the tables' definitions are read. Those of a sweep take 60."""
 MAX_REASON_LENGTH = 4000
 """Maximum length of a reason that is written [characters]."""
 _MAX_FIELD_LENGTH = 200
@@ -322,8 +324,10 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
     except sqlite3.Error as error:
         raise _make_write_error(path.parent, str(error)) from error
     connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MAX_TEXT_BYTES)  # of the tables' definitions, which come first
+    connection.set_progress_handler(lambda: 1, _MAX_SCHEMA_STEPS)  # the first statement reads the definitions
     with _translated_errors(path.parent):
         connection.execute("PRAGMA synchronous = FULL")
+    connection.set_progress_handler(None, 0)
     return connection
 
 

@@ -21,6 +21,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import errors
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.processes import python_command
 
 TIME_LIMIT_S = 180.0
 POLL_S = 0.5
@@ -75,7 +76,7 @@ class StepProcess:
 
     def _start(self) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(
-            [sys.executable, "-m", "fingertip.cad.files.step_worker", str(self._folder.path)],
+            python_command("fingertip.cad.files.step_worker", str(self._folder.path)),
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # Open CASCADE prints there
             stderr=subprocess.PIPE,

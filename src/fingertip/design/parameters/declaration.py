@@ -99,6 +99,8 @@ _MIN_SIMILARITY = 0.65
 
 _MAX_DESCRIBED = 300
 """Maximum number of problems that are described. A design has fewer parameters."""
+_MAX_LISTED = 100
+"""Maximum number of known names that are listed. A sweep of a design has more outputs, a table fewer parameters."""
 _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""
 
@@ -123,9 +125,11 @@ def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list
 
 
 def suggest_name(word: str, known: Sequence[str]) -> str:
-    """Return the remedy for an unknown name: the most similar known one, or else all of them."""
-    similar = find_similar_name(word, known)
-    return f"did you mean {similar}?" if similar else f"known names: {', '.join(known)}."
+    """Return the remedy for an unknown name: the most similar known one, or else all of them, or the first of many."""
+    if similar := find_similar_name(word, known):
+        return f"did you mean {similar}?"
+    rest = f" and {len(known) - _MAX_LISTED} more" if len(known) > _MAX_LISTED else ""
+    return f"known names: {', '.join(known[:_MAX_LISTED])}{rest}."
 
 
 def find_similar_name(word: str, known: Sequence[str]) -> str | None:

@@ -45,7 +45,7 @@ SCALES = (("5:1", 5.0), ("2:1", 2.0), ("1:1", 1.0), ("1:2", 0.5))
 """Scales of ISO 5455."""
 CHOICES = (
     *((paper, scale) for scale in SCALES for paper in (A4, A3)),
-    *((paper, scale) for scale in SCALES[2:] for paper in (A2, A1)),
+    *((paper, scale) for scale in SCALES[1:] for paper in (A2, A1)),
 )
 _HATCH_MM = 2.5
 _PAST_VIEW_MM = 3.0

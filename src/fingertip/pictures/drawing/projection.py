@@ -13,7 +13,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import errors
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.foundation.processes import end_with_parent
+from fingertip.foundation.processes import end_with_parent, python_command
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
 # Program that projects parts: `python -m fingertip.pictures.drawing.projection FOLDER`, with a pickled job on stdin.
@@ -61,10 +61,9 @@ TIME_LIMIT_S = 180.0
 
 def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
     with TemporaryFolder() as folder:
-        command = [sys.executable, "-m", "fingertip.pictures.drawing.projection", str(folder)]
         try:
             done = subprocess.run(
-                command,
+                python_command("fingertip.pictures.drawing.projection", str(folder)),
                 input=pickle.dumps(job),
                 stdout=subprocess.DEVNULL,  # Open CASCADE prints there
                 stderr=subprocess.PIPE,

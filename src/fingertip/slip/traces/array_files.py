@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
+from fingertip.foundation.processes import call_within_limits
 from fingertip.slip.traces.trace import (
     BOARD_COLUMNS,
     COLUMNS,
@@ -36,22 +37,8 @@ from fingertip.slip.traces.trace import (
 #
 # References: National Instruments, "TDMS File Format Internal Structure"; MathWorks, "MAT-File Format", Level 5.
 
-MAX_SEGMENTS = 100_000
-"""Maximum number of segments of a TDMS file. A converter that streams writes some a second."""
-MAX_METADATA_BYTES = 16 * 2**20
-"""Maximum size of the names and properties of a TDMS file [bytes]."""
-MAX_LISTED = 10_000_000
-"""Maximum number of objects that the segments of a TDMS file list together. The library goes through each list, also
-where a segment takes over the one before; this many take it some twenty seconds."""
-_LEAD_IN_BYTES = 28
-_HAS_METADATA, _HAS_NEW_LIST, _IS_BIG_ENDIAN = 1 << 1, 1 << 2, 1 << 6
-_NO_INDEX = (0, 2**32 - 1)
-"""First number of an object that has no raw data, or as much as before; another one tells of an index."""
-_SCALER_BYTES = {0x1269: 20, 0x126A: 17}
-"""First number of the index of DAQmx data -> size of each scaler in it [bytes]."""
-_STRING = 0x20
-_PROPERTY_BYTES = dict(enumerate((1, 2, 4, 8) * 2 + (4, 8), 1)) | {0x19: 4, 0x1A: 8, 0x21: 1, 0x44: 16}
-"""Type of a property -> size of its value [bytes]."""
+TDMS_LIMIT_S = 60.0
+"""Time for a TDMS file, which may state lists, chunks and scales that take the library hours or all memory [s]."""
 _COMPRESSED = 15
 _PIECE_BYTES = 2**20
 _MAT_HEAD_BYTES = 24
@@ -61,63 +48,6 @@ _MAT_NUMBERS = range(6, 16)
 _MAT_LOGICAL = 1 << 9
 _MAX_HEADER_BYTES = 2**16
 """Maximum length of the header of a NumPy array. The library reads 10 000 characters."""
-
-
-def check_tdms_segments(file: BinaryIO) -> None:
-    """Walk over the segments of a TDMS file and the objects that they list. Raises ValueError or struct.error."""
-    size, place, count, metadata, listed, in_all = file.seek(0, os.SEEK_END), 0, 0, 0, 0, 0
-    known = set[bytes]()
-    while place + _LEAD_IN_BYTES <= size:
-        file.seek(place)
-        lead_in = file.read(_LEAD_IN_BYTES)
-        tag, flags = struct.unpack_from("<4sI", lead_in)
-        if tag != b"TDSm":
-            break  # the library says what is wrong
-        order = ">" if flags & _IS_BIG_ENDIAN else "<"
-        length, raw_at = struct.unpack_from(f"{order}QQ", lead_in, 12)
-        stated = min(raw_at, size - place)
-        place += _LEAD_IN_BYTES
-        count += 1
-        is_interrupted = place + length > size and place + raw_at > size  # the library leaves such names alone
-        if flags & _HAS_METADATA and not is_interrupted and metadata + stated <= MAX_METADATA_BYTES:
-            names = list(_list_objects(file, order, place + MAX_METADATA_BYTES - metadata))
-            if flags & _HAS_NEW_LIST:
-                listed, known = 0, set()
-            listed += sum(name not in known for name in names)
-            known.update(names)
-            stated = max(stated, file.tell() - place)  # what it states may be less than what the library reads
-        metadata, in_all, place = metadata + stated, in_all + listed, place + length
-        if count > MAX_SEGMENTS or metadata > MAX_METADATA_BYTES:
-            raise ValueError(f"it has {count} segments or more, with {metadata} bytes of names and properties")
-        if in_all > MAX_LISTED:
-            raise ValueError(f"its segments list {in_all} objects or more; at most {MAX_LISTED} are read")
-    file.seek(0)
-
-
-def _list_objects(file: BinaryIO, order: str, end: int) -> Iterator[bytes]:
-    """Yield the names of the objects that a segment lists, as the library reads them, up to a place in the file."""
-
-    def read(length: int) -> bytes:
-        if file.tell() + length > end:
-            raise ValueError(f"it has more than {MAX_METADATA_BYTES} bytes of names and properties")
-        return file.read(length)
-
-    def number() -> int:
-        return int(struct.unpack(f"{order}I", read(4))[0])
-
-    for _ in range(number()):
-        yield read(number())
-        index = number()
-        if index in _SCALER_BYTES:
-            read(16)
-            read(number() * _SCALER_BYTES[index])
-            read(number() * 4)
-        elif index not in _NO_INDEX:
-            read(20 if number() == _STRING else 12)
-        for _ in range(number()):
-            read(number())
-            kind = number()
-            read(number() if kind == _STRING else _PROPERTY_BYTES[kind])
 
 
 def check_mat_variables(file: BinaryIO) -> None:
@@ -339,6 +269,16 @@ def _decode_pcm(data: bytes, width: int) -> NDArray[Any]:
 
 def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
+    extras.require(str(path), "nptdms", alternative=AS_CSV)
+    with _tdms_damage_reported(path):
+        return call_within_limits(TDMS_LIMIT_S, 4 * max_table_bytes(), _read_tdms, path, columns)
+
+
+def _tdms_damage_reported(path: Path) -> contextlib.AbstractContextManager[None]:
+    return _damage_reported(path, "a TDMS file", "export it again, or save it as CSV")
+
+
+def _read_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     nptdms = extras.load("nptdms", str(path), alternative=AS_CSV)
 
     def read_claim(channel: Any) -> Claim:
@@ -346,14 +286,8 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
             raise ValueError(f"it states {len(channel)} values in a file of {size} bytes")
         return (len(channel),), np.dtype(channel.dtype)
 
-    remedy = "export it again, or save it as CSV"
-    with _damage_reported(path, "a TDMS file", remedy), contextlib.ExitStack() as resources:
-        file = resources.enter_context(path.open("rb"))
-        if file.read(4) != b"TDSm":  # the tag of every segment
-            raise TraceError(Issue(str(path), f"is not a TDMS file; {remedy}."))
-        check_tdms_segments(file)
-        # By its path, the library would also read an index file beside it, which nobody has checked.
-        recording = resources.enter_context(nptdms.TdmsFile.open(file))
+    # By its path, the library would also read an index file beside it.
+    with _tdms_damage_reported(path), path.open("rb") as file, nptdms.TdmsFile.open(file) as recording:
         channels = [channel for group in recording.groups() for channel in group.channels()]
         by_name = {channel.name: channel for channel in channels}
         if len(channels) == 1 and "voltage_v" not in columns.names:

@@ -74,7 +74,8 @@ def describe_figure(figure: Any) -> Iterator[str]:
                 f"{_name(mark.get_cmap())} of {mark.get_cmap().N} from {sum_up(mark.get_clim())}" if array.size else ""
             )
             values = f" values {sum_up(array.filled(np.nan))} in {scale}" if array.size else ""
-            yield f"  area {_label(mark)} {' '.join(colours[:9])} at {sum_up(mark.get_offsets())} {shape}{values}"
+            clip = "" if mark.get_clip_on() else "beyond the axes "
+            yield f"  area {clip}{_label(mark)} {' '.join(colours[:9])} at {sum_up(mark.get_offsets())} {shape}{values}"
         for patch in axes.patches:
             corners = patch.get_path().transformed(patch.get_patch_transform()).vertices
             ends = (*corners.min(axis=0), *corners.max(axis=0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import socket
+import struct
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -127,6 +128,9 @@ def test_archives_of_many_or_large_files_are_refused_before_they_are_unpacked() 
     check_archive(io.BytesIO(b""))
     with pytest.raises(zipfile.BadZipFile, match=f"lists {MAX_MEMBERS + 1} files"):
         check_archive(archive_of(MAX_MEMBERS + 1))
+    commented = archive_of(MAX_MEMBERS + 1).getvalue()[:-2] + struct.pack("<H", 2**16 - 1) + bytes(2**16 - 1)
+    with pytest.raises(zipfile.BadZipFile, match=f"lists {MAX_MEMBERS + 1} files"):
+        check_archive(io.BytesIO(commented))
     file = archive_of(70_000)  # more than a directory of 16 bits counts
     with pytest.raises(zipfile.BadZipFile, match="lists 70000 files"):
         check_archive(file)

@@ -10,7 +10,6 @@ import pytest
 
 from fingertip.foundation import numerics
 from fingertip.foundation.numerics import (
-    Array,
     bisect,
     bisect_arrays,
     find_maximum,
@@ -139,33 +138,6 @@ def test_find_maximum_takes_the_steps_of_brents_method(tolerance: float) -> None
         assert ours.points == pytest.approx(scipys.points, abs=3e-6), number
         assert location == pytest.approx(expected, abs=3e-6), number
         assert value == function(location), number
-
-
-@pytest.mark.parametrize("steps", [0, 1, 7, 20])
-def test_golden_sections_narrow_every_bracket_alike(steps: int) -> None:
-    golden = (math.sqrt(5.0) - 1.0) / 2.0
-    peaks = np.array([-0.5, 0.1, 1.234, 2.9, 7.0])
-    low, high = np.array([0.0, -1.0, 0.5, 2.0, 1.0]), np.array([1.0, 3.0, 3.0, 3.0, 3.0])
-    calls: list[Array] = []
-
-    def function(x: Array) -> Array:
-        calls.append(x)
-        result: Array = -((x - peaks) ** 2)
-        return result
-
-    location, value = find_maximum_arrays(function, low, high, steps)
-    assert calls[0] == pytest.approx(golden * low + (1 - golden) * high)
-    assert calls[1] == pytest.approx((1 - golden) * low + golden * high)
-    assert len(calls) == steps + 2
-    # The two points inside the last bracket are as far from its ends as the golden section says.
-    width = (high - low) * golden**steps
-    assert np.all(np.abs(location - np.clip(peaks, low, high)) <= golden * width + 1e-12)
-    assert value == pytest.approx(-((location - peaks) ** 2))
-    assert value == pytest.approx(np.max([-((x - peaks) ** 2) for x in calls], axis=0))
-    # Each new point keeps its distance from the best one: what is left after k steps, divided by the golden section.
-    for k, new in enumerate(calls[2:]):
-        nearest = np.min([np.abs(new - x) for x in calls[: k + 2]], axis=0)
-        assert nearest == pytest.approx((high - low) * golden ** (k + 4), rel=1e-6)
 
 
 def test_equal_values_on_both_sides_give_the_left_one() -> None:

@@ -10,7 +10,6 @@ import random
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +17,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis import tolerance
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.analysis.response import (
     RECTIFYING_DIODE,
@@ -53,7 +51,6 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import FilterComponents, ideal_components
 from fingertip.design.parameters import Board
 from fingertip.documents.board.analysis import analysis_text
-from fingertip.foundation.files import format_figure
 from fingertip.foundation.numerics import Array
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
@@ -249,39 +246,6 @@ def test_upper_cutoffs_are_those_of_single_boards(design: Design) -> None:
         values = toleranced.deviate(board)
         found.append(find_passband(toleranced.model.transfer(values), search_band_hz(toleranced.model, values)).high_hz)
     assert band.upper_ends_hz == pytest.approx(tuple(np.quantile(found, BAND_QUANTILES)), rel=1e-6)
-
-
-def test_plot_shows_the_band(band: ResponseBand, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Curves, area, marks and texts are read back from the figure."""
-    require_module("matplotlib")
-    drawn: list[Any] = []
-    monkeypatch.setitem(tolerance.FORMATS, ".svg", lambda figure: drawn.append(figure) or b"")
-    tolerance.draw_response(band, "title", ".svg")
-    (axes,) = drawn[0].axes
-    level_db = decibel(band.nominal.max()) - 10 * math.log10(2)
-    target, nominal, level, *marks = ((line.get_xdata(), line.get_ydata()) for line in axes.lines)
-    for curve, magnitude in ((target, band.target), (nominal, band.nominal)):
-        assert np.array_equal(curve[0], band.f_hz)
-        assert 10 ** (curve[1] / 20) == pytest.approx(magnitude)
-    area, *ends = axes.collections
-    expected = {
-        (f, round(decibel(v), 9)) for each in (band.low, band.high) for f, v in zip(band.f_hz, each, strict=True)
-    }
-    assert {(x, round(y, 9)) for x, y in area.get_paths()[0].vertices} == expected
-    assert [*level[1], *(y for _, (y,) in marks)] == pytest.approx([level_db] * 4)
-    assert [x for (x,), _ in marks] == [band.lower_hz, band.upper_hz]
-    for each, ends_hz in zip(ends, (band.lower_ends_hz, band.upper_ends_hz), strict=True):
-        assert each.get_segments()[0] == pytest.approx(np.array([(hz, level_db) for hz in ends_hz]))
-    top_db = decibel(band.nominal.max())
-    assert (axes.get_xscale(), *axes.get_xlim()) == ("log", band.f_hz[0], band.f_hz[-1])
-    assert axes.get_ylim() == pytest.approx((top_db - 25, top_db + 8)), "nothing is cut off that tells boards apart"
-    said = [text.get_text() for text in (*axes.texts, *axes.get_legend().get_texts())]
-    for text, hz, ends_hz in zip(
-        said, (band.lower_hz, band.upper_hz), (band.lower_ends_hz, band.upper_ends_hz), strict=False
-    ):
-        low, high = (format_figure(end, 3) for end in ends_hz)
-        assert text == f"−3 dB at {format_figure(hz)} Hz\n95 %: {low} to {high} Hz"
-    assert all(words in " ".join(said[2:]) for words in ("C1, C2, C3", "95 % of boards", "Butterworth, third order"))
 
 
 @pytest.mark.full

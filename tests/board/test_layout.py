@@ -102,7 +102,7 @@ def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: 
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_board_has_its_size_and_holes(name: str) -> None:
     placement = BOARD_CONFIGURATIONS[name].placement
-    assert (placement.width, placement.height, placement.thickness_mm) == (40.0, 25.0, 1.6)
+    assert (placement.width, placement.height, placement.thickness_mm, placement.fiducials) == (40.0, 25.0, 1.6, 3)
     assert sum(part.footprint == M2_HOLE for part in placement.parts.values()) == 2
 
 

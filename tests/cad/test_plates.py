@@ -7,7 +7,6 @@ import hashlib
 import io
 import json
 import random
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
@@ -20,7 +19,7 @@ import pytest
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files
 from fingertip.cad.printing.settings import FDM, PLATE_KINDS, SLA
@@ -117,28 +116,6 @@ def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
     assert heights["bone"] > 2 * design.skin.length_mm - 10.0
     with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
         bed_pose(make()[1]["bone"], 30.0)
-
-
-def test_plates_name_supports_and_settings_of_each_object() -> None:
-    design, _, _, prints = make(name="adult_finger")
-    items = threemf.read_items(prints.contents["plate_fdm.3mf"])
-    supports = supports_by_part(design)
-    notes = {item.name: item.note for item in items}
-    assert set(notes) == set(supports)
-    for name, note in notes.items():
-        assert note.endswith(supports[name].note)
-        assert note.startswith(f"Layers 0.1 mm, 4 walls of a 0.4 mm nozzle, infill {40 if 'mold' in name else 100} %")
-    assert "strength checks hold for Formlabs Surgical Guide" in notes["bone"]
-    resin = {item.name: item.note for item in threemf.read_items(prints.contents["plate_sla.3mf"])}
-    assert all(note.startswith("Layers 0.05 mm, solid, not hollowed") for note in resin.values())
-    with ZipFile(io.BytesIO(prints.contents["plate_fdm.3mf"])) as bundle:
-        config = bundle.read("Metadata/Slic3r_PE_model.config").decode()
-    objects = {
-        re.search(r'key="name" value="(\w+)"', text)[1]: 'key="support_material" value="1"' in text  # type: ignore[index]
-        for text in config.split("<object ")[1:]
-    }
-    assert objects == {name: bool(one.places) for name, one in supports.items()}
-    assert "Metadata/Slic3r_PE_model.config" not in ZipFile(io.BytesIO(prints.contents["plate_sla.3mf"])).namelist()
 
 
 def test_small_bed_takes_several_plates() -> None:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import math
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.insert import cavity
@@ -30,7 +27,6 @@ from fingertip.filling.predict import (
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.filling.vents import find_pose, place_vents
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.filling import _summarise, draw_filling
 from tests.conftest import design_file
 
 DUCTS = (round_duct(2.1, 10.0), rectangular_duct(3.0, 2.5, 12.0))
@@ -205,18 +201,3 @@ def test_first_vent_is_the_highest_point_in_the_pose_of_filling(name: str) -> No
     assert np.linalg.norm(up) == pytest.approx(1.0)
     assert (corners @ up).max() <= at_vent @ up + 0.05  # the cavity is larger by the shrinkage
     assert corners[:, 2].max() > z + 0.5
-
-
-def test_picture_is_a_png_and_repeats_itself() -> None:
-    pytest.importorskip("matplotlib")
-    design = Design.load(design_file("fsr400"))
-    grid = build_skin_grid(design, 24, 32, lambda points: (points[..., 1] > 4.0) & (points[..., 2] > 20.0))
-    gate, vents = Opening((9.0, 0.0, 1.5), 2.7), (Opening((0.0, 5.0, 33.0), 1.2),)
-    filling = predict_filling(follow_front(grid, gate), vents, (), viscosity_pa_s=35.0, pressure_pa=2000.0)
-    first, second = (draw_filling(grid, filling, gate, vents, "Filling of fsr400") for _ in range(2))
-    assert first == second
-    image = Image.open(io.BytesIO(first))
-    assert image.size == (2100, 1110)
-    assert len(image.convert("RGB").getcolors(1 << 24)) > 500
-    told = SimpleNamespace(volume_mm3=2250.0, fill_s=31.0, pressure_pa=48000.0, viscosity_pa_s=3.0, air_pockets=())
-    assert _summarise(told) == "2.25 cm³ in 31.0 s at 48 kPa and 3 Pa s; no air pocket"

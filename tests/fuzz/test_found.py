@@ -76,6 +76,14 @@ def test_taps_of_days_are_refused_with_a_value_that_passes() -> None:
     SceneFile(tap=taps | {"interval_s": most})
 
 
+def test_the_shortest_knock_that_a_message_names_passes() -> None:
+    for speed_m_s in np.linspace(0.06, 0.2, 141).round(3).tolist():
+        with pytest.raises(TraceError, match="too short to stop") as caught:
+            ManipulationFile(scene="s", knock={"speed_m_s": speed_m_s, "stroke_m": 1e-9 + 0.4 * speed_m_s**2})
+        least = float(str(caught.value).rpartition("at least ")[2].removesuffix(" m."))
+        ManipulationFile(scene="s", knock={"speed_m_s": speed_m_s, "stroke_m": least})
+
+
 def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
     monkeypatch.setattr(Axis, "values", property(lambda axis: made.append(axis.name) or ()))

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
-import os
 import sqlite3
 import zipfile
 from collections.abc import Callable
@@ -20,10 +18,8 @@ import pytest
 from PIL import Image
 
 from tests.tools import require_tool
-from tools.fuzz import pieces
 from tools.fuzz.cases import Case
 from tools.fuzz.outcome import Outcome, find_faults
-from tools.fuzz.pieces import Line, Pieces
 from tools.fuzz.promises import PROMISES, check_folder
 
 CASE = Case("test", ("params", "--json"), promise="design", is_accepted=True)
@@ -121,25 +117,3 @@ def test_each_promise_can_be_broken(tmp_path: Path, name: str, sound: str | byte
     kinds = {each.rpartition(".")[2] for each, *_ in FILES}
     tested = {promise for kind, promises in PROMISES.items() if kind[1:] in kinds for promise in promises}
     assert {promise for promises in PROMISES.values() for promise in promises} == tested, "every promise is tested"
-
-
-def test_a_run_that_was_stopped_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A case that ends its process counts as a crash, one that hangs as well, and no case runs twice."""
-    monkeypatch.setattr(pieces, "SILENCE_S", 0.3)
-
-    def run_piece(numbers: range, top: Path, add: Callable[[Line], None]) -> None:
-        for number in numbers:
-            if number == 4:
-                os._exit(3)
-            while number == 7:
-                pass
-            add({"family": "test", "seconds": number})
-
-    (tmp_path / "00000.jsonl").write_text('{"family": "test", "seconds": 0}\n{"family": "te')
-    lines = Pieces(tmp_path, run_piece, 2).run(8, 3)
-    again = Pieces(tmp_path, lambda *_: pytest.fail("runs again"), 2).run(8, 3)
-    assert [line["seconds"] for line in lines if line["family"] == "test"] == [0, 1, 2, 3, 5, 6]
-    assert [line["faults"] for line in lines if line["family"] == "crash"] == [
-        ["crash: exit code 3"], ["crash: exit code -9"]
-    ]  # fmt: skip
-    assert json.dumps(again) == json.dumps(lines)

@@ -11,6 +11,7 @@ from fingertip.design import Design
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, CampaignPlan, Case
 from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
 from fingertip.lab.studies import article as article_protocol
+from fingertip.lab.studies import bounds
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, find_encoder_zero_s, study_article_protocol
 from fingertip.lab.studies.boards import study_article_board, with_article_board
 from fingertip.lab.studies.sensitivity import VARIATIONS, Factor, Variation, change_converter, study_assumptions
@@ -39,6 +40,15 @@ def test_change_is_a_value_or_a_factor() -> None:
     assert scene.contact.patch_average
     assert varied.vary_design(Design()) == Design()
     assert Variation("", {"detector.noise_v": 1e-3}).vary_scene(SLIDE) is SLIDE
+
+
+def test_two_tones_and_a_slope_leave_no_residual_and_noise_leaves_its_rms() -> None:
+    t, rng = np.arange(400) / 2000.0, np.random.default_rng(0)
+    bases = [bounds._tone_pair_basis(len(t), 2000.0, frequency_hz) for frequency_hz in (30.0, 40.0, 50.0)]
+    tones = 2.3 - 0.4 * t + sum(a * np.cos(2 * np.pi * 40.0 * k * t + p) for a, k, p in ((1.0, 1, 0.3), (0.5, 2, 1.1)))
+    assert bounds._residual(tones, bases) < 1e-7 < 0.1 < bounds._residual(tones, bases[::2])
+    noise = [bounds._residual(tones + 0.01 * rng.normal(size=len(t)), bases[1:2]) for _ in range(20)]
+    assert np.mean(noise) == pytest.approx(0.01, rel=0.02)
 
 
 @pytest.mark.parametrize("bits", [10, 12])

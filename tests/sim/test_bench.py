@@ -40,31 +40,6 @@ def diagram_of(*points: tuple[str, float, float], levels: tuple[float, ...] = (1
     return diagram
 
 
-def test_solvers_are_compared_by_the_geometric_mean_over_the_levels():
-    diagram = diagram_of(
-        ("ours", 1.0, 1e-3), ("ours", 2.0, 1e-5), ("theirs", 20.0, 1e-3), ("theirs", 10.0, 1e-2),
-        ("theirs", 160.0, 1e-5), levels=(1e-3, 1e-5, 1e-7),
-    )  # fmt: skip
-    found = diagram.compare("theirs")
-    assert found.ratios == (pytest.approx(20.0), pytest.approx(80.0), None)
-    assert found.mean == pytest.approx(40.0)
-    assert not found.is_missed
-    assert not diagram.misses_target
-    for target, missed in ((39.0, False), (41.0, True)):
-        diagram.targets["theirs"] = target
-        assert diagram.misses_target == missed
-        verdict = "missed" if missed else "reached"
-        text = f"20.0, 80.0, not reached; mean 40.0 of the levels reached, target {target:g}: {verdict}"
-        assert any(text in line for line in diagram.as_text())
-        data = diagram.as_data()["comparisons"]["theirs"]
-        assert data["target"] == target
-        assert data["mean"] == pytest.approx(40.0)
-    alone = diagram_of(("ours", 1.0, 1e-3))
-    alone.targets["theirs"] = 10.0
-    assert not alone.misses_target
-    assert any("NOT COMPARED, target 10" in line for line in alone.as_text())
-
-
 def cvode_or_skip() -> contextlib.AbstractContextManager[CvodeLibrary]:
     """CVODE's programs; skips loudly where compiler or library are missing."""
     require_tool("cc", "install a C compiler")

@@ -308,7 +308,7 @@ class ManipulationFile(PathTables, _ManipulationTables):
             message = f"{grasp.min_margin:g} is above grasp.max_margin; at most {grasp.max_margin:.12g}."
             yield Issue("grasp.min_margin", message), {"grasp.min_margin", "grasp.max_margin"}
         minimum = knock.speed_m_s**2 / (2 * ACCELERATION_M_S2)
-        if knock.stroke_m < minimum:
+        if knock.stroke_m < minimum * (1 - 1e-9):  # the least that the message names passes, whatever its rounding
             what = f"{knock.stroke_m:g} m is too short to stop from {knock.speed_m_s:g} m/s"
             message = f"{what}; at least {round_up(minimum):g} m."
             yield Issue("knock.stroke_m", message), {"knock.stroke_m", "knock.speed_m_s"}

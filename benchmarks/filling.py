@@ -26,8 +26,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: 
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.filling.ducts_and_mouths import Mouth, mouth_resistance, open_mouth
 from fingertip.filling.hele_shaw import fill
-from fingertip.filling.mouth import Mouth, mouth_resistance, open_mouth
 from fingertip.filling.network import FlowNetwork
 from fingertip.filling.predict import refine_peak
 from fingertip.filling.surface_links import COLUMNS, ROWS, Layer, build_skin_grid

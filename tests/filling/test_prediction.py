@@ -12,8 +12,8 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.insert import cavity
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
+from fingertip.filling.ducts_and_mouths import mouth_resistance, open_mouth, rectangular_duct, round_duct
 from fingertip.filling.hele_shaw import fill
-from fingertip.filling.mouth import mouth_resistance, open_mouth, rectangular_duct, round_duct
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
     FillingPrediction,

@@ -8,8 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fingertip.filling.hele_shaw import ClosingVent, Filling, LastPoint, TrappedAir, fill, find_air
-from fingertip.filling.mouth import (
+from fingertip.filling.ducts_and_mouths import (
     conical_duct,
     fill_in_series,
     mouth_resistance,
@@ -17,6 +16,7 @@ from fingertip.filling.mouth import (
     rectangular_duct,
     round_duct,
 )
+from fingertip.filling.hele_shaw import ClosingVent, Filling, LastPoint, TrappedAir, fill, find_air
 from fingertip.filling.network import RowElimination
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
 from fingertip.foundation.numerics import Array

@@ -18,7 +18,6 @@ from fingertip.foundation.jit import compiled
 from fingertip.sim import SceneFile, Trial, run_scene
 from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
-from fingertip.sim.report import encode_trace, open_trace
 from fingertip.sim.runs.scene import SceneRun, stream_scene
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
@@ -30,6 +29,7 @@ from fingertip.sim.signal.interference import (
     compute_hum_v,
 )
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
+from fingertip.sim.trace_file import encode_trace, open_trace
 from tests.conftest import ROOT
 
 DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})

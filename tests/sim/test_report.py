@@ -16,8 +16,9 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.report import as_data, as_text, draw, encode_trace
+from fingertip.sim.report import as_data, as_text, draw
 from fingertip.sim.runs.scene import SceneRecord
+from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.traces.truth import SlipCollector, intervals
 from tests.approved import check_figures, check_text
 from tests.figures import describe_figure, keep_figures
@@ -127,7 +128,7 @@ def test_rows_are_written_some_at_a_time(monkeypatch: pytest.MonkeyPatch) -> Non
     """Text takes ten times the memory of numbers; where the rows are cut changes no byte."""
     time_s, columns = np.arange(20) / 2000, {"voltage_v": np.linspace(-1.0, 1.0, 20)}
     whole = encode_trace(time_s, columns, Path("t.csv"))
-    monkeypatch.setattr("fingertip.sim.report._ROWS", 7)
+    monkeypatch.setattr("fingertip.sim.trace_file._ROWS", 7)
     assert encode_trace(time_s, columns, Path("t.csv")) == whole
     assert len(whole.splitlines()) == 21
 

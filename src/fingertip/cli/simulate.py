@@ -67,10 +67,10 @@ def simulate(
     from fingertip.catalogues.output_files import SIGNAL
     from fingertip.foundation import extras
     from fingertip.foundation.files import open_atomic, write_file
-    from fingertip.sim import load_simulation
+    from fingertip.sim import load_simulation, trace_file
     from fingertip.sim import report as summary
 
-    issues = [*find_file_issues("--out", out, *summary.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
+    issues = [*find_file_issues("--out", out, *trace_file.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     if parameters:
         issues += find_idle_issues("--parameters", {"--out": out, "--plot": plot})
     simulation: Simulation | None = None
@@ -100,7 +100,7 @@ def simulate(
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
             record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)
-        if out is None and (removed := summary.write_trace(simulation.design, path, finished, force)):
+        if out is None and (removed := trace_file.write_trace(simulation.design, path, finished, force)):
             console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.progress(f"wrote {path}")
     if simulation.scene.sensing.bridge == "board":
@@ -116,7 +116,7 @@ def _simulate(
     simulation: Simulation, file: BinaryIO, path: Path, grip: str | None, plotted: bool, progress: Callable[[str], None]
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
-    from fingertip.sim import ManipulationResult
+    from fingertip.sim import ManipulationResult, trace_file
     from fingertip.sim import report as summary
 
     if grip is None and not plotted:
@@ -129,7 +129,7 @@ def _simulate(
 
         result, grips_s = run_with_grip(simulation, grip, progress)
     record = result if isinstance(result, ManipulationResult) else result.record
-    summary.write_columns(file, path, result.time_s, result.columns)
+    trace_file.write_columns(file, path, result.time_s, result.columns)
     picture = None
     if plotted:
         progress("drawing the plot")

@@ -12,7 +12,7 @@ from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAP
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import Inlet
-from fingertip.filling.mouth import Duct, conical_duct, rectangular_duct, round_duct
+from fingertip.filling.ducts_and_mouths import Duct, conical_duct, rectangular_duct, round_duct
 from fingertip.filling.predict import Course, Opening, follow_front, head_pressure_pa, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.filling.ducts_and_mouths import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
 from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
 from fingertip.filling.hele_shaw import LastPoint as Last
-from fingertip.filling.mouth import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
 from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
 

@@ -7,7 +7,6 @@ run them, and `fingertip.sim.report` summarises their results. `simulate` runs o
 
 from fingertip.foundation.jit import compiled
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.report import encode_trace
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller, FixedGrip, Observation
@@ -15,6 +14,7 @@ from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, stream
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Simulation, Trial, article_manipulations, article_trials, load_simulation, simulate
+from fingertip.sim.trace_file import encode_trace
 
 __all__ = [
     "SURFACES",

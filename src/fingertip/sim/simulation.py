@@ -23,7 +23,6 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.sim.contact.surfaces import SURFACES
-from fingertip.sim.report import open_trace, write_columns
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller
@@ -31,6 +30,7 @@ from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, select
 from fingertip.sim.runs.timeline import SLIDE_M
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.parameters import find_converter_warnings
+from fingertip.sim.trace_file import open_trace, write_columns
 from fingertip.slip.traces.trace import Trace
 
 

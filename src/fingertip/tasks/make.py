@@ -32,7 +32,7 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
-from fingertip.sim.report import encode_trace
+from fingertip.sim.trace_file import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer
 

@@ -84,6 +84,10 @@ def test_the_shortest_knock_that_a_message_names_passes() -> None:
         ManipulationFile(scene="s", knock={"speed_m_s": speed_m_s, "stroke_m": least})
 
 
+def test_no_change_of_load_ends_no_contact_of_the_smallest_share() -> None:
+    assert SceneFile(hold={"share": 5e-324}, load_change={"by_n": 0.0}).load_change.by_n == 0.0
+
+
 def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
     monkeypatch.setattr(Axis, "values", property(lambda axis: made.append(axis.name) or ()))

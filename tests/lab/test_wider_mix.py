@@ -25,7 +25,6 @@ from tests.figures import sum_up
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGN = ARTICLE
-
 SLIP = next(article_trials())[0]
 
 

@@ -750,8 +750,6 @@ from fingertip.foundation.processes import call_within_limits
 assert call_within_limits(9.0, 2**30, os.path.basename, "a/b") == "b"
 assert not jit.available()
 new_figure(1.0, 1.0)
-import matplotlib
-assert not matplotlib.rcParams["text.usetex"]
 """
 
 
@@ -760,8 +758,8 @@ def strange(tmp_path: Path) -> Path:
     """A current folder with modules, and settings of libraries, that nobody asked for."""
     for name in ("json", "pickle", "multiprocessing", "cadquery", "numpy"):
         (tmp_path / f"{name}.py").write_text(f"open('{name} was run', 'w')\nraise SystemExit('a stranger')\n")
-    (tmp_path / "matplotlibrc").write_text("text.usetex: True\n")
-    (tmp_path / ".numba_config.yaml").write_text("cache_dir: .\n")
+    for name in ("matplotlibrc", ".numba_config.yaml", "ezdxf.ini", "XSTEP.us", "SHAPE.us"):
+        (tmp_path / name).write_bytes(b"\xff not what a library expects")
     return tmp_path
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip.foundation.plot_style import AREAS, SERIES, TRUTH
+from fingertip.foundation.plot_style import AREAS, SERIES, TRUTH, new_figure, to_png
 from fingertip.lab.report.plots import COLOURS, OTHER_COLOUR
 
 SOURCE = Path(fingertip.__file__).parent
@@ -69,3 +69,14 @@ def test_colours_of_plots_stand_in_one_module() -> None:
         for colour in re.findall(r'"#[0-9a-fA-F]{6}"', text)
     }
     assert found == set()
+
+
+def test_a_name_is_no_formula_and_the_ticks_of_a_logarithmic_axis_are() -> None:
+    pytest.importorskip("matplotlib")
+    figure = new_figure(2.0, 2.0)
+    axes = figure.subplots()
+    axes.set_xscale("log")
+    axes.set_title(r"$\nosuch$.csv")
+    assert to_png(figure).startswith(b"\x89PNG")
+    assert axes.title.get_parse_math() is False
+    assert all(label.get_parse_math() for label in axes.get_xticklabels())

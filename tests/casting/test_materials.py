@@ -141,7 +141,7 @@ def test_unknown_silicone_is_refused_with_the_nearest_name() -> None:
     assert [issue.field for issue in caught.value.issues] == ["silicone.product"]
 
 
-@pytest.mark.parametrize("label", ["a|b", "", "x" * 61, " x", "two\\nlines"])
+@pytest.mark.parametrize("label", ["a|b", "", "x" * 61, " x", "two\\nlines", "=1+1", "$x$", "[a](b)", "a\u202eb"])
 def test_label_that_would_break_a_page_is_refused(label: str) -> None:
-    with pytest.raises(DesignError, match="cannot stand here; write up to 60 characters"):
+    with pytest.raises(DesignError, match="cannot stand here; write up to 60 printable characters"):
         Design.load(changes=[f'silicone.label="{label}"'])

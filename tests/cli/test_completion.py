@@ -35,6 +35,7 @@ def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     program.chmod(0o755)
     (folder / "work").mkdir()
     (folder / "work" / "mine.toml").touch()
+    (folder / "work" / "mine\x1b[31m.toml").touch()  # would colour the terminal
     return folder
 
 

@@ -523,30 +523,6 @@ def test_tdms_file_written_by_nptdms_is_read(tmp_path):
     assert single_onset(run("detect", tmp_path / "t.tdms", "--json")) == ONSET
 
 
-def test_tdms_file_of_many_kinds_of_properties_is_read(tmp_path):
-    nptdms = pytest.importorskip("nptdms")
-    kinds = {
-        "text": "é",
-        "whole": -3,
-        "true": True,
-        "start": np.datetime64("2024-05-31T12:00:00"),
-        "wf_increment": 5e-4,
-    }
-    with nptdms.TdmsWriter(tmp_path / "t.tdms") as writer:
-        for number, part in enumerate(np.split(np.round(V, 6), 4)):
-            text = nptdms.ChannelObject("group", "notes", ["pressed", "slipped"])
-            channel = nptdms.ChannelObject("group", "AI0", part, properties=kinds | {"part": np.uint16(number)})
-            writer.write_segment([nptdms.RootObject(kinds), channel, *[text][: number % 2]])
-    words = ("--column", "voltage_v=AI0", "--json")
-    assert single_onset(run("detect", tmp_path / "t.tdms", *words)) == ONSET
-    with (tmp_path / "t.tdms").open("ab") as file:  # a segment whose names were not written to their end
-        file.write(struct.pack("<4sIIQQ", b"TDSm", 2, 4713, 2**64 - 1, 100) + b"\1")
-    assert single_onset(run("detect", tmp_path / "t.tdms", *words)) == ONSET
-    assert (
-        "notes: has the type object" in run("detect", tmp_path / "t.tdms", "--column", "force_n=notes", *words).stderr
-    )
-
-
 def test_daqmx_data_of_a_tdms_file_is_read(tmp_path):
     pytest.importorskip("nptdms")
     counts = np.round(V * 1000).astype("<i2")

@@ -95,7 +95,8 @@ def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
         from fingertip.catalogues.bundled import list_bundled_files
 
         bundled = list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
-        return [*bundled, *sorted(glob.glob(f"{glob.escape(incomplete)}*.toml"))]
+        own = glob.glob(f"{glob.escape(incomplete)}*.toml")
+        return [*bundled, *sorted(name for name in own if name.isprintable())]  # others would control the terminal
 
     return complete
 

@@ -6,9 +6,11 @@ matplotlib only where they use it, so that the plots can be listed without it.
 
 from __future__ import annotations
 
+import contextlib
 import io
 import logging
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from fingertip.foundation import extras
@@ -40,15 +42,22 @@ REFERENCE = "#98a1aa"
 
 
 def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
+    extras.require("plot", "matplotlib")
+    if "matplotlib" not in sys.modules:
+        _import_matplotlib()
+    layout = "constrained" if automatic_layout else None
+    figure: Figure = extras.load("matplotlib.figure", "plot").Figure((width_in, height_in), DPI, layout=layout)
+    return figure
+
+
+def _import_matplotlib() -> None:
+    """Import matplotlib without settings: those of the current folder may be a stranger's, others change the bytes."""
     # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    is_first = "matplotlib" not in sys.modules
-    module = extras.load("matplotlib.figure", "plot")
-    if is_first:  # it has read settings of the current folder, or of the user; who imported it before has set his own
+    with contextlib.ExitStack() as left:
+        with contextlib.suppress(FileNotFoundError):  # the current folder was removed
+            left.enter_context(contextlib.chdir(Path(__file__).parent))
         extras.load("matplotlib", "plot").rcdefaults()
-    layout = "constrained" if automatic_layout else None
-    figure: Figure = module.Figure(figsize=(width_in, height_in), dpi=DPI, layout=layout)
-    return figure
 
 
 def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
@@ -63,6 +72,7 @@ def to_png(figure: Figure) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
 
     out = io.BytesIO()
+    _take_literally(figure)
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
     return out.getvalue()
 
@@ -73,6 +83,18 @@ def to_svg(figure: Figure) -> bytes:
     from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: PLC0415
 
     out = io.BytesIO()
+    _take_literally(figure)
     with matplotlib.rc_context({"svg.hashsalt": "fingertip", "svg.fonttype": "path"}):
         FigureCanvasSVG(figure).print_svg(out, metadata={"Creator": None, "Date": None})
     return out.getvalue()
+
+
+def _take_literally(figure: Figure) -> None:
+    """Let no $ in a text begin a formula, as in the name of a file; the ticks of logarithmic axes are formulas."""
+    from matplotlib.axis import Tick  # noqa: PLC0415
+    from matplotlib.text import Text  # noqa: PLC0415
+
+    ticks = {label for tick in figure.findobj(Tick) for label in (tick.label1, tick.label2)}
+    for text in figure.findobj(Text):
+        if text not in ticks:
+            text.set_parse_math(False)

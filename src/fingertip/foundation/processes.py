@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import os
 import pickle
 import signal
 import subprocess
@@ -108,8 +109,18 @@ def end_with_parent() -> None:
 
 
 def python_command(module: str, *arguments: str) -> list[str]:
-    """Return the command that runs a module of this program, and imports nothing from the current folder (-P)."""
+    """Return the command that runs a module of this program, and imports nothing from the current folder (-P).
+
+    Start it in a folder of its own where libraries look for settings in the current one, as those of cadquery do.
+    """
     return [sys.executable, "-P", "-m", module, *arguments]
+
+
+def python_environment() -> dict[str, str]:
+    """Return the variables of such a process: its modules are found wherever it is started."""
+    paths = os.environ.get("PYTHONPATH")
+    found = os.pathsep.join(os.path.abspath(path) for path in paths.split(os.pathsep) if path) if paths else ""
+    return {**os.environ, "PYTHONPATH": found}
 
 
 T = TypeVar("T")

@@ -21,7 +21,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import errors
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.foundation.processes import python_command
+from fingertip.foundation.processes import python_command, python_environment
 
 TIME_LIMIT_S = 180.0
 POLL_S = 0.5
@@ -80,6 +80,8 @@ class StepProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # Open CASCADE prints there
             stderr=subprocess.PIPE,
+            cwd=self._folder.path,  # ezdxf and Open CASCADE read settings of the current folder
+            env=python_environment(),
             start_new_session=True,  # the process group lets `_kill` end its child process too
         )
         try:

@@ -93,6 +93,10 @@ _STATED = (
 """Properties of a silicone of one's own, which the table states by the same names."""
 
 
+_MARKUP = r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
+"""Characters that a file may take for more than text: marks of Markdown and of formulas, and those that control."""
+
+
 class ChosenSilicone(ParameterTable):
     """Silicone of the skin. All figures below product are used only if it is "own"; copy them from your data sheet."""
 
@@ -102,8 +106,8 @@ class ChosenSilicone(ParameterTable):
     label: str = text(
         "own silicone",
         "Name of the product, for the casting sheet.",
-        pattern=r"^[^\s|`<>][^\r\n|`<>]{0,59}$",
-        allowed="write up to 60 characters, without | ` < >",
+        pattern=rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$",
+        allowed="write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of = + - @ first",
     )
     cure: Literal["addition", "condensation"] = choice(
         "addition", "Cure system: addition (platinum; inhibited by uncured resin) or condensation (tin)."

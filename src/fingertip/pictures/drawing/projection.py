@@ -13,7 +13,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import errors
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.foundation.processes import end_with_parent, python_command
+from fingertip.foundation.processes import end_with_parent, python_command, python_environment
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
 # Program that projects parts: `python -m fingertip.pictures.drawing.projection FOLDER`, with a pickled job on stdin.
@@ -68,6 +68,8 @@ def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
                 stdout=subprocess.DEVNULL,  # Open CASCADE prints there
                 stderr=subprocess.PIPE,
                 timeout=time_limit_s,
+                cwd=folder,  # ezdxf reads settings of the current folder
+                env=python_environment(),
                 check=False,
             )
         except subprocess.TimeoutExpired:

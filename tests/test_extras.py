@@ -27,7 +27,6 @@ STEP = (
 )
 
 
-@pytest.mark.full
 @pytest.mark.usefixtures("core")
 def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> None:
     done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", tmp_path / "out")

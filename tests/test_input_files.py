@@ -80,7 +80,6 @@ def test_no_command_opens_a_pipe_or_fails_at_a_missing_file(tmp_path: Path, kind
     assert wrong == []
 
 
-@pytest.mark.full
 def test_limits_apply_and_may_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.toml"
     path.write_bytes(b"#" * MEGABYTE)
@@ -157,7 +156,6 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
 
 
-@pytest.mark.full
 def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[skin]\n" + "".join(f"x{i} = {i}\n" for i in range(10_000)))
     done = run_fingertip("params", tmp_path / "a.toml")

@@ -33,6 +33,7 @@ MAXIMA: list[tuple[Callable[[float], float], float, float]] = [
 ]
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(("function", "low", "high"), ROOTS)
 @pytest.mark.parametrize("known", [False, True])
 def test_find_root_finds_the_root_that_brentq_finds(
@@ -180,6 +181,7 @@ def test_linear_programs_have_the_maxima_of_a_library(size: int) -> None:
             assert alone == pytest.approx(value, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("rates", "slacks", "active", "hit"),
     [

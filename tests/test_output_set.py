@@ -249,7 +249,6 @@ def test_current_folder_and_a_link_are_not_swapped_away(tmp_path: Path, monkeypa
     recover(Path("/"))  # before each write below it; its own name is empty
 
 
-@pytest.mark.full
 def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)
@@ -439,7 +438,6 @@ def test_what_stands_where_files_are_put_for_a_moment_is_named(tmp_path: Path, n
 # Single files
 
 
-@pytest.mark.full
 def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_up(tmp_path: Path) -> None:
     path = tmp_path / "trace.csv"
     operation, killed = 0, True

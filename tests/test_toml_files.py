@@ -37,6 +37,7 @@ def test_names_of_each_kind_are_those_of_its_model() -> None:
         assert kind.names == set(model.model_fields), kind.name
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("text", "kind"),
     [

@@ -49,6 +49,7 @@ def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
         assert reading.limits_v[0] == pytest.approx(lowest_v, abs=0.005)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", [*NAMES, "article"])
 def test_a_short_circuit_is_not_accepted(name: str) -> None:
     design = load(name)
@@ -63,7 +64,6 @@ CALIBRATED = (
 )  # fmt: skip
 
 
-@pytest.mark.full
 def test_calibration_narrows_the_limits_in_its_range() -> None:
     typical, calibrated = expect_readings(load("fsr400")), expect_readings(load("fsr400", *CALIBRATED))
     for wide, narrow in zip(typical, calibrated, strict=True):
@@ -73,6 +73,7 @@ def test_calibration_narrows_the_limits_in_its_range() -> None:
     assert (light.spread, heavy.spread) == (1.2, SPREAD), "500 g lie beyond the calibration"
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", NAMES)
 def test_ratio_of_the_drops_holds_for_sensors_that_differ_by_factors(name: str) -> None:
     design = load(name)
@@ -99,7 +100,6 @@ def test_page_quotes_what_detect_prints(detection: Detection) -> None:
     assert re.sub(r"[\d.]+", "NUMBER", " ".join(printed.split())).startswith(form)
 
 
-@pytest.mark.full
 def test_command_writes_the_page_that_make_writes(tmp_path: Path) -> None:
     done = run_fingertip("acceptance", "fsr400", "--json", "--quiet", PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr

@@ -337,6 +337,7 @@ def case_design(case: tuple[str, tuple[str, ...]]) -> tuple[Design, Circuit]:
     return load(name, *changes)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[str, ...]]) -> None:
     """Finite gain and bandwidth, input capacitance, C14 and C20, on both supplies; VMID carries no signal."""
@@ -352,6 +353,7 @@ def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[st
         assert np.abs(path.response(FREQUENCIES, {"TACTILE": 1.0}, "VMID")).max() < 1e-12
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("case", "gain_bandwidth_hz"), [*((case, 3e6) for case in CASES), *((case, None) for case in (CASES[0], CASES[-1]))]
 )
@@ -382,6 +384,7 @@ def state_response(system: StateSpace, net: str) -> Array:
     return np.asarray(states @ row[:n] + row[n])
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_passband_is_found_on_the_closed_form(name: str) -> None:
     """At both cutoffs the closed form has half the power of its maximum, which is nowhere exceeded."""
@@ -403,6 +406,7 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     assert achieved.passband_gain_db == pytest.approx(decibel(passband.gain), rel=1e-12)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_anti_aliasing_poles_agree_with_the_closed_forms(name: str) -> None:
     design, circuit = load(name)
@@ -442,7 +446,6 @@ def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     assert offset.max_low_offset_v < 0.05 * 0.017
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("threshold", [0.017, 0.1])
 @pytest.mark.parametrize("supply", SUPPLIES)
 def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: float) -> None:
@@ -468,6 +471,7 @@ def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: fl
     assert 0 < levels.threshold_bias_v < levels.bias_v
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
     design, _ = load(name)

@@ -342,6 +342,7 @@ def deviation_db(ohm: tuple[float, ...], ideal: tuple[float, float, float]) -> f
     return float(np.abs(20 * np.log10(np.abs(filter_ / butterworth))).max())
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(("series", "ratio"), [("E12", 2.2), ("E24", 1.8), ("E96", 1.1)])
 @pytest.mark.parametrize("cutoff", [30.0, 41.7, 67.0, 88.8, 123.0])
 def test_no_combination_of_a_wide_search_is_better(series: str, ratio: float, cutoff: float) -> None:
@@ -408,6 +409,7 @@ def test_sized_bridge_reproduces_the_articles_voltages_within_the_sensors_limit(
 # Figures of README and bring-up sheet
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("value", "digits", "text"),
     [

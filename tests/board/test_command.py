@@ -85,7 +85,6 @@ NOISY = ("board.variant=precision", "board.passband_gain=300", "board.amplifier=
 SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
@@ -110,7 +109,6 @@ def test_noisy_boards_and_short_windows_are_warned_of(
     assert rest == [f"  warning: {text}" for text in data["warnings"]]
 
 
-@pytest.mark.full
 def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Other values replace those of the same circuit; another variant is written beside, or with --force."""
     monkeypatch.chdir(tmp_path)
@@ -152,7 +150,6 @@ def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-@pytest.mark.full
 def test_readme_of_somebody_else_is_kept(tmp_path: Path) -> None:
     (tmp_path / README).write_text("# Mine\n")
     with pytest.raises(OutputError, match=r"README\.md: was not written by fingertip"):

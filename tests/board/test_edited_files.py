@@ -119,7 +119,6 @@ def test_values_are_entered_and_every_other_byte_stays(
         assert text.sub(r"\1", old) == text.sub(r"\1", new)
 
 
-@pytest.mark.full
 def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
     edited = move_r1(folder)
     write_board(load_article(OTHER_VALUES), folder)
@@ -145,7 +144,6 @@ def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> N
     assert (folder / LAYOUT).stat().st_mtime_ns == date
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("changes", [OTHER_PARTS, ("board.supply=single",), ("board.amplifier=OPA2197",)])
 def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str, ...]) -> None:
     if "amplifier" in changes[0]:
@@ -196,7 +194,6 @@ def test_every_change_of_structure_is_described() -> None:
     assert describe(nets=swapped) == "it changes the nets A, B and C"
 
 
-@pytest.mark.full
 def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder: Path) -> None:
     edit(folder / LAYOUT, r'"Value" "82"', '"Value" "81.6"')
     write_board(load_article(OTHER_VALUES), folder)
@@ -205,7 +202,6 @@ def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder:
     assert found["R1"]["Value"] == "2k"
 
 
-@pytest.mark.full
 def test_renumbered_part_keeps_its_value(folder: Path) -> None:
     """R1 is called R6 and R6 R1: the identifiers tell which is which."""
     for name in (LAYOUT, SCHEMATIC):
@@ -266,7 +262,6 @@ def test_project_that_kicad_changed_is_kept(folder: Path) -> None:
     assert (folder / PROJECT).read_bytes() == changed
 
 
-@pytest.mark.full
 def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
     move_r1(folder)
     before = files_in(folder)
@@ -279,7 +274,6 @@ def test_fabrication_files_of_an_edited_board_are_refused(folder: Path) -> None:
         write_fabrication(load_article(OTHER_VALUES), folder)
 
 
-@pytest.mark.full
 def test_command_states_what_happened_to_the_edits(folder: Path) -> None:
     move_r1(folder)
     run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--set", OTHER_VALUES[0], "--json")

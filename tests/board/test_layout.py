@@ -99,6 +99,7 @@ def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: 
     assert run_drc(tmp_path / "pcb")[key]
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_board_has_its_size_and_holes(name: str) -> None:
     placement = BOARD_CONFIGURATIONS[name].placement
@@ -110,6 +111,7 @@ DECOUPLING_MM = 7.0
 """Greatest way from a decoupling capacitor to the supply pin of its amplifier, or to where the supply enters."""
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_decoupling_capacitors_are_at_the_supply_pins_and_at_the_entry(name: str) -> None:
     circuit, parts = load_circuit(name), BOARD_CONFIGURATIONS[name].placement.parts
@@ -276,11 +278,13 @@ def misleading(board: Board) -> list[str]:
     return found
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_each_reference_is_nearest_to_its_own_part(name: str) -> None:
     assert misleading(read_board(name)) == []
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: str) -> None:
     board = read_board(name)
@@ -290,6 +294,7 @@ def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: s
     assert all(text.text == text.owner for text in board.texts if text.owner)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
     """The pad of J2 nearest to each sign is on the net of that polarity."""
@@ -305,6 +310,7 @@ def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
     assert {text.side for text in only} == ({"F", "B"} if supply.is_for_controller else set())
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
     configuration = BOARD_CONFIGURATIONS[name]
@@ -327,6 +333,7 @@ def long_values(name: str) -> tuple[Circuit, Placement]:
     return circuit, configuration.placement
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_back_has_room_for_values_of_any_length(name: str) -> None:
     circuit, placement = long_values(name)
@@ -353,6 +360,7 @@ def test_layout_that_prints_no_value_of_a_part_is_refused() -> None:
         print_values(layout, circuit, placement)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_three_fiducial_marks_span_the_board(name: str) -> None:
     """1 mm of copper in an opening of 2 mm, clear of all other copper, and not on one line."""

@@ -41,6 +41,7 @@ from tests.oracles.sexpressions import children, descendants, parse, word
 CIRCUIT = board_circuit(board_values(ARTICLE))
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_every_pin_is_in_one_net_and_every_net_has_two_pins(name: str) -> None:
     """The test does not use the package's own check."""
@@ -85,6 +86,7 @@ def test_build_circuit_refuses_inconsistent_wiring() -> None:
         build_circuit("bad", {_resistor("R1"): {"1": "A", "2": "B"}, _resistor("R2"): {"1": "B", "2": "B"}})
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("value", "text"),
     [(4700, "4.7k"), (1180, "1.18k"), (10e6, "10M"), (47, "47"), (1e-6, "1u"), (2.2e-6, "2.2u"), (1e-7, "100n"),

@@ -154,6 +154,7 @@ def meets(component: Component, part: Part) -> bool:
     )
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("name", "extra"), [*((name, ()) for name in BOARD_CONFIGURATIONS), *(("precision_single", c) for c in CHANGES)]
 )
@@ -255,6 +256,7 @@ def parse_placement(data: bytes) -> dict[str, tuple[float, float, float]]:
     return placed
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_independent_parser_reads_the_parts_of_the_circuit_in_both_files(name: str) -> None:
     circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))

@@ -41,6 +41,7 @@ def fields_of(tree: Expression, kind: str) -> list[tuple[Expression, dict[str, s
     return [(item, fields) for item, fields in items if fields["Reference"][:3] not in ("#PW", "#FL", "FID")]
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_most_of_the_supply_tracks_is_wide(name: str) -> None:
     """Half of their length is 0.5 mm wide or more; they are narrow only where other copper is near."""
@@ -79,6 +80,7 @@ def test_values_parts_and_amplifier_are_entered_everywhere(name: str) -> None:
     assert {symbol for symbol in library if not symbol.startswith("power:")} == used
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_project_states_revision_title_rules_and_models(name: str) -> None:
     """KiCad's title block holds about 107 mm: 45 characters of 2 mm behind the word Title."""

@@ -228,6 +228,7 @@ def test_limits_of_the_readings_are_the_approved_ones(name: str) -> None:
 # Legibility of the diagrams
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("path", sorted(APPROVED.glob("*_wiring.svg")), ids=lambda path: path.stem)
 def test_texts_of_the_wiring_diagram_are_apart_and_inside_it(path: Path) -> None:
     """A character is taken to be 0.6 of the font size wide, which is more than Helvetica has on average."""

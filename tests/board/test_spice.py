@@ -64,6 +64,7 @@ def max_deviation_db(folder: Path, design: Design, deck: str) -> float:
     )
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
 def test_deck_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
     design, deck = write_deck(tmp_path, changes)
@@ -135,6 +136,7 @@ def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
     assert ripple.max_v == pytest.approx(peak / gains[worst_hz], rel=0.01)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
 def test_supply_ripple_is_worst_at_the_stated_force(name: str) -> None:
     design = load_article(BOARD_CONFIGURATIONS[name].changes)

@@ -112,6 +112,7 @@ def gap_mm(a: Solid, b: Solid, search: float = 2.0) -> float:
     return 0.0 if (first ^ second).volume() > 1e-9 else float(first.min_gap(second, search))
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 def test_slice_fits_its_recess_with_the_clearance_of_the_mold(name: str) -> None:
     design = load(name)
@@ -122,6 +123,7 @@ def test_slice_fits_its_recess_with_the_clearance_of_the_mold(name: str) -> None
     assert gap_mm(Placed(flat, 0, (x, y, 0.0)), frame_with_fits(design)) == pytest.approx(clearance, abs=0.005)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 def test_key_fits_its_socket_with_its_clearance(name: str) -> None:
     """The loose piece is turned over, so that its key hangs into the socket from above."""
@@ -141,6 +143,7 @@ def test_key_fits_its_socket_with_its_clearance(name: str) -> None:
     assert gap == pytest.approx(design.mold.key_clearance_mm, abs=0.01)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 def test_sensor_fits_its_pocket_with_its_clearance(name: str) -> None:
     """The body of the sensor lies on its adhesive film, with the clearance around head and tail."""
@@ -171,6 +174,7 @@ def probe(solid: Solid, point: tuple[float, float, float], axis: int, outer: boo
     raise AssertionError(f"nothing at {point}")
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 def test_nominal_lengths_are_those_of_the_solids(name: str) -> None:
     """Each length is measured on the mesh where the template says."""

@@ -277,7 +277,6 @@ def test_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert found == defect.failed
 
 
-@pytest.mark.full
 def test_collar_with_a_level_foot_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     def level(design: Design, gap_mm: float = 0.0) -> Box:
         return Box((-30.0, -30.0, -design.bone.collar_length_mm - gap_mm), (30.0, 30.0, 30.0))
@@ -287,7 +286,6 @@ def test_collar_with_a_level_foot_fails(monkeypatch: pytest.MonkeyPatch) -> None
     assert failed_checks() == {"mold_palmar.draft_clearance_gain.bone", "mold_dorsal.draft_clearance_gain.bone"}
 
 
-@pytest.mark.full
 def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the tail's passage through the collar filled, air is trapped behind the sensor."""
     part = parts.PARTS["bone"]
@@ -350,7 +348,6 @@ def test_parts_larger_than_the_build_volume_fail(monkeypatch: pytest.MonkeyPatch
     assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 
-@pytest.mark.full
 def test_sleeve_that_must_stretch_too_far_fails() -> None:
     stretch = run_checks(*SLEEVE)["skin.fitting_stretch"].value
     assert 5 < stretch < 50

@@ -48,6 +48,7 @@ def test_hardware_overlaps_nothing_but_its_thread(name: str, method: str) -> Non
         assert overlap_mm3(one.solid, other.solid, evaluator) < 0.02, (one.name, other.name)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", FILES)
 def test_hardware_agrees_with_the_bill_of_materials(name: str) -> None:
     design = Design.load(design_file(name))

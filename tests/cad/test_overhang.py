@@ -103,6 +103,7 @@ def lying(solid: Solid) -> float:
     return max((ceiling.unsupported_mm2() for ceiling in find_ceilings(turned)), default=0.0)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("thread", THREADS[:-1], ids=lambda thread: thread.label)
 @pytest.mark.parametrize("clearance", [0.0, 1.0])
 def test_ceiling_of_a_nut_trap_is_bridged_for_every_thread(thread: Thread, clearance: float) -> None:
@@ -142,7 +143,6 @@ def overhang(part: str, *changes: str, added: Solid | None = None) -> float:
     return check.value
 
 
-@pytest.mark.full
 def test_plain_nut_traps_and_counterbores_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     assert overhang("mold_palmar") == 0.0
     assert overhang("mold_dorsal") == 0.0
@@ -174,6 +174,7 @@ def test_shelf_in_the_recess_of_the_sensor_fails() -> None:
 LIDS = ("fsr400_compact", "adult_finger", "adult_thumb", "child_finger", "child_thumb", "youth_finger", "youth_thumb")
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", some_of(LIDS, "fsr400_compact", "adult_finger"))
 def test_lid_lies_as_it_overhangs_least(name: str) -> None:
     """No other quarter turn leaves less. Only the lid whose collar hangs above its nose needs supports, below it."""

@@ -115,7 +115,6 @@ def checks_of(**tables: dict[str, object]) -> dict[str, Check]:
     return {check.name: check for check in check_strength(design, assess_strength(design, MeshEvaluator(0.02)))}
 
 
-@pytest.mark.full
 def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     checks = checks_of()
     shock = checks["bone.safety_factor.shock"]
@@ -133,7 +132,6 @@ def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     assert "strength.grip_force_n = 40 N" in weak.warning
 
 
-@pytest.mark.full
 def test_plate_for_filament_warns_if_its_bone_breaks_at_the_grip() -> None:
     """The value is that of a design in PETG, printed upright as the plate holds it, whatever the design names."""
     petg = strength_of(strength={"print_material": "petg"}).grip_safety_factor
@@ -160,7 +158,6 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     assert 1.6 < weakness.concentration < 2.75
 
 
-@pytest.mark.full
 def test_safety_factor_follows_material_direction_and_load():
     base = strength_of()
     weak = strength_of(strength={"print_material": "durable"})
@@ -190,7 +187,6 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     assert thick.weakest.z_mm > -22.0  # the base breaks first
 
 
-@pytest.mark.full
 def test_report_and_command_state_the_strength(tmp_path):
     done = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "bone", "--out", tmp_path / "b", "-q")
     assert done.returncode == 0, done.stderr

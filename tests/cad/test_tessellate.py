@@ -85,6 +85,7 @@ def test_volume_error_is_proportional_to_the_tolerance(solid: Primitive, volume:
         assert 3.0 < coarse / fine < 5.4
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("weight", [0.5, 0.7071, 1.3, 4.0])
 @pytest.mark.parametrize("tolerance", [0.1, 0.01, 0.001])
 def test_no_chord_deviates_by_more_than_the_tolerance(weight: float, tolerance: float) -> None:

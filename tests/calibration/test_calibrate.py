@@ -107,6 +107,7 @@ def test_calibrating_a_calibrated_design_changes_nothing_more() -> None:
             assert value.low - 0.01 <= value.before <= value.high + 0.01, value.path
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
 def test_calibrated_design_passes_all_rules(name: str) -> None:
     design = Design.load(name)

@@ -65,6 +65,7 @@ def test_nominal_lengths_are_those_of_the_files() -> None:
     assert "is another coupon than that of fsr400" in issue
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("readings", "message"),
     [

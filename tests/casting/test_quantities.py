@@ -173,7 +173,6 @@ def test_wires_that_fit_plug_and_finger(max_diameter_mm: float, thickest_awg: in
     assert SH.describe_common(max_diameter_mm, thickest_awg).startswith(expected)
 
 
-@pytest.mark.full
 def test_wires_of_the_bundled_designs_fit_their_boards_plug() -> None:
     for name in ("fsr400", "fsr402", "adult_finger", "child_thumb"):
         design = Design.load(name)

@@ -76,6 +76,7 @@ def test_every_number_of_the_page_is_in_the_data(
     assert json.loads(json.dumps(data)) == data
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
 def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) -> None:
     design = Design.load(design_file(name))

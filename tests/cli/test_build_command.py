@@ -30,7 +30,6 @@ def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     assert "bone:" in done.stderr, "progress goes to stderr"
 
 
-@pytest.mark.full
 def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 3))
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--parts", "skin", "--formats", "stl")
@@ -75,7 +74,6 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.full
 def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     """Files of another design are removed with the new ones in place. Files of the user are kept."""
     quick = ("--tolerance-mm", "0.05")

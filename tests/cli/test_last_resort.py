@@ -106,7 +106,6 @@ def test_few_open_files(limit: int, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.full
 def test_a_closed_pipe_is_no_failed_check() -> None:
     reading, writing = os.pipe()
     os.close(reading)

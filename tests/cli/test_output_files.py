@@ -73,6 +73,7 @@ def test_every_option_that_names_a_file_or_folder_is_listed_here() -> None:
     assert sorted(commands) == sorted(found)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(("words", "option", "suffix", "work"), FILES)
 def test_a_file_that_cannot_be_written_is_refused_before_work(
     words: str, option: str, suffix: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -89,6 +90,7 @@ def test_a_file_that_cannot_be_written_is_refused_before_work(
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(("words", "work"), FOLDERS)
 def test_a_folder_that_cannot_be_written_is_refused_before_work(
     words: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

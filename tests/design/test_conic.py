@@ -85,7 +85,6 @@ def test_parameter_at_a_height(y: float, weight: float) -> None:
     assert abs(arc_point(arc_parameter_at_height(y, weight), weight)[1] - y) < 1e-9
 
 
-@pytest.mark.full
 @given(LENGTHS, LENGTHS, LENGTHS, WEIGHTS, WEIGHTS, SLOPES, st.floats(0.01, 0.99))
 def test_both_walls_have_draft_and_meet_at_the_parting_plane(
     a: float, palmar: float, dorsal: float, wp: float, wd: float, slope: float, flat: float

@@ -101,7 +101,6 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         assert not refuse(changes), changes
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "misspelt", "changes"),
     [
@@ -134,7 +133,6 @@ def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None
     assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})
 
 
-@pytest.mark.full
 def test_a_refusal_imports_no_heavy_package() -> None:
     script = (
         "import sys\n"

@@ -46,6 +46,7 @@ def test_sheets_of_a_calibrated_design_state_the_sizes_that_the_plain_design_int
     assert sizes["width of the base"].text() == "13.12 ±0.1"
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", FILES)
 def test_no_tolerance_is_narrower_than_calipers_tell(name: str) -> None:
     for design in (load_variant((name, ())), calibrated(name, surface_error_mm=0.011)):

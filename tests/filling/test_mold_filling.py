@@ -29,6 +29,7 @@ def failed(*changes: str, name: str = "fsr400") -> set[str]:
     return {check.name for check in check_filling(load(name, *changes)) if not check.passed}
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method: str) -> None:
@@ -70,7 +71,6 @@ def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
     )
 
 
-@pytest.mark.full
 def test_narrow_nozzle_thick_silicone_and_small_syringe_fail() -> None:
     wide, narrow = (predict_mold_filling(load("fsr400", f"mold.nozzle_bore_mm={bore}")).fill_s for bore in (2.1, 2.0))
     assert 1.1 < narrow / wide < 1.25, "a sixth for a tenth of a millimetre"
@@ -114,7 +114,6 @@ def test_a_cavity_that_fills_last_at_the_collar_has_vents(name: str, changes: tu
     assert math.hypot(*find_pose(design)) == pytest.approx(1.0)
 
 
-@pytest.mark.full
 def test_wider_bolts_hold_more_and_a_stronger_thumb_loads_more() -> None:
     checks = {c.name: c for c in check_filling(load("fsr400"))}
     strong = {c.name: c for c in check_filling(load("fsr400", "mold.thumb_force_n=60"))}

@@ -378,6 +378,7 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
     assert np.isfinite(found.at_nominal_threshold("fast").worst_s)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("count", [0, 1, 4, 30, 400])
 @pytest.mark.parametrize("confidence", [0.9, 0.95])
 def test_the_interval_of_a_rate_is_that_of_the_chi_square_distribution(count: int, confidence: float) -> None:

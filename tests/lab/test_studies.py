@@ -26,6 +26,7 @@ from tests.designs import ARTICLE
 SLIDE = next(article_trials())[0]
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("variation", VARIATIONS, ids=lambda variation: variation.label)
 def test_every_variation_fits_every_scene_and_changes_something(variation: Variation) -> None:
     scenes = [scene for scene, _ in article_trials()] + [scene for scene, _ in NEGATIVE_SCENES.values()]

@@ -114,6 +114,7 @@ def test_recording_has_a_sample_at_its_end_or_after_it(duration, rate, count):
     assert count_samples(duration, rate) == count
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("rate", [1000.0, 1999.7, 3000.0, 10_000.0, 20_000.0])
 @pytest.mark.parametrize("refinement", [1, 3])
 def test_last_point_is_the_first_that_is_not_before_the_last_sample(rate, refinement):

@@ -104,6 +104,7 @@ def test_fixed_steps_of_a_trial_agree():
     assert np.abs(fixed.velocity_m_s - controlled.velocity_m_s).max() < 1e-5
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 @pytest.mark.parametrize("mass_kg", [PAD.mass_kg, LIGHT_KG])
 @pytest.mark.parametrize(

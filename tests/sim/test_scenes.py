@@ -35,6 +35,7 @@ def held_s(scene: SceneFile, seed: int = 0) -> float:
     return SceneRun(DESIGN, scene, seed).timeline.held_s
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_bundled_scene_runs_and_slips_if_named_so(path):
     scene = SceneFile.load(path)

@@ -87,6 +87,7 @@ def test_bristles_relax_and_friction_vanishes_without_contact():
     assert decay == pytest.approx(math.exp(-RELAX_PER_S * h), rel=1e-4)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("sigma0", [1e6, 1e7, 1e8, 1e9])
 @pytest.mark.parametrize("mass_kg", [1e-2, 1e-4, 1e-5])
 def test_step_too_long_for_the_bristles_is_refused_with_a_step_that_passes(sigma0, mass_kg):

@@ -161,7 +161,6 @@ def test_on_outlasts_the_envelope_by_the_memory() -> None:
     assert on[100:].sum() == pytest.approx(detector.memory_s * 2000, abs=1)
 
 
-@pytest.mark.full
 def test_a_recorded_envelope_is_used(tmp_path):
     def find(path, *words, **lines):
         return run("detect", path, "--detector", "analog", "--json", *ARTICLE_DESIGN, *words, **lines)
@@ -182,7 +181,6 @@ def test_a_recorded_envelope_is_used(tmp_path):
     assert json.loads(live.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
-@pytest.mark.full
 def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, V))
     words = ("--detector", "analog", "--json")

@@ -61,7 +61,6 @@ def test_simulate_reports_every_issue_and_writes_nothing(tmp_path):
     assert not out.exists()
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_a_stream_gives_the_same_transitions_as_the_file(tmp_path, detector):
     (tmp_path / "t.csv").write_text(csv(T, V))
@@ -96,7 +95,6 @@ def test_jitter_is_accepted_and_a_change_of_rate_is_not():
     assert "the detector is designed for 2000 Hz" in done.stderr
 
 
-@pytest.mark.full
 def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):
     whole = json.loads(run("detect", "-", "--json", lines=PLAIN).stdout)
     assert json.loads(run("detect", "-", "--json", lines=PLAIN + "\n \n").stdout) == whole
@@ -185,7 +183,6 @@ def test_the_shortest_quiet_part_in_the_message_is_long_enough(tmp_path):
         assert run(*words, f"0:{seconds}").exit_code == 0
 
 
-@pytest.mark.full
 def test_calibration_on_any_interval(tmp_path):
     """Noise that begins with the grasp is calibrated there: an interval in the air gives a lower threshold."""
     rng = np.random.default_rng(8)

@@ -63,7 +63,6 @@ def test_any_division_into_chunks_gives_the_same_bits_even_if_pickled_between(na
     assert_equal_to_whole(name, parts)
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("name", NAMES)
 def test_sample_by_sample_gives_the_same_flags(name):
     whole, detector, stepping = make_full_input(name), make_detector(name, DESIGN), make_detector(name, DESIGN)
@@ -76,6 +75,7 @@ def test_sample_by_sample_gives_the_same_flags(name):
     assert head + mixed.process(whole[777:]).on.tolist() == flags
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("volts", [0.0, 4.3, -10.0])
 def test_a_constant_voltage_is_never_slip(name, volts):

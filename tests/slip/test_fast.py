@@ -75,6 +75,7 @@ def test_filters_are_butterworth_filters(rate):
     assert output.filtered_v[1:] == pytest.approx(wide, abs=1e-12)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("cutoff_hz", [30.0, 67.0, 150.0])
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 20000.0])
 def test_the_board_filter_and_its_restoration_are_one_high_pass(rate, cutoff_hz):
@@ -232,6 +233,7 @@ def band_noise(seconds: float, rms_v: float, low_hz: float = 60.0, high_hz: floa
     return np.asarray(rms_v * raw / raw.std())
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("rise_s", [0.02, 0.03, 0.05, 0.1, 0.15])
 @pytest.mark.parametrize("change_v", [-0.25, 0.2])
 def test_a_change_of_grip_is_not_slip(rise_s, change_v):

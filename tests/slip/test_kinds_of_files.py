@@ -80,6 +80,7 @@ TEXTS: dict[str, tuple[str | bytes, tuple[object, ...], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", TEXTS)
 def test_text_files_are_read(tmp_path: Path, name: str) -> None:
     content, options, warning = TEXTS[name]
@@ -108,7 +109,6 @@ def test_a_repeated_header_in_a_stream_is_passed_over_without_a_word() -> None:
     assert "header" not in done.stderr
 
 
-@pytest.mark.full
 def test_a_file_may_begin_before_its_header_as_a_stream_may(tmp_path: Path) -> None:
     """Lines of a controller that ran already: the rest of a line, samples, the header with each second."""
     running = ["9948,2.3\n", *LINES[1:400], LINES[0], *LINES[1:701], LINES[0], *LINES[701:]]
@@ -315,6 +315,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DAMAGED)
 def test_damaged_files_are_refused_in_sentences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setattr(array_files, "TDMS_LIMIT_S", 1.0)
@@ -467,7 +468,6 @@ SAVED = {
 }
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("name", SAVED)
 def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
     (tmp_path / "t.csv").write_text(SAVED[name])
@@ -562,7 +562,6 @@ def test_read_trace_in_python(tmp_path):
         )
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(("unit", "per_s"), [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)])
 def test_times_in_other_units_are_read_with_the_options_in_the_message(tmp_path, unit, per_s):
     text = csv(T * per_s, V)

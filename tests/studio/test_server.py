@@ -39,7 +39,6 @@ def change(tables: dict[str, Any], **values: object) -> dict[str, Any]:
     return changed
 
 
-@pytest.mark.full
 def test_parts_are_those_of_the_changed_design(server: StudioServer, tables: dict[str, Any]) -> None:
     wider = change(tables, skin__width_mm=20)
     answer = post(server, "parts", wider).content
@@ -71,6 +70,7 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     assert "1 of" in strip_elements(weak["verdict"])
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("path", "value", "said"),
     [

@@ -261,7 +261,6 @@ SHORT_SLIDE: dict[str, Any] = {
 }
 
 
-@pytest.mark.full
 def test_realistic_effects_are_axes_of_a_sweep() -> None:
     plan = make_plan(
         outputs=["found_share", "slip_vibration_n", "slip_onset_ms"],

@@ -154,7 +154,6 @@ def test_areas_of_the_feasibility_map_equal_the_shares_of_the_rules() -> None:
     assert total > 500_000
 
 
-@pytest.mark.full
 def test_csv_reads_back_as_the_rows(database: SweepDatabase, tmp_path: Path) -> None:
     write_csv(database, tmp_path / "rows.csv")
     with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as file:
@@ -174,7 +173,6 @@ def test_csv_reads_back_as_the_rows(database: SweepDatabase, tmp_path: Path) -> 
     assert b"\r" not in (tmp_path / "rows.csv").read_bytes()
 
 
-@pytest.mark.full
 def test_parquet_has_types_groups_and_the_same_rows(
     database: SweepDatabase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

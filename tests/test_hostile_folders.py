@@ -722,9 +722,6 @@ DATABASES: dict[str, Callable[[Path, Path], object]] = {
     "trigger": lambda folder, victim: execute(
         folder, "CREATE TRIGGER t AFTER UPDATE ON meta BEGIN DELETE FROM rows; END"
     ),
-    "many definitions": lambda folder, victim: execute(
-        folder, "".join(f"CREATE VIEW v{number} AS SELECT 1;" for number in range(1500))
-    ),
     "computed column": lambda folder, victim: execute(
         folder, "ALTER TABLE rows ADD COLUMN x AS (hex(zeroblob(point + 499999999)))"
     ),
@@ -746,8 +743,10 @@ WITHIN = """
 import os, sys
 from fingertip.foundation import jit
 from fingertip.foundation.plot_style import new_figure
-from fingertip.foundation.processes import call_within_limits
+from fingertip.foundation.processes import call_within_limits, python_environment
 assert call_within_limits(9.0, 2**30, os.path.basename, "a/b") == "b"
+os.environ["PYTHONPATH"] = "src:lib"
+assert python_environment()["PYTHONPATH"] == os.path.abspath("src") + ":" + os.path.abspath("lib")
 assert not jit.available()
 new_figure(1.0, 1.0)
 """
@@ -765,7 +764,6 @@ def strange(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def run_within(strange: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
-    """Runs a program, such as the command that pip installs, in that folder."""
     place = tmp_path_factory.mktemp("elsewhere") / "program.py"
 
     def run(program: str, *words: str) -> Any:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, escape_control, quote_value, shorten
 from fingertip.foundation.input_files import (
     MAX_MEMBERS,
@@ -162,6 +163,7 @@ def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.count("\n") == 201
     assert "error: and 9800 more; correct these first" in done.stderr
+    assert suggest_name("zz", [f"{number:03}" for number in range(105)]).endswith(", 098, 099 and 5 more.")
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from fingertip.foundation import processes as interruption
+from fingertip.foundation import interruption
 
 
 def main() -> None:

@@ -14,10 +14,10 @@ import pytest
 
 from fingertip.cli.options import command
 from fingertip.foundation import files as temporary
-from fingertip.foundation import processes as interruption
+from fingertip.foundation import interruption
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.foundation.processes import Interruption
+from fingertip.foundation.interruption import Interruption
 from tests.conftest import run_python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are ended with signals, NOT TESTED HERE")
@@ -75,7 +75,7 @@ def test_signals_are_held_while_manifold_is_imported() -> None:
     """manifold3d aborts the process if a handler raises within its import."""
     program = (
         "import os, signal, sys\n"
-        "from fingertip.cad.kernel import mesh; from fingertip.foundation import processes as interruption\n"
+        "from fingertip.cad.kernel import mesh; from fingertip.foundation import interruption\n"
         "class Sender:\n"
         "    def find_spec(self, name, path=None, target=None):\n"
         "        if name == 'manifold3d': os.kill(os.getpid(), signal.SIGTERM)\n"
@@ -90,7 +90,7 @@ def test_signals_are_held_while_manifold_is_imported() -> None:
 def test_a_signal_that_the_starting_process_ignores_stays_ignored() -> None:
     program = (
         "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-        "from fingertip.foundation import processes; processes.raise_interruptions()\n"
+        "from fingertip.foundation import interruption; interruption.raise_interruptions()\n"
         "signal.raise_signal(signal.SIGINT); print('still here')\n"
     )
     assert run_python("-c", program).stdout == "still here\n"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
+import sqlite3
 from pathlib import Path
 
 import pytest
 
 from fingertip.foundation.errors import OutputError, SweepError
 from fingertip.sweep import database
-from fingertip.sweep.database import FILE, SweepDatabase
+from fingertip.sweep.database import SweepDatabase
+from fingertip.sweep.database_file import FILE
 from tests.sweep.examples import make_plan
 
 
@@ -105,3 +108,11 @@ def test_foreign_file_in_the_folder_is_not_changed(tmp_path: Path) -> None:
     with pytest.raises(SweepError, match="is not the database of a sweep"):
         SweepDatabase.create(tmp_path, make_plan())
     assert (tmp_path / FILE).read_text().startswith("no database")
+
+
+def test_many_definitions_are_refused_before_they_are_read(tmp_path: Path) -> None:
+    SweepDatabase.create(tmp_path, make_plan()).close()
+    with contextlib.closing(sqlite3.connect(tmp_path / FILE)) as connection:
+        connection.executescript("".join(f"CREATE VIEW v{number} AS SELECT 1;" for number in range(1500)))
+    with pytest.raises(SweepError, match="is damaged: it has more definitions than a sweep"):
+        SweepDatabase.open(tmp_path)

@@ -13,7 +13,8 @@ from types import SimpleNamespace
 import pytest
 
 from fingertip.sweep import engines, run
-from fingertip.sweep.database import FILE, SweepDatabase, SweepRow
+from fingertip.sweep.database import SweepDatabase, SweepRow
+from fingertip.sweep.database_file import FILE
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import ChunkFunction

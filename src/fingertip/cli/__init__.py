@@ -24,7 +24,7 @@ from fingertip.cli.simulate import simulate
 from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import bench, validate
-from fingertip.foundation import processes as interruption
+from fingertip.foundation import interruption
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.version import __version__
 

@@ -12,7 +12,7 @@ import typer
 from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import SetOption, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
-from fingertip.foundation.processes import INTERRUPTIONS, exit_code
+from fingertip.foundation.interruption import INTERRUPTIONS, exit_code
 from fingertip.slip.detectors.registry import DEFAULT, describe_detectors
 
 if TYPE_CHECKING:

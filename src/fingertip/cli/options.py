@@ -22,7 +22,7 @@ from fingertip.cli.console import (
     describe_path_error,
     discard_stdout,
 )
-from fingertip.foundation import processes as interruption
+from fingertip.foundation import interruption
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
 
 if TYPE_CHECKING:

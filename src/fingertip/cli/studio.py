@@ -28,7 +28,7 @@ def studio(
     import webbrowser
 
     from fingertip.foundation.files import TemporaryFolder
-    from fingertip.foundation.processes import INTERRUPTIONS
+    from fingertip.foundation.interruption import INTERRUPTIONS
     from fingertip.studio.server import StudioServer
 
     loaded = load_design(design, changes, console)

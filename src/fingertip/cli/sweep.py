@@ -11,7 +11,7 @@ import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, sweep_progress
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, find_range_issues, refuse
-from fingertip.foundation import processes as interruption
+from fingertip.foundation import interruption
 from fingertip.foundation.errors import Issue, SweepError
 
 if TYPE_CHECKING:

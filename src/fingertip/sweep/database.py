@@ -4,9 +4,8 @@ There is one writer, the sweep itself; anyone may read at the same time. The jou
 its write-ahead log, so that the folder may be on a network drive, and holds a single file while no sweep runs.
 Whatever was committed survives a kill -9; the rest is computed again.
 
-A folder may come from a stranger, and SQLite does what a database says: its tables may be views that never end, and a
-journal may name a file that is removed once it was read. A sweep has neither, so both are refused. All rows may share
-one long text of a small file: what is read is at most as long as the file.
+A folder may come from a stranger, and SQLite does what a database says: its tables may be views that never end, which
+are refused. All rows may share one long text of a small file: what is read is at most as long as the file.
 """
 
 from __future__ import annotations
@@ -27,14 +26,22 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.errors import InputFileError, Issue, OutputError, SweepError
-from fingertip.foundation.input_files import TOML_LIMIT, check_regular
+from fingertip.foundation.errors import OutputError, SweepError
+from fingertip.foundation.input_files import TOML_LIMIT
 from fingertip.foundation.output_set.writer import find_place_issues
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Value
+from fingertip.sweep.database_file import (
+    FILE,
+    MAX_TEXT_BYTES,
+    connect,
+    lock_folder,
+    make_damage_error,
+    make_error,
+    translated_errors,
+)
 from fingertip.sweep.plan import SweepPlan
 
-FILE = "sweep.sqlite"
 FORMAT = "2"
 """Version of the tables, and of the parameter and output names in them."""
 _META_TABLE = "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -42,15 +49,7 @@ _ROWS_TABLE = (
     "CREATE TABLE rows (point INTEGER PRIMARY KEY, status TEXT NOT NULL, field TEXT NOT NULL, reason TEXT NOT NULL"
 )
 _COLUMNS = re.compile(r'(, "([^"]|"")*")+\)')
-_JOURNAL_MARK = bytes.fromhex("d9d505f920a163d7")
-"""End of a journal that names another file: the journals of several databases that were written at once."""
-_BUSY_TIMEOUT_S = 30.0
-"""Time for which a reader and the writer wait for each other [s]."""
 _PAGE_ROWS = 20_000
-_MAX_TEXT_BYTES = 2**16
-"""Maximum length of a text in a row or of a table's definition [bytes]. `MAX_REASON_LENGTH` characters are fewer."""
-_MAX_SCHEMA_STEPS = 2000
-"""Maximum number of steps of SQLite's machine in which the tables' definitions are read. Those of a sweep take 60."""
 MAX_REASON_LENGTH = 4000
 """Maximum length of a reason that is written [characters]."""
 _MAX_FIELD_LENGTH = 200
@@ -118,7 +117,7 @@ class SweepDatabase:
         path = folder / FILE
         if not os.path.lexists(path):
             return False
-        with contextlib.closing(_connect(path, "rw")) as connection, _translated_errors(folder):
+        with contextlib.closing(connect(path, "rw")) as connection, translated_errors(folder):
             return connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None
 
     @classmethod
@@ -126,13 +125,13 @@ class SweepDatabase:
         """Create the database of a new sweep, and its folder. Raises OutputError or SweepError."""
         if folder.exists() and cls.exists(folder):
             problem = "holds a sweep already; continue it with --resume, report on it with --show, or choose another"
-            raise _make_error(folder, f"{problem} folder with --out. Nothing was changed.")
+            raise make_error(folder, f"{problem} folder with --out. Nothing was changed.")
         if issues := list(find_place_issues(folder, "choose another folder with --out")):
             raise OutputError(issues)
         created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
-        lock = _lock_folder(folder)
-        database = cls(folder, _connect(folder / FILE, "rwc"), lock)
+        lock = lock_folder(folder)
+        database = cls(folder, connect(folder / FILE, "rwc"), lock)
         try:
             names = [*(axis.name for axis in plan.axes), *plan.outputs]
             columns = "".join(', "' + name.replace('"', '""') + '"' for name in names)
@@ -151,8 +150,8 @@ class SweepDatabase:
     @classmethod
     def resume(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
         """Open a sweep to continue it, with its new objectives if they have changed. Raises SweepError."""
-        lock = _lock_folder(folder)
-        database = cls(folder, _connect(folder / FILE, "rw"), lock)
+        lock = lock_folder(folder)
+        database = cls(folder, connect(folder / FILE, "rw"), lock)
         try:
             database.check_same_sweep(plan)
             if (text := plan.to_toml()) != database.text:
@@ -167,8 +166,8 @@ class SweepDatabase:
     def open(cls, folder: Path) -> SweepDatabase:
         """Open the database of a sweep to read it; the sweep may be running. Raises SweepError."""
         if not folder.is_dir() or not cls.exists(folder):
-            raise _make_error(folder, "holds no sweep; give the folder of a sweep with --out, or run the sweep first.")
-        return cls(folder, _connect(folder / FILE, "rw"))  # what a killed sweep has begun is undone before it is read
+            raise make_error(folder, "holds no sweep; give the folder of a sweep with --out, or run the sweep first.")
+        return cls(folder, connect(folder / FILE, "rw"))  # what a killed sweep has begun is undone before it is read
 
     def close(self) -> None:
         """Close the file and release the folder."""
@@ -189,12 +188,12 @@ class SweepDatabase:
         rows_table = str(tables.pop("rows", ""))
         is_sound = rows_table.startswith(_ROWS_TABLE) and _COLUMNS.fullmatch(rows_table, len(_ROWS_TABLE))
         if not is_sound or tables != {"meta": _META_TABLE, "sqlite_autoindex_meta_1": None}:
-            raise _make_damage_error(self.folder, "it holds other tables than a sweep")
+            raise make_damage_error(self.folder, "it holds other tables than a sweep")
         query = "SELECT key, value FROM meta WHERE key IN ('format', 'plan')"
         meta = dict(self._fetch(query, longest=_PLAN_RATIO * TOML_LIMIT.value))
         if meta.get("format") != FORMAT:
             problem = f"was written in format {meta.get('format')!r}, but this version reads {FORMAT!r}"
-            raise _make_error(self.folder, f"{problem}; run the sweep again in another folder.")
+            raise make_error(self.folder, f"{problem}; run the sweep again in another folder.")
         return str(meta.get("plan"))
 
     @cached_property
@@ -203,10 +202,10 @@ class SweepDatabase:
         try:
             return SweepPlan.from_toml(text)
         except (ValueError, RecursionError):  # no valid TOML
-            raise _make_damage_error(self.folder, "the description of its sweep cannot be read") from None
+            raise make_damage_error(self.folder, "the description of its sweep cannot be read") from None
         except SweepError as error:
             reason = str(error.issues[0]).rstrip(".")
-            raise _make_damage_error(self.folder, f"the description of its sweep cannot be used ({reason})") from None
+            raise make_damage_error(self.folder, f"the description of its sweep cannot be used ({reason})") from None
 
     def add(self, rows: Sequence[StoredRow]) -> None:
         """Write rows in one transaction: all of them or none. Raises OutputError."""
@@ -225,7 +224,7 @@ class SweepDatabase:
         missing = np.ones(size, dtype=np.bool_)
         for page in self._read_pages("point"):
             if not all(0 <= point < size for (point,) in page):
-                raise _make_damage_error(self.folder, "a row is of no point")
+                raise make_damage_error(self.folder, "a row is of no point")
             missing[[point for (point,) in page]] = False
         return missing
 
@@ -236,9 +235,9 @@ class SweepDatabase:
             point, status, *texts = row[:4]
             is_text = all(isinstance(text, str) for text in texts) and len(texts[0]) <= _MAX_FIELD_LENGTH
             if not (0 <= point < size and status in STATUSES and is_text):
-                raise _make_damage_error(self.folder, f"row {point} is damaged")
+                raise make_damage_error(self.folder, f"row {point} is damaged")
             if any(isinstance(value, _TEXTS) for value in row[outputs_at:]) or None in row[4:outputs_at]:
-                raise _make_damage_error(self.folder, f"row {point} holds what is no number")
+                raise make_damage_error(self.folder, f"row {point} holds what is no number")
             yield row
 
     def rows(self) -> Iterator[SweepRow]:
@@ -267,7 +266,7 @@ class SweepDatabase:
             sizes = np.abs(column[np.isfinite(column) & (column != 0.0)])
             if np.any((sizes < _MIN_OUTPUT) | (sizes > _MAX_OUTPUT)):
                 what = f"{name} is beyond {_MAX_OUTPUT:g}, or nearer to 0 than {_MIN_OUTPUT:g}"
-                raise _make_damage_error(self.folder, what)
+                raise make_damage_error(self.folder, what)
         # Reasons are long and mostly differ: an array as wide as the longest one could take gigabytes.
         status, field = (np.array([text[i] for text in texts], dtype=np.str_) for i in range(2))
         reason = np.array([text[2] for text in texts], dtype=np.object_)
@@ -283,7 +282,7 @@ class SweepDatabase:
         difference = "\n".join(f"  {line}" for line in lines)
         problem = "holds a different sweep than the file now describes (- stored, + file)"
         remedy = "change the file back, or choose another folder with --out. Nothing was changed."
-        raise _make_error(self.folder, f"{problem}; {remedy}\n{difference}")
+        raise make_error(self.folder, f"{problem}; {remedy}\n{difference}")
 
     def _read_pages(self, columns: str) -> Iterator[list[Any]]:
         """Read rows page by page in order of the points; between two pages the writer can write."""
@@ -294,109 +293,23 @@ class SweepDatabase:
             for row in self._fetch(query, last):
                 length += sum(len(value) for value in row if isinstance(value, _TEXTS))
                 if length > size and length > (size := (self.folder / FILE).stat().st_size):
-                    raise _make_damage_error(self.folder, "its rows hold more text than the file is long")
+                    raise make_damage_error(self.folder, "its rows hold more text than the file is long")
                 page.append(row)
             if not page:
                 return
             yield page
             last = page[-1][0]
 
-    def _fetch(self, query: str, *parameters: Any, longest: int = _MAX_TEXT_BYTES) -> Iterator[Any]:
+    def _fetch(self, query: str, *parameters: Any, longest: int = MAX_TEXT_BYTES) -> Iterator[Any]:
         """Read rows whose texts have a maximum length [bytes]. A longer one is refused before it is in memory."""
-        with _translated_errors(self.folder):
+        with translated_errors(self.folder):
             self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, longest)
             yield from self._connection.execute(query, parameters)
 
     @contextlib.contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         """Write all or nothing: a sweep exists completely or not at all."""
-        with _translated_errors(self.folder), self._connection:
+        with translated_errors(self.folder), self._connection:
             self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _PLAN_RATIO * TOML_LIMIT.value)
             self._connection.execute("BEGIN IMMEDIATE")
             yield self._connection
-
-
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
-    _refuse_odd_files(path)
-    try:
-        uri = path.absolute().as_posix().replace("%", "%25").replace("?", "%3f").replace("#", "%23")
-        connection = sqlite3.connect(f"file:{uri}?mode={mode}", uri=True, timeout=_BUSY_TIMEOUT_S, isolation_level=None)
-    except sqlite3.Error as error:
-        raise _make_write_error(path.parent, str(error)) from error
-    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MAX_TEXT_BYTES)  # of the tables' definitions, which come first
-    connection.set_progress_handler(lambda: 1, _MAX_SCHEMA_STEPS)  # the first statement reads the definitions
-    with _translated_errors(path.parent):
-        connection.execute("PRAGMA synchronous = FULL")
-    connection.set_progress_handler(None, 0)
-    return connection
-
-
-def _refuse_odd_files(path: Path) -> None:
-    """Refuse a database that is a link or no file, and a journal that would remove another file."""
-    journal = path.with_name(f"{path.name}-journal")
-    for side in (path, journal, path.with_name(f"{path.name}-wal"), path.with_name(f"{path.name}-shm")):
-        try:
-            check_regular(side, below=path.parent)
-        except InputFileError:
-            if os.path.lexists(side):
-                raise
-    with contextlib.suppress(FileNotFoundError), journal.open("rb") as file:  # a running sweep may remove it meanwhile
-        file.seek(max(0, file.seek(0, os.SEEK_END) - len(_JOURNAL_MARK)))
-        if file.read() == _JOURNAL_MARK:
-            remedy = "restore the folder from a copy, or run the sweep in another folder"
-            raise _make_error(journal, f"names another file, which would be removed; {remedy}.")
-
-
-def _lock_folder(folder: Path) -> int | None:
-    """Lock the folder until this process ends, however it ends; None where the system has no such locks."""
-    try:
-        import fcntl  # noqa: PLC0415
-    except ImportError:
-        return None
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError as error:
-        raise _make_write_error(folder, error.strerror or str(error)) from error
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(handle)
-        problem = "is being written by another sweep; wait for it, or choose another folder with --out."
-        raise _make_error(folder, problem) from None
-    except OSError:  # a file system without locks; the primary key still keeps rows unique
-        os.close(handle)
-        return None
-    return handle
-
-
-@contextlib.contextmanager
-def _translated_errors(folder: Path) -> Iterator[None]:
-    """Run database operations; errors of SQLite become errors with a message for the user."""
-    try:
-        yield
-    except sqlite3.IntegrityError as error:
-        raise OutputError(Issue(str(folder), f"already has a row that was to be written ({error}).")) from error
-    except sqlite3.DatabaseError as error:
-        text = str(error)
-        if "disk is full" in text or "disk I/O error" in text:
-            remedy = "free some space, then continue with --resume. The rows written so far are safe"
-            raise OutputError(Issue(str(folder), f"cannot be written any further ({text}); {remedy}.")) from error
-        if "not a database" in text or "malformed" in text or "no such table" in text:
-            problem = f"is not the database of a sweep ({text}); choose another folder with --out."
-            raise _make_error(folder / FILE, problem) from error
-        if isinstance(error, sqlite3.DataError) or "Could not decode" in text:
-            raise _make_damage_error(folder, f"a text in it cannot be read ({text})") from error
-        raise _make_write_error(folder, text) from error
-
-
-def _make_error(path: Path, message: str) -> SweepError:
-    return SweepError(Issue(str(path), message))
-
-
-def _make_damage_error(folder: Path, what: str) -> SweepError:
-    remedy = "restore it from a copy, or run the sweep again in another folder."
-    return _make_error(folder / FILE, f"is damaged: {what}; {remedy}")
-
-
-def _make_write_error(folder: Path, reason: str) -> OutputError:
-    return OutputError(Issue(str(folder), f"cannot be written ({reason}); choose another folder with --out."))

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
 from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union
 from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.foundation.interruption import hold_interruptions
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.processes import hold_interruptions
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

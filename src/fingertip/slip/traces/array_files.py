@@ -270,12 +270,8 @@ def _decode_pcm(data: bytes, width: int) -> NDArray[Any]:
 def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
     extras.require(str(path), "nptdms", alternative=AS_CSV)
-    with _tdms_damage_reported(path):
+    with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
         return call_within_limits(TDMS_LIMIT_S, 4 * max_table_bytes(), _read_tdms, path, columns)
-
-
-def _tdms_damage_reported(path: Path) -> contextlib.AbstractContextManager[None]:
-    return _damage_reported(path, "a TDMS file", "export it again, or save it as CSV")
 
 
 def _read_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
@@ -287,7 +283,7 @@ def _read_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         return (len(channel),), np.dtype(channel.dtype)
 
     # By its path, the library would also read an index file beside it.
-    with _tdms_damage_reported(path), path.open("rb") as file, nptdms.TdmsFile.open(file) as recording:
+    with path.open("rb") as file, nptdms.TdmsFile.open(file) as recording:
         channels = [channel for group in recording.groups() for channel in group.channels()]
         by_name = {channel.name: channel for channel in channels}
         if len(channels) == 1 and "voltage_v" not in columns.names:

@@ -19,6 +19,7 @@ from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.version import __version__
+from fingertip.pad.survey import survey_pad
 
 if TYPE_CHECKING:
     import pandas
@@ -134,6 +135,8 @@ class Build:
             }
         if self.strength:
             report["strength"] = strength_data(self.strength)
+        if any(built.part.name == "skin" for built in self.parts):
+            report["pad"] = survey_pad(self.design).to_dict()
         return report | ({"casting": self.casting} if self.casting else {})
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:

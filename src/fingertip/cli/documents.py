@@ -19,6 +19,7 @@ from fingertip.cli.options import (
     load_design,
     refuse,
 )
+from fingertip.foundation.errors import Issue
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -168,26 +169,35 @@ def picture(
     console: Console,
     design: DesignArgument,
     out: Annotated[
-        Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png or filling.png by default.")
+        Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png, filling.png or pad.png by default.")
     ] = None,
     filling: Annotated[
         bool, typer.Option("--filling", help="Draw when the silicone arrives where, with vents and last points.")
+    ] = False,
+    pad: Annotated[
+        bool, typer.Option("--pad", help="Draw what part of a force reaches the sensor, by place and by tilt.")
     ] = False,
     width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
-    """Draw an exploded view of the fingertip and a section through the closed mold, or how the mold fills."""
-    from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW
+    """Draw an exploded view and a section through the closed mold, how the mold fills, or what the sensor feels."""
+    from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW, PAD_VIEW
     from fingertip.pictures.filling import draw_mold_filling
+    from fingertip.pictures.pad import draw_pad
     from fingertip.pictures.picture import draw
 
     refuse(
         find_file_issues("--out", out, ".png"), find_range_issues("--width-px", width_px, MIN_WIDTH_PX, MAX_WIDTH_PX)
     )
+    if filling and pad:
+        refuse([Issue("--pad", "draws another picture than --filling; give one of the two.")])
     loaded = load_design(design, changes, console)
-    file = _File(loaded, out, FILLING_VIEW if filling else EXPLODED_VIEW, force)
-    file.write(draw_mold_filling(loaded) if filling else draw(loaded, width_px, console.progress))
+    file = _File(loaded, out, FILLING_VIEW if filling else PAD_VIEW if pad else EXPLODED_VIEW, force)
+    if filling:
+        file.write(draw_mold_filling(loaded))
+    else:
+        file.write(draw_pad(loaded) if pad else draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
 

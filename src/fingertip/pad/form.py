@@ -20,18 +20,25 @@ POISSON = 0.49
 beside it: a tenth of a degree of tilt does more."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class PadForm:
+    """Shapes of skin and bone, the place of the sensor, and the modulus. Forms with equal values are equal."""
+
     outer: ConicBody
     bone: ConicBody
     flat_mm: float
     """Height of the bone's flat."""
-    raised: Callable[[float], tuple[float, float]]
-    """Function from z to half the width of platform or ramp, and its height [mm]."""
     platform_mm: float
     """Height of the plane on which the sensor's active area lies."""
+    platform_radius_mm: float
+    """Radius of the platform around the sensor; 0 without one."""
+    neck_half_width_mm: float
+    ramp: tuple[float, float]
+    """Heights z at which the ramp from the flat to the platform begins and ends [mm]."""
     sensor_z_mm: float
     active_radius_mm: float
+    turn_on_n: float
+    """Force on the active area at which the sensor begins to conduct."""
     collar: tuple[float, float]
     """Proximal end z of the collar, which is rigid, and its palmar height [mm]."""
     young_mpa: float
@@ -41,10 +48,10 @@ class PadForm:
     def of_design(cls, design: Design) -> PadForm:
         dims, modulus = design.dimensions, design.silicone.material.modulus_mpa
         return cls(
-            dims.outer, dims.bone_outline, dims.flat_depth,
-            lambda z: (dims.platform_half_width_at(z), dims.flat_depth_at(z)), dims.platform_depth, dims.sensor_z,
-            dims.sensor.active_diameter_mm / 2, (-design.bone.collar_length_mm, dims.collar.section.palmar),
-            math.sqrt(modulus.low * modulus.high),
+            dims.outer, dims.bone_outline, dims.flat_depth, dims.platform_depth,
+            dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,
+            dims.sensor.active_diameter_mm / 2, design.force_curve.turn_on_n,
+            (-design.bone.collar_length_mm, dims.collar.section.palmar), math.sqrt(modulus.low * modulus.high),
         )  # fmt: skip
 
     @property
@@ -59,17 +66,27 @@ class PadForm:
 
     def bone_mm(self, x: Array, z: Array) -> Array:
         """Return the height of the bone's surface under the skin [mm]; -inf beside it. Units: `x` [mm], `z` [mm]."""
-        rows, at = np.unique(z, return_inverse=True)
-        half, height = np.array([self.raised(float(row)) for row in rows]).T[:, at.reshape(np.shape(z))]
-        return np.minimum(_height(self.bone, x, z), np.where(np.abs(x) <= half, height, self.flat_mm))
+        cut = np.full(np.broadcast_shapes(np.shape(x), np.shape(z)), self.flat_mm)
+        if self.platform_radius_mm:
+            low, high = self.ramp
+            rising = self.flat_mm + (self.platform_mm - self.flat_mm) * np.clip((z - low) / (high - low), 0.0, 1.0)
+            on_neck = (np.abs(x) <= self.neck_half_width_mm) & (z <= self.sensor_z_mm)
+            on_disc = np.hypot(x, z - self.sensor_z_mm) <= self.platform_radius_mm
+            cut = np.where(on_disc, self.platform_mm, np.where(on_neck, rising, cut))
+        height: Array = np.minimum(_height(self.bone, x, z), cut)
+        return height
 
 
 def _height(body: ConicBody, x: Array, z: Array) -> Array:
     """Evaluate the palmar height of a body on arrays that broadcast."""
     rows, at = np.unique(z, return_inverse=True)
-    at = at.reshape(np.shape(z))
-    scale, palmar = (np.array([f(float(row)) for row in rows])[at] for f in (body.scale_at, body.palmar_scale_at))
-    section, w = body.section, body.section.palmar_weight
+
+    def along(scale_at: Callable[[float], float]) -> Array:
+        values: Array = np.array([scale_at(float(row)) for row in rows])[at.reshape(np.shape(z))]
+        return values
+
+    scale, section, w = along(body.scale_at), body.section, body.section.palmar_weight
+    palmar = along(body.palmar_scale_at) if body.crown else scale
     inside = (scale > 0.0) & (np.abs(x) < section.half_width * scale)
     y = np.where(inside, np.abs(x) / np.where(scale > 0.0, section.half_width * scale, 1.0), 0.0)
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)

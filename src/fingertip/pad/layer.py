@@ -16,30 +16,36 @@ and L. M. Keer, A numerical method for solving rough contact problems, Wear 231 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 
 GRID_MM = 0.25
-_REACH_MM = 1.6
-"""Gap before the touch up to which the surface may come into contact [mm]."""
+_FIRST_REACH_MM, _MAX_REACH_MM = 0.8, 6.4
+"""Gap before the touch up to which the surface may come into contact: at first, and at most [mm]."""
 _MARGIN = 2.0
 """Width around that surface on which nothing presses, in thicknesses: waves wrap around the grid's edge."""
 _SIZES = tuple(sorted(2**a * 3**b * 5**c for a in range(2, 9) for b in range(4) for c in range(2)))
 """Lengths of a grid for which the Fourier transform is fast."""
 _TOLERANCE = 2e-4
 """Share of the load by which the pressures change in the last iteration."""
-_MAX_ITERATIONS = 200
+_MAX_ITERATIONS = 400
 _SUPERSAMPLED = 5
 """Points along each side of a cell with which the edge of the active area is followed."""
+MAX_STRAIN = 0.5
+"""Largest indentation over the thickness of the layer: beyond it, small strain says nothing. An assumption."""
+_BESIDE = 0.95
+"""Part of the half width of the skin beyond which an object touches its side."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Contact:
     """Contact of the pad at one force."""
 
@@ -47,9 +53,8 @@ class Contact:
     share: float
     """Fraction of the force that presses on the active area of the sensor."""
     shear_share: float
-    """The same for a traction towards the tip, in proportion to the pressure: force on the active area over it."""
+    """Force on the active area over a force along the surface, towards the tip, which is spread as the pressure is."""
     depth_mm: float
-    stiffness_n_per_mm: float
     area_mm2: float
     peak_mpa: float
     centre_mm: tuple[float, float]
@@ -64,60 +69,120 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """Pad in a pose: the gap before the touch on a grid, and the kernels of the layer."""
+class _Layout:
+    """Gap before the touch on a grid around it, and the kernels of the layer on the grid's waves."""
 
     gap_mm: Array
     """Gap [mm], shape (x, z); infinite where nothing may press."""
+    reach_mm: float
     compliance: Array
-    """Compliance C on the grid's waves [mm/MPa]."""
-    pressure_map: NDArray[np.complex128]
-    """T, and from its imaginary part S along z, on the grid's waves."""
+    """Compliance C [mm/MPa]."""
+    to_bone: Array
+    """Pressure on the bone T."""
+    shear_to_bone: NDArray[np.complex128]
+    """Pressure on the bone under a traction towards the tip, from S."""
     active: Array
     """Fraction of each cell that the active area covers."""
     x_mm: Array
     dz_mm: Array
     thickness_mm: float
-    symmetric_force_n: float = 0.0
 
 
-def place(form: PadForm, pose: Pose) -> Scene:
-    """Bring pad and object to their first touch, and lay the grid around it."""
-    half, length = form.outer.section.half_width, form.outer.spans[-1].z[2]
-    x = GRID_MM * np.arange(-math.ceil(half / GRID_MM), math.ceil(half / GRID_MM) + 1)[:, None]
-    first = math.ceil(-form.sensor_z_mm / GRID_MM)
-    dz = GRID_MM * np.arange(first, math.ceil((length - form.sensor_z_mm) / GRID_MM) + 1)[None, :]
-    shape = np.broadcast_shapes(x.shape, dz.shape)
-    xs, zs = np.broadcast_to(x, shape), np.broadcast_to(dz, shape)
-    near = form.skin_mm(xs, zs + form.sensor_z_mm) - pose.object_mm(xs, zs) + form.base_slope * zs
-    near = np.where(np.isnan(near), -math.inf, near)
-    gap = near.max() - near
-    i, j = np.unravel_index(int(near.argmax()), shape)
-    at = np.array([[x[i, 0]]]), np.array([[dz[0, j] + form.sensor_z_mm]])
-    bone = float(form.bone_mm(*at)[0, 0])
-    thickness = float(form.skin_mm(*at)[0, 0]) - max(bone, 0.0)
-    used = gap < _REACH_MM
-    (low_x, high_x), (low_z, high_z) = (np.flatnonzero(used.any(axis=axis))[[0, -1]] for axis in (1, 0))
-    margin = math.ceil(_MARGIN * thickness / GRID_MM)
-    sizes = [
-        next(n for n in _SIZES if n >= high - low + 1 + margin) for low, high in ((low_x, high_x), (low_z, high_z))
-    ]
-    # The active area must lie on the grid too, as far as any pressure reaches it.
-    field = np.full(sizes, math.inf)
-    field[: high_x - low_x + 1, : high_z - low_z + 1] = np.where(used, gap, math.inf)[
-        low_x : high_x + 1, low_z : high_z + 1
-    ]
-    xs1, dz1 = x[0, 0] + GRID_MM * (low_x + np.arange(sizes[0])), dz[0, 0] + GRID_MM * (low_z + np.arange(sizes[1]))
-    # Positions wrap around: the margin lies half before and half behind the surface.
-    xs1, dz1 = (_unwrap(line, high - low + 1) for line, low, high in ((xs1, low_x, high_x), (dz1, low_z, high_z)))
-    compliance, pressure_map = _kernels(sizes, thickness, form.young_mpa, form.poisson)
-    return Scene(field, compliance, pressure_map, _cover(xs1, dz1, form.active_radius_mm), xs1, dz1, thickness)
+def find_contacts(
+    form: PadForm, pose: Pose, forces_n: Sequence[float], max_strain: float = MAX_STRAIN
+) -> list[Contact]:
+    """Find the contact at each of some growing forces. Raises TraceError."""
+    near = _Approach.bring(form, pose)
+    layout, pressure = near.lay_out(_FIRST_REACH_MM), None
+    found: list[Contact] = []
+    for force_n in forces_n:
+        while True:
+            contact, pressure = _press(layout, force_n, pressure)
+            # A contact that has grown to the edge of what may press is computed again with more of the surface.
+            if contact.depth_mm < 0.9 * layout.reach_mm or layout.reach_mm >= _MAX_REACH_MM:
+                break
+            layout, pressure = near.lay_out(2.0 * layout.reach_mm), None
+        if contact.strain > max_strain:
+            most = found[-1].force_n if found else force_n * (max_strain / contact.strain) ** 2
+            message = f"{force_n:g} N presses the pad to {contact.strain:.0%} of its thickness; at most {most:.2g} N."
+            raise TraceError(Issue("force_n", message))
+        found.append(contact)
+    return found
 
 
-def _unwrap(line: Array, used: int) -> Array:
-    """Count the second half of the margin from the other end of the grid."""
-    size, behind = len(line), (len(line) - used) // 2
-    return np.where(np.arange(size) < size - behind, line, line - GRID_MM * size)
+@dataclass(frozen=True, eq=False)
+class _Approach:
+    """Whole pad before an object, at the first touch."""
+
+    form: PadForm
+    x_mm: Array
+    dz_mm: Array
+    gap_mm: Array
+    thickness_mm: float
+
+    @classmethod
+    def bring(cls, form: PadForm, pose: Pose) -> _Approach:
+        half, length = form.outer.section.half_width, form.outer.spans[-1].z[2]
+        count = math.ceil(half / GRID_MM)
+        x = GRID_MM * np.arange(-count, count + 1, dtype=np.float64)
+        low, high = (math.ceil(z / GRID_MM) for z in (-form.sensor_z_mm, length - form.sensor_z_mm))
+        dz = GRID_MM * np.arange(low, high + 1, dtype=np.float64)
+        xs, zs = np.meshgrid(x, dz, indexing="ij")
+        # Tilt counts from the pad's own line, which a straight pad's taper inclines.
+        surface = form.skin_mm(xs, zs + form.sensor_z_mm) + form.base_slope * zs
+        facing = pose.object_mm(xs, zs)
+        near = np.where(
+            np.isfinite(facing) & np.isfinite(surface), surface - np.where(np.isfinite(facing), facing, 0.0), -math.inf
+        )
+        i, j = np.unravel_index(int(near.argmax()), near.shape)
+        if not np.isfinite(near[i, j]):
+            raise TraceError(
+                Issue("pose.place_mm", f"{pose.place_mm:g} mm puts the object beside the pad; at 0 it touches it.")
+            )
+        cls._refuse(form, pose, float(x[i]), float(dz[j]), float(near[i, j]))
+        at = np.array([[x[i]]]), np.array([[dz[j] + form.sensor_z_mm]])
+        thickness = float(form.skin_mm(*at)[0, 0]) - max(float(form.bone_mm(*at)[0, 0]), 0.0)
+        return cls(form, x, dz, near[i, j] - near, thickness)
+
+    @staticmethod
+    def _refuse(form: PadForm, pose: Pose, x: float, dz: float, near: float) -> None:
+        """Refuse a pose in which the object touches the side or the end of the pad, or the collar first."""
+        z = dz + form.sensor_z_mm
+        half = form.outer.section.half_width * form.outer.scale_at(z)
+        if abs(x) > _BESIDE * half:
+            raise TraceError(
+                Issue("pose.roll_deg", f"{pose.roll_deg:g} degrees touches the side of the finger; choose 0.")
+            )
+        if pose.object == "plate":
+            end, height = form.collar
+            at_collar = np.array([[0.0]]), np.array([[end - form.sensor_z_mm]])
+            if height + form.base_slope * at_collar[1][0, 0] - pose.object_mm(*at_collar)[0, 0] > near:
+                raise TraceError(
+                    Issue("pose.tilt_deg", f"{pose.tilt_deg:g} degrees touches the bone's collar first; choose 0.")
+                )
+
+    def lay_out(self, reach_mm: float) -> _Layout:
+        """Lay a grid around the part of the pad that lies within reach of the object."""
+        used = self.gap_mm < reach_mm
+        ends = [np.flatnonzero(used.any(axis=axis))[[0, -1]] for axis in (1, 0)]
+        margin = math.ceil(_MARGIN * self.thickness_mm / GRID_MM)
+        counts = [int(high - low) + 1 for low, high in ends]
+        sizes = [next(n for n in _SIZES if n >= count + margin) for count in counts]
+        gap = np.full(sizes, math.inf)
+        inside = tuple(slice(int(low), int(high) + 1) for low, high in ends)
+        gap[: counts[0], : counts[1]] = np.where(used, self.gap_mm, math.inf)[inside]
+        x, dz = (
+            _unwrap(float(line[low]), size, count)
+            for line, (low, _), size, count in zip((self.x_mm, self.dz_mm), ends, sizes, counts, strict=True)
+        )
+        kernels = _kernels(sizes, self.thickness_mm, self.form.young_mpa, self.form.poisson)
+        return _Layout(gap, reach_mm, *kernels, _cover(x, dz, self.form.active_radius_mm), x, dz, self.thickness_mm)
+
+
+def _unwrap(start: float, size: int, used: int) -> Array:
+    """Return the positions of a grid that wraps around: the second half of its margin lies before its start."""
+    index, behind = np.arange(size), (size - used) // 2
+    return start + GRID_MM * np.where(index < size - behind, index, index - size)
 
 
 def _cover(x: Array, dz: Array, radius: float) -> Array:
@@ -127,65 +192,68 @@ def _cover(x: Array, dz: Array, radius: float) -> Array:
     return share
 
 
-def _kernels(sizes: list[int], h: float, young: float, nu: float) -> tuple[Array, NDArray[np.complex128]]:
+def _kernels(sizes: list[int], h: float, young: float, nu: float) -> tuple[Array, Array, NDArray[np.complex128]]:
+    """Evaluate C, T and S on the waves of a grid. All terms are divided by exp(2 w), which overflows."""
     kx = 2.0 * math.pi * np.fft.fftfreq(sizes[0], GRID_MM)[:, None]
     kz = 2.0 * math.pi * np.fft.rfftfreq(sizes[1], GRID_MM)[None, :]
     k = np.hypot(kx, kz)
     w, ka = k * h, 3.0 - 4.0 * nu
-    # All terms are divided by exp(2 w), which overflows for short waves.
     one, two = np.exp(-w), np.exp(-2.0 * w)
-    cosh, sinh = 0.5 * (one + one * two), 0.5 * (one - one * two)
+    cosh, sinh = 0.5 * one * (1.0 + two), 0.5 * one * (1.0 - two)
     d = ka * (1.0 + two * two) + (1.0 + ka * ka + 4.0 * w * w) * two
     whole = np.where(k > 0.0, k, 1.0)
     compliance = 2.0 * (1.0 - nu * nu) / (young * whole) * (ka * (1.0 - two * two) - 4.0 * w * two) / d
     compliance[0, 0] = (1.0 + nu) * (1.0 - 2.0 * nu) / (young * (1.0 - nu)) * h
     normal = (ka + 1.0) * ((ka + 1.0) * cosh + 2.0 * w * sinh) / d
     shear = (ka + 1.0) * ((ka - 1.0) * sinh + 2.0 * w * cosh) / d
-    return compliance, normal - 1j * shear * kz / whole
+    return compliance, normal, -1j * shear * kz / whole
 
 
-def press(scene: Scene, force_n: float, start: Array | None = None) -> tuple[Contact, Array]:
-    """Find the pressures [MPa] at a force; `start` are those of a neighbouring one."""
-    cell, open_ = GRID_MM**2, np.isfinite(scene.gap_mm)
-    gap = np.where(open_, scene.gap_mm, 1e6)
-    p = (gap < 0.3) / cell if start is None else start
+def _press(layout: _Layout, force_n: float, start: Array | None) -> tuple[Contact, Array]:
+    """Find the pressures [MPa] at a force; `start` are those of a smaller one."""
+    cell, may_press = GRID_MM**2, np.isfinite(layout.gap_mm)
+    gap = np.where(may_press, layout.gap_mm, 0.0)
+    p = (may_press & (gap < 0.25 * layout.reach_mm)) / cell if start is None else start
     p = p * (force_n / (p.sum() * cell))
     direction, before, restart = np.zeros_like(p), 1.0, True
     for _ in range(_MAX_ITERATIONS):
         on = p > 0.0
-        error = np.where(open_, _apply(p, scene.compliance) + gap, 0.0)
+        error = _apply(p, layout.compliance) + gap
         error -= error[on].mean()
         squared = float((error[on] ** 2).sum())
         direction = np.where(on, error + (0.0 if restart else squared / before) * direction, 0.0)
-        before = squared
-        response = _apply(direction, scene.compliance)
+        response = _apply(direction, layout.compliance)
         response -= response[on].mean()
-        step = float((error * direction)[on].sum() / (response * direction)[on].sum())
+        curvature = float((response * direction)[on].sum())
+        if squared == 0.0 or curvature <= 0.0:
+            break
+        before, step = squared, float((error * direction)[on].sum()) / curvature
         after = np.maximum(np.where(on, p - step * direction, 0.0), 0.0)
         # Cells that the surface has reached without a pressure come into contact, and the search begins anew.
-        joined = open_ & (after == 0.0) & (error < 0.0)
+        joined = may_press & (after == 0.0) & (error < 0.0)
         restart = bool(joined.any())
         after = np.where(joined, after - step * error, after)
         after *= force_n / (after.sum() * cell)
         change, p = float(np.abs(after - p).sum()) * cell, after
         if change < _TOLERANCE * force_n:
             break
-    return _summarise(scene, force_n, p, gap), p
+    return _summarise(layout, force_n, p, gap), p
 
 
 def _apply(p: Array, kernel: NDArray[np.float64] | NDArray[np.complex128]) -> Array:
     return np.fft.irfft2(np.fft.rfft2(p) * kernel, s=p.shape)
 
 
-def _summarise(scene: Scene, force_n: float, p: Array, gap: Array) -> Contact:
+def _summarise(layout: _Layout, force_n: float, p: Array, gap: Array) -> Contact:
     cell, on = GRID_MM**2, p > 0.0
-    depth = float((_apply(p, scene.compliance) + gap)[on].mean())
-    normal = _apply(p, scene.pressure_map.real)
-    shear = _apply(p, 1j * scene.pressure_map.imag)
-    # Stiffness: the force that a uniform approach of the surfaces in contact adds, by the compliance of that patch.
-    return Contact(
-        force_n, float((normal * scene.active).sum()) * cell / force_n,
-        float((shear * scene.active).sum()) * cell / force_n, depth, 0.0, float(on.sum()) * cell, float(p.max()),
-        (float((p * scene.x_mm[:, None]).sum()) * cell / force_n, float((p * scene.dz_mm).sum()) * cell / force_n),
-        scene.thickness_mm,
-    )  # fmt: skip
+
+    def mean(values: Array) -> float:
+        return float((p * values).sum()) * cell / force_n
+
+    share, sheared = (
+        float((_apply(p, kernel) * layout.active).sum()) * cell / force_n
+        for kernel in (layout.to_bone, layout.shear_to_bone)
+    )
+    depth = float((_apply(p, layout.compliance) + gap)[on].mean())
+    centre = mean(layout.x_mm[:, None]), mean(layout.dz_mm[None, :])
+    return Contact(force_n, share, sheared, depth, float(on.sum()) * cell, float(p.max()), centre, layout.thickness_mm)

@@ -20,7 +20,7 @@ class Pose:
     """Tilt about x (tip down is positive) and roll about z, and what the pad lies on.
 
     At no tilt and no roll a plate is parallel to the pad's straight part at the base. A cylinder or an edge lies across
-    the finger, and like a sphere it stands `place_mm` distal to the sensor's centre.
+    the finger.
     """
 
     tilt_deg: float = 0.0
@@ -29,6 +29,9 @@ class Pose:
     radius_mm: float = 0.0
     """Radius of a cylinder or a sphere."""
     place_mm: float = 0.0
+    """Distance from the sensor's centre, distal, at which a cylinder, an edge or a sphere stands."""
+    across_mm: float = 0.0
+    """Distance from the middle plane at which a sphere stands."""
 
     def object_mm(self, x: Array, dz: Array) -> Array:
         """Return the height of the object's surface [mm] at x and at distances dz from the sensor, up to a constant.
@@ -39,7 +42,8 @@ class Pose:
         if self.object == "plate":
             return plane
         radius = EDGE_RADIUS_MM if self.object == "edge" else self.radius_mm
-        squared = (dz - self.place_mm) ** 2 + (x * x if self.object == "sphere" else 0.0 * x)
+        across = x - self.across_mm if self.object == "sphere" else np.zeros_like(x)
+        squared = (dz - self.place_mm) ** 2 + across**2
         fallen = np.sqrt(np.maximum(radius * radius - squared, 0.0))
         surface: Array = plane + np.where(squared < radius * radius, radius - fallen, math.inf)
         return surface

@@ -197,6 +197,21 @@ def compute_strength(context: PointContext) -> OutputValues:
     }
 
 
+def compute_pad(context: PointContext) -> OutputValues:
+    from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
+
+    found = survey_pad(context.design)
+    return {
+        "pad_share": found.least_share(*GRASP_DEG),
+        "pad_share_wide": found.least_share(*WIDE_DEG),
+        "pad_share_rolled": found.rolled_share,
+        "pad_evenness": found.evenness,
+        "pad_turn_on_n": found.worst_turn_on_n,
+        "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
+        "pad_strain": found.strain,
+    }
+
+
 def compute_mold(context: PointContext) -> OutputValues:
     palmar, dorsal = (_mesh(context, f"mold_{half}").volume() for half in ("palmar", "dorsal"))
     mass = (palmar + dorsal) / 1e3 * context.file.print_density_g_cm3

@@ -30,6 +30,8 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ("mold.fit_clearance_mm", "printer.surface_error_mm", "mold.chaplet_diameter_mm", "mold.chaplet_from_tip_mm"),
     ),
     ("skin.min_thickness_misaligned", ("mold.fit_clearance_mm", "mold.chaplet_from_tip_mm", "skin.min_thickness_mm")),
+    ("pad.strain", ("silicone.product", "skin.thickness_palmar_mm")),
+    ("pad.*", ("skin.crown_radius_mm", "skin.crown_offset_mm", "skin.crown_drop_mm", "skin.thickness_palmar_mm")),
     ("skin.fitting_stretch", ("mold.max_stretch_percent", "bone.groove_depth_mm", "mold.sleeve_interference_mm")),
     ("bone.wall.channel*", ("bone.channel_diameter_mm", "bone.wall_mm")),
     ("bone.wall.sensor*", ("bone.rim_mm", "bone.wall_mm", "skin.width_mm")),

@@ -1,0 +1,110 @@
+"""What the sensor feels in the poses in which a finger presses: shares of the force, turn-on, stiffness and strain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from fingertip.design import Design
+from fingertip.foundation.errors import TraceError
+from fingertip.pad.form import PadForm
+from fingertip.pad.layer import Contact, find_contacts
+from fingertip.pad.pose import Pose
+
+TILTS_DEG = (-5.0, 0.0, 2.0, 5.0, 10.0, 15.0, 20.0)
+"""Tilts at which a plate is touched: tip up, flat, and tip down as in a grasp [deg]."""
+GRASP_DEG, WIDE_DEG = (0.0, 10.0), (-5.0, 15.0)
+"""Ranges of tilt over which the least share is stated."""
+ROLL_DEG, ROLLED_TILT_DEG = 10.0, 2.0
+FORCE_N, FIRM_N = 1.0, 5.0
+"""Force of the shares, and of the strain [N]."""
+_TURN_ON_STEPS = 4
+"""Steps of the search for the turn-on, each of which takes the share at the force of the step before."""
+MAX_TURN_ON_N = 20.0
+"""Force on the pad up to which a turn-on is searched [N]."""
+
+
+@dataclass(frozen=True)
+class PadSurvey:
+    """Figures of a pad on a plate. A pose in which the bone touches first has the share 0."""
+
+    shares: tuple[float, ...]
+    """Share of 1 N that reaches the sensor, at each of `TILTS_DEG`."""
+    turn_on_n: tuple[float, ...]
+    """Force on the pad at which the sensor turns on; infinite if it does not."""
+    rolled_share: float
+    """Share at a roll of 10 degrees."""
+    stiffness_n_per_mm: float
+    strain: float
+    """Indentation over thickness at 5 N."""
+
+    def least_share(self, low_deg: float, high_deg: float) -> float:
+        return min(self._between(self.shares, low_deg, high_deg))
+
+    @property
+    def evenness(self) -> float:
+        """Least share over the largest one in a grasp; 0 if nothing reaches the sensor."""
+        shares = self._between(self.shares, *GRASP_DEG)
+        return min(shares) / max(shares) if max(shares) > 0.0 else 0.0
+
+    @property
+    def worst_turn_on_n(self) -> float:
+        return max(self._between(self.turn_on_n, *WIDE_DEG))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the section `pad` of a report; a force that does not turn the sensor on is None."""
+        rows = zip(TILTS_DEG, self.shares, self.turn_on_n, strict=True)
+        return {
+            "tilts": [
+                {"tilt_deg": tilt, "share": round(share, 4), "turn_on_n": round(force, 3) if force < math.inf else None}
+                for tilt, share, force in rows
+            ],
+            "rolled_share": round(self.rolled_share, 4),
+            "evenness": round(self.evenness, 4),
+            "stiffness_n_per_mm": round(self.stiffness_n_per_mm, 3),
+            "strain": round(self.strain, 4),
+        }
+
+    @staticmethod
+    def _between(values: Sequence[float], low_deg: float, high_deg: float) -> list[float]:
+        return [value for tilt, value in zip(TILTS_DEG, values, strict=True) if low_deg <= tilt <= high_deg]
+
+
+def survey_pad(design: Design) -> PadSurvey:
+    """Survey the pad of a design by the layer model; the same form is computed once."""
+    return _survey(PadForm.of_design(design))
+
+
+@lru_cache(maxsize=256)
+def _survey(form: PadForm) -> PadSurvey:
+    found = [_try(form, Pose(tilt), FORCE_N) for tilt in TILTS_DEG]
+    shares = tuple(contact.share if contact else 0.0 for contact in found)
+    turn_on = tuple(_find_turn_on(form, tilt, share) for tilt, share in zip(TILTS_DEG, shares, strict=True))
+    rolled = _try(form, Pose(ROLLED_TILT_DEG, ROLL_DEG), FORCE_N)
+    low, high, firm = find_contacts(form, Pose(ROLLED_TILT_DEG), (0.9 * FORCE_N, 1.1 * FORCE_N, FIRM_N), math.inf)
+    stiffness = (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)
+    return PadSurvey(shares, turn_on, rolled.share if rolled else 0.0, stiffness, firm.strain)
+
+
+def _try(form: PadForm, pose: Pose, force_n: float) -> Contact | None:
+    try:
+        return find_contacts(form, pose, (force_n,), math.inf)[0]  # the strain is a figure of its own
+    except TraceError:
+        return None
+
+
+def _find_turn_on(form: PadForm, tilt_deg: float, share: float) -> float:
+    """Find the force of which the sensor's share is its turn-on, from the share at 1 N."""
+    force = math.inf
+    for _ in range(_TURN_ON_STEPS):
+        if share <= form.turn_on_n / MAX_TURN_ON_N:
+            return math.inf
+        before, force = force, form.turn_on_n / share
+        if abs(force - before) <= 0.01 * force:
+            break
+        contact = _try(form, Pose(tilt_deg), force)
+        share = contact.share if contact else 0.0
+    return force

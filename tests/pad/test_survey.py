@@ -1,0 +1,53 @@
+"""Survey of a pad: what the bundled designs feel, turn-on, and the checks that warn of a deaf sensor."""
+
+import math
+
+import pytest
+
+from fingertip.cad.verification.pad import check_pad
+from fingertip.design import Design
+from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_contacts
+from fingertip.pad.pose import Pose
+from fingertip.pad.survey import TILTS_DEG, survey_pad
+
+CROWNED = {"skin.crown_radius_mm": 10.0, "skin.crown_drop_mm": 2.0, "skin.semi_axis_palmar_mm": 7.1,
+           "bone.platform_mm": 1.6, "bone.palmar_fullness": 0.956, "skin.pulp_fullness": 0.897,
+           "skin.thickness_side_mm": 1.9, "skin.thickness_tip_mm": 3.0, "skin.crown_offset_mm": 0.9}  # fmt: skip
+
+
+def crowned():
+    return Design.load("fsr400", changes=[f"{name}={value}" for name, value in CROWNED.items()])
+
+
+def test_a_crown_makes_the_sensor_feel_in_every_grasp():
+    survey = survey_pad(crowned())
+    assert survey.least_share(0, 10) >= 0.55
+    assert survey.least_share(-5, 15) >= 0.40
+    assert survey.shares[TILTS_DEG.index(20.0)] >= 0.20
+    assert survey.evenness >= 0.85
+    assert survey.worst_turn_on_n <= 0.45
+    assert survey.rolled_share >= 0.35
+
+
+def test_the_turn_on_is_where_the_share_gives_the_sensor_its_own_turn_on():
+    design = crowned()
+    form, survey = PadForm.of_design(design), survey_pad(design)
+    for tilt, force in zip(TILTS_DEG, survey.turn_on_n, strict=True):
+        share = find_contacts(form, Pose(tilt), (force,))[0].share
+        assert force * share == pytest.approx(design.force_curve.turn_on_n, rel=0.01)
+
+
+def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
+    checks = {check.name: check for check in check_pad(Design.load("article"))}
+    assert all(check.passed for check in checks.values())
+    assert checks["pad.share"].value < 0.1
+    assert "as little as" in checks["pad.share"].warning
+    assert "at no force up to 20 N" in checks["pad.turn_on_force"].warning
+    assert survey_pad(Design.load("article")).worst_turn_on_n == math.inf
+    assert not any(check.warning for check in check_pad(crowned()))
+
+
+def test_a_soft_silicone_is_warned_of():
+    soft = Design.load("article", changes=["silicone.product=own", "silicone.modulus_mpa=0.05"])
+    assert any(check.name == "pad.strain" and check.warning for check in check_pad(soft))

@@ -24,10 +24,11 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.version import __version__
+from fingertip.pad.response import DAMPING_RATIO, Pad
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad
 from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.contact.vibration import ContactResonance
 
 RATE_HZ = 2000.0
 LEVELS_N = (1e-5, 5e-6, 2.5e-6)

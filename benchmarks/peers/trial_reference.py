@@ -16,12 +16,12 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
+from fingertip.pad.response import DAMPING_RATIO
 from fingertip.sim.contact.friction import LOAD_SCALE_N
-from fingertip.sim.contact.pad import DAMPING_RATIO
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space
-from fingertip.sim.signal.bridge import HYSTERESIS, LOAD_SHIFT_PER_M, TURN_ON_WIDTH_N, Bridge
+from fingertip.sim.signal.bridge import HYSTERESIS, TURN_ON_WIDTH_N, Bridge
 
 RATE_HZ = 160_000.0
 """Rate at which the parts of the chain are joined [Hz]."""
@@ -45,7 +45,8 @@ def solve_with_scipy(design: Design, run: SceneRun, earlier_n: Array, tolerance:
     assert slide
     time_s = slide.start_s - BEFORE_S + np.arange(round((BEFORE_S + AFTER_S) * RATE_HZ) + 1) / RATE_HZ
     shear_m, force_n = _solve_contact(run, time_s, tolerance)
-    tactile_v = _convert(design, earlier_n, force_n * np.clip(1 - LOAD_SHIFT_PER_M * shear_m, 0.0, None))
+    shear_n = -run.pad.tangential_stiffness_n_per_m(run.force_n) * shear_m
+    tactile_v = _convert(design, earlier_n, run.pad.sensed_n(force_n, shear_n))
     return TrialReference(
         time_s, force_n, tactile_v, _solve_board(AnalogBoard.from_design(design), tactile_v, tolerance)
     )

@@ -11,11 +11,11 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
+from fingertip.pad.response import DAMPING_RATIO, Pad
 from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
 from fingertip.sim.contact.coupled_loop import bristle_rate, normal_rate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import Mount, drag
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from tests.oracles.steady_friction import steady_coefficient

@@ -15,8 +15,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, run_scene
-from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.runs.scene import SceneRun, stream_scene
 from fingertip.sim.signal.finger import FingerSignals

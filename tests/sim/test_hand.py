@@ -12,14 +12,13 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
+from fingertip.pad.response import Pad
 from fingertip.sim import ManipulationFile, article_manipulations, compiled, run_manipulation
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
-from fingertip.sim.contact.pad import Pad
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.motion import Motors, plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.bridge import LOAD_SHIFT_PER_M
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid
 from tests.conftest import ROOT, run_fingertip
@@ -248,13 +247,13 @@ def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
     result = run_manipulation(DESIGN, scene, None, 1)
     before = result.time_s < result.plan.released_s - scene.grasp.let_go_s
     held = [result.output("voltage_v")[0][flags][-200:].mean() for flags in (before, result.time_s > 0)]
-    sheared = 0.5 * 9.80665 / 2 / PAD.tangential_stiffness_n_per_m(10.0)
+    weight = np.array([0.5 * 9.80665 / 2])
 
-    def voltage(force_n):
-        return compute_bridge_v(DESIGN, np.array([force_n]))[0]
+    def voltage(shear_n):
+        return compute_bridge_v(DESIGN, PAD.sensed_n(np.array([10.0]), shear_n))[0]
 
     # The hysteresis of the sensor hides a part of a falling force.
-    change = voltage(10.0 * (1 - LOAD_SHIFT_PER_M * sheared)) - voltage(10.0)
+    change = voltage(-weight) - voltage(None)
     assert 0.5 * change < held[1] - held[0] < 1.1 * change
 
 

@@ -13,8 +13,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
+from fingertip.pad.response import DAMPING_RATIO, Pad
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, Pad
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s, drag
 from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
 from fingertip.sim.simulation import Trial

@@ -24,7 +24,7 @@ from fingertip.lab.studies.boards import study_article_board, study_board_varian
 from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
 from fingertip.lab.studies.sensitivity import study_accelerations, study_assumptions
 from fingertip.lab.studies.steps import study_sampling_rates, study_steps
-from fingertip.sim.contact.pad import Pad
+from fingertip.pad.response import Pad
 from fingertip.slip.detectors.registry import find_detector_type
 
 T = TypeVar("T")

@@ -28,6 +28,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
+from fingertip.pad.response import Pad
 from fingertip.sim import (
     ManipulationFile,
     ManipulationResult,
@@ -36,7 +37,6 @@ from fingertip.sim import (
     article_manipulations,
     run_manipulation,
 )
-from fingertip.sim.contact.pad import Pad
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type, select_inputs

@@ -19,7 +19,6 @@ from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import GripController, GripSettings
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.contact.pad import Pad
 from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
@@ -192,7 +191,7 @@ def simulate_scene(
 ) -> LabelledSignal:
     """Simulate a scene through the ADC; its slips and events follow from its timeline."""
     result = run_scene(design, scene.model_copy(update={"outputs": _select_outputs(design)}), seed)
-    timeline = build_timeline(scene, Pad.from_design(design, scene.contact.resonance_hz), result.force_n)
+    timeline = build_timeline(scene, scene.draw_pad(design, seed), result.force_n)
     trace = result.trace
     assert trace.slip is not None
     slips = merge(intervals(trace.time_s, trace.slip), STICK_S)

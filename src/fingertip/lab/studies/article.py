@@ -21,6 +21,7 @@ from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loo
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_detector_on, simulate_trace, surface
 from fingertip.lab.studies.boards import with_article_board, with_variant
+from fingertip.pad.response import Pad
 from fingertip.sim import run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.signal.converter import simulate_quiescent_level
@@ -188,7 +189,9 @@ def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spe
     spectra = []
     with compiled():
         for label, resonance_hz in RESONANCES_HZ.items():
-            contact = slide.contact.model_copy(update={"resonance_hz": resonance_hz})
+            pad = Pad.from_design(design)
+            mass_kg = pad.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
+            contact = slide.contact.model_copy(update={"mass_kg": mass_kg})
             scene = slide.model_copy(update={"contact": contact, "outputs": ["voltage_v", "slip"]})
             total = np.zeros(count // 2 + 1)
             for seed in range(first_seed, first_seed + _AVERAGED):

@@ -88,10 +88,10 @@ class Friction:
     def with_stick_slip(self) -> Friction:
         """Friction that falls with speed so far and so widely that a pad swings on its mount. Assumption.
 
-        Near 0.04 m/s and above some 1 N the pad also sticks at moments. Slower slides stay smooth, because the curve is
-        flat there, and at light loads the damping of the mount is stronger.
+        Near 0.04 m/s and from some 2 N on the pad also sticks at moments. Slower slides stay smooth, because the curve
+        is flat there, and at light loads the damping of the mount is stronger.
         """
-        return Friction(1.6 * self.mu_c, self.mu_c, STICK_SLIP_STRIBECK_M_S, self.sigma0, 0.2, 0.15)
+        return Friction(2.2 * self.mu_c, self.mu_c, STICK_SLIP_STRIBECK_M_S, self.sigma0, 0.1, 0.15)
 
     @property
     def is_passive(self) -> bool:

@@ -11,6 +11,7 @@ grasped object at 8 cm/s. Masses, grasps and this velocity are the article's. It
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
@@ -19,8 +20,10 @@ from pydantic import ConfigDict, Field
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.validation import round_down, round_up
+from fingertip.pad.pose import ObjectShape, Pose
+from fingertip.pad.response import MOVING_MASS_KG, REFERENCE_POSE, Pad
 from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
     PathTables,
@@ -40,8 +43,8 @@ class Contact(ParameterTable):
         "medium", "One of the article's six surfaces (III.C)."
     )
     length_m: float = assumption(0.1, "m", (Above(0), 1), "Length of the surface.")
-    resonance_hz: float = quantity(
-        90.0, "Hz", (20, 500), "Normal resonance at 1 N: 90 embedded, 230 for the bare sensor (article, fig. 2)."
+    mass_kg: float = assumption(
+        MOVING_MASS_KG, "kg", (0.001, 2), "Mass of hand or robot arm that moves with the finger; some 90 Hz at 1 N."
     )
     bristles: Literal["plain", "elasto_plastic"] = choice(
         "plain", "LuGre friction as published, or without its creep below breakaway."
@@ -73,6 +76,34 @@ class Hold(ParameterTable):
     min_s: float = quantity(0.0, "s", (0, 600), "Minimum holding time.")
     release: bool = Field(True, description="Whether the finger lifts (press) or the grasp opens at the end.")
     after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
+
+
+class ScenePose(ParameterTable):
+    """Pose of the finger on the object: what part of the force reaches the sensor depends on it."""
+
+    tilt_deg: float = assumption(
+        REFERENCE_POSE.tilt_deg, "deg", (-10, 30), "Tilt, tip down; 0: the pad's straight part lies flat."
+    )
+    tilt_spread_deg: float = quantity(0.0, "deg", (0, 20), "Half width of the range of tilts that the seed draws.")
+    roll_deg: float = quantity(0.0, "deg", (-20, 20), "Roll about the axis of the finger.")
+    roll_spread_deg: float = quantity(0.0, "deg", (0, 20), "Half width of the range of rolls that the seed draws.")
+    object: ObjectShape = choice("plate", "Object under the pad; a cylinder or an edge lies across the finger.")
+    radius_mm: float = quantity(20.0, "mm", (1, 500), "Radius of a cylinder or a sphere.")
+    place_mm: float = quantity(0.0, "mm", (-15, 15), "Distance from the sensor, distal, at which it stands.")
+
+    def draw(self, rng: random.Random) -> Pose:
+        """Draw a pose in whole degrees, so that a campaign meets few of them."""
+        tilt, roll = (
+            float(round(middle + spread * (2.0 * rng.random() - 1.0)))
+            for middle, spread in ((self.tilt_deg, self.tilt_spread_deg), (self.roll_deg, self.roll_spread_deg))
+        )
+        if not self.tilt_spread_deg:
+            tilt = self.tilt_deg
+        if not self.roll_spread_deg:
+            roll = self.roll_deg
+        is_round = self.object in ("cylinder", "sphere")
+        place = 0.0 if self.object == "plate" else self.place_mm
+        return Pose(tilt, roll, self.object, self.radius_mm if is_round else 0.0, place)
 
 
 _MIN_SPEED_M_S = 0.005
@@ -116,6 +147,7 @@ class Motor(ParameterTable):
 
 class _SceneTables(SimulationFile):
     contact: Contact = Contact()
+    pose: ScenePose = ScenePose()
     hold: Hold = Hold()
     slide: Slide = Slide()
     load_change: LoadChange = LoadChange()
@@ -146,10 +178,19 @@ class SceneFile(PathTables, _SceneTables):
     def find_design_issues(self, design: Design, seed: int) -> Iterator[Issue]:
         """Yield the reasons why this cannot be simulated with a design and a seed."""
         yield from super().find_design_issues(design, seed)
+        if seed >= 0:
+            try:
+                self.draw_pad(design, seed)
+            except TraceError as error:
+                yield from error.issues
         half = design.detector.sample_rate_hz / 2
         if self.motor.force_n and self.motor.frequency_hz >= half:
             what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
             yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
+
+    def draw_pad(self, design: Design, seed: int) -> Pad:
+        """Draw the pose, and build the pad of a design in it. Raises TraceError."""
+        return Pad.from_design(design, self.pose.draw(random.Random(f"{seed}:pose")), self.contact.mass_kg)
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""

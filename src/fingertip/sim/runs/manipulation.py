@@ -26,7 +26,7 @@ from fingertip.design.parameters.declaration import find_bounds, suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
-from fingertip.sim.contact.pad import Pad
+from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper

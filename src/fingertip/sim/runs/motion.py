@@ -12,8 +12,8 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
+from fingertip.pad.response import HAND_N_PER_M, Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.pad import HAND_N_PER_M, Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, smoothstep
@@ -149,7 +149,7 @@ class FixedGrip:
 # A command is the closing of a finger [m], counted from the open hand. It reaches the motors after a delay. The motors
 # follow with a first-order lag and a maximum velocity. Ring and little finger share one motor (article, III.C): the
 # larger command moves both. A finger that closes beyond the touch deflects its pad and the hand behind it
-# (`fingertip.sim.contact.pad`), and its force F satisfies
+# (`fingertip.pad.response`), and its force F satisfies
 #
 #     closing - reach -+ q = F / k + c F^(2/3)
 #

@@ -23,8 +23,8 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
+from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
-from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES, SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import SceneFile
@@ -167,7 +167,7 @@ class SceneRun:
 
     @functools.cached_property
     def pad(self) -> Pad:
-        return Pad.from_design(self.design, self.scene.contact.resonance_hz)
+        return self.scene.draw_pad(self.design, self.seed)
 
     @functools.cached_property
     def friction(self) -> Friction:

@@ -14,8 +14,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
+from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
-from fingertip.sim.contact.pad import Pad
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.contact.tangential import MAX_PHASE
 from fingertip.sim.runs import grasp_loop

@@ -13,11 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingertip.foundation.numerics import Array
+from fingertip.pad.response import DAMPING_RATIO, HAND_N_PER_M, Pad
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, HAND_N_PER_M, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
+from fingertip.sim.contact.vibration import ProfileForce, transmit
 from fingertip.sim.runs.files import Motor, SceneFile, Tap
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost

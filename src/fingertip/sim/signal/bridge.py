@@ -90,6 +90,11 @@ class Bridge:
         return out
 
 
+def reads_whole_finger(design: Design, bridge: str) -> bool:
+    """Return whether the force of a curve is that on the finger: the article's, and one found with weights on it."""
+    return bridge == "article" or design.force_curve.curve == "calibrated"
+
+
 def turn_on_power(excess_n: float, exponent: float, width_n: float) -> float:
     """Power ``excess^exponent`` beyond the turn-on's width, 0 below it, and a cubic that starts as a parabola between.
 
@@ -133,15 +138,8 @@ def _convert_loop(
 _convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces", plain_us=0.9)
 
 
-# Force-sensing resistor: from the force on the pad to the force that the sensor shows.
+# Force-sensing resistor: from the force on its active area to the force that it shows.
 
-LOAD_SHIFT_PER_M = (1 - 0.035 / 0.32) / 6e-3
-"""Fraction of the force that the sensor loses per metre by which the pad is sheared towards the base [1/m].
-
-Source: a linear finite-element trial of such a finger, in which a pad load that moved by 6 mm towards the base left
-0.035 of it on the active area instead of 0.32. That the article's slide shears the pad towards the base is an
-assumption.
-"""
 HYSTERESIS = 0.10
 """Largest relative error by which the force reads high after a higher one (article, III.B: at most 10 %)."""
 _PLAY_FRACTION = 0.2
@@ -153,7 +151,7 @@ _PLAY, _LOADED = range(2)
 
 
 class ForceSensor:
-    """Sensor with shear, hysteresis and creep, chunk by chunk.
+    """Sensor with hysteresis and creep, chunk by chunk.
 
     Hysteresis: a growing force reads true, a falling one up to `HYSTERESIS` too high. A play operator acts on the
     force's ratio, p in [F, F (1 + H/s)], and is mixed in with the fraction s. Creep: the reading grows by a fixed
@@ -163,13 +161,11 @@ class ForceSensor:
     def __init__(self, step_s: float, share_per_decade: float = 0.0) -> None:
         self._step_s, self._share, self._state = step_s, share_per_decade, np.zeros(2)
 
-    def process(self, contact_n: Array, shear_m: Array | None = None) -> Array:
-        """Return the force that the sensor shows [N], from the contact's force [N] and the shear of the pad [m]."""
-        force = contact_n
-        if shear_m is not None:
-            force = contact_n * np.clip(1 - LOAD_SHIFT_PER_M * shear_m, 0.0, None)
-        shown = np.zeros(len(force))
-        _indicate(1 + HYSTERESIS / _PLAY_FRACTION, self._share, self._step_s / CREEP_FROM_S, force, self._state, shown)
+    def process(self, sensed_n: Array) -> Array:
+        """Return the force that the sensor shows [N], from the force on its active area [N]."""
+        shown = np.zeros(len(sensed_n))
+        play = 1 + HYSTERESIS / _PLAY_FRACTION
+        _indicate(play, self._share, self._step_s / CREEP_FROM_S, sensed_n, self._state, shown)
         return shown
 
 

@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
+from fingertip.pad.response import DAMPING_RATIO, Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.pad import DAMPING_RATIO, ContactResonance, Pad, ProfileForce, transmit
 from fingertip.sim.contact.surfaces import Surface, SurfaceProfile, generate_profile
+from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
-from fingertip.sim.signal.bridge import Bridge, ForceSensor
+from fingertip.sim.signal.bridge import Bridge, ForceSensor, reads_whole_finger
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
 from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
 from fingertip.sim.signal.grid import (
@@ -232,6 +233,9 @@ class _BridgeVoltage:
     def __init__(self, setup: FingerSetup, grid: Grid, meter: CostMeter) -> None:
         self._meter = meter
         self._sensor = ForceSensor(grid.step_s, setup.path.drift.share_per_decade)
+        self._pad, self._is_relative = setup.pad, reads_whole_finger(setup.design, setup.path.sensing.bridge)
+        # The slide moves the finger towards its tip, so the surface holds the skin back, towards the base. Assumption.
+        self._shear_n_per_m = -setup.pad.tangential_stiffness_n_per_m(setup.held_n)
         with meter.stage("bridge"):
             self._bridge = Bridge.select(setup.design, setup.path.sensing.bridge)
         self._interference = InterferenceSource(
@@ -242,7 +246,8 @@ class _BridgeVoltage:
     def process(self, drive: FingerDrive, contact_n: Array) -> tuple[Array, Array | None]:
         """Return the voltage [V], and by how much it jumps at each point."""
         with self._meter.stage("sensor", 1, len(contact_n)):
-            shown_n = self._sensor.process(contact_n, drive.shear_m)
+            shear_n = None if drive.shear_m is None else self._shear_n_per_m * drive.shear_m
+            shown_n = self._sensor.process(self._pad.sensed_n(contact_n, shear_n, self._is_relative))
         with self._meter.stage("bridge"):
             volts = self._bridge.voltage_v(shown_n)
         if self._interference.is_silent:

@@ -101,7 +101,7 @@ def crown_within_pad(design: DesignTables) -> Limit | None:
     return Limit(design.dimensions.max_crown_drop, "is more than fits proximal to the crown's apex")
 
 
-@RULES.rule("skin.crown_radius_mm", crown_within_pad, taper_reaches_tip)
+@RULES.rule("skin.crown_radius_mm", crown_within_pad)
 def crown_reaches_tip(design: DesignTables) -> Violation | None:
     """The crown does not slope down to the parting plane before the tip."""
     dims, radius = design.dimensions, design.skin.crown_radius_mm
@@ -110,7 +110,7 @@ def crown_reaches_tip(design: DesignTables) -> Violation | None:
     return Violation(f"{radius:g} mm slopes the pad down to the parting plane before the tip", ((0.0, 0.0),))
 
 
-@RULES.rule("skin.thickness_palmar_mm", tip_within_skin, crown_within_pad, crown_reaches_tip)
+@RULES.rule("skin.thickness_palmar_mm", tip_within_skin, crown_reaches_tip)
 def flat_within_bone(design: DesignTables) -> Violation | None:
     dims, platform = design.dimensions, design.bone.platform_mm
     height = design.skin.semi_axis_palmar_mm * dims.outer.palmar_scale_at(dims.sensor_z)
@@ -166,7 +166,7 @@ _SOUND_SECTIONS = (
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
-@RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, slack=_THICKNESS_SLACK)
+@RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
     thinnest = min(
         min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm,

@@ -34,18 +34,23 @@ def cover_tape_data(design: Design) -> dict[str, Any]:
     narrowest = min(flat_width_mm(design, design.dimensions.sensor_z * i / _STATIONS) for i in range(1, _STATIONS + 1))
     width = _round_up(wanted)
     trim = narrowest < width
-    # The height at which the flat ends at the tip.
-    low, high = design.dimensions.sensor_z, design.skin.length_mm
-    flat_end = _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
+    # The height at which flat or platform ends at the tip.
+    dims, low, high = design.dimensions, design.dimensions.sensor_z, design.skin.length_mm
+    neck = 2.0 * (dims.tail_half_width + TAPE_RIM_MM) if design.bone.platform_mm else None
+    if neck:
+        flat_end = _round_down(low + dims.platform_radius)
+    else:
+        flat_end = _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
     width_mm = [width, max(width, min(width + _RANGE_MM, _round_down((flat if trim else narrowest) - _EDGE_MM)))]
     return {
         "width_mm": [round(limit, 1) for limit in width_mm],
         "stock_mm": next((stock for stock in _STOCK_WIDTHS_MM if stock >= width - 1e-6), None),
-        "length_mm": _tape_length_mm(end, flat_end),
+        "length_mm": [round(length + dims.ramp_excess, 1) for length in _tape_length_mm(end, flat_end)],
         "overlap_mm": TAPE_RIM_MM,
         "pocket_mm": round(2.0 * (half - TAPE_RIM_MM), 2),
         "flat_mm": round(narrowest, 1),
         "flat_end_mm": flat_end,
+        "neck_mm": round(neck, 1) if neck else None,
         "trim": trim,
     }
 

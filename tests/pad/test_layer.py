@@ -129,3 +129,13 @@ def test_what_cannot_be_is_refused():
     with pytest.raises(TraceError, match="of its thickness; at most") as caught:
         find_contacts(replace(STRAIGHT, young_mpa=0.02), Pose(2.0), (0.05, 20.0))
     assert "at most 0.05 N" in str(caught.value)
+
+
+def test_the_map_of_shares_is_what_small_balls_give():
+    """A force on a small place, found directly and as the pressure under the active area (reciprocity)."""
+    x, dz, shares = layer.map_shares(STRAIGHT)
+    for across, along in ((0.0, 0.0), (0.0, 3.0), (2.0, -2.0), (0.0, -5.0)):
+        pose = Pose(0.0, 0.0, "sphere", 1.5, along, across)
+        ball = find_contacts(STRAIGHT, pose, (0.02,))[0]
+        i, j = (int(np.abs(line - at).argmin()) for line, at in zip((x, dz), ball.centre_mm, strict=True))
+        assert ball.share == pytest.approx(shares[i, j], abs=0.05)  # the ball meets thinner silicone there

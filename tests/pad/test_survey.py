@@ -1,5 +1,6 @@
 """Survey of a pad: what the bundled designs feel, turn-on, and the checks that warn of a deaf sensor."""
 
+import json
 import math
 
 import pytest
@@ -10,6 +11,9 @@ from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
 from fingertip.pad.survey import TILTS_DEG, survey_pad
+from fingertip.page.pad_section import render_pad
+from fingertip.pictures.pad import draw_pad
+from tests.conftest import run_fingertip
 
 CROWNED = {"skin.crown_radius_mm": 10.0, "skin.crown_drop_mm": 2.0, "skin.semi_axis_palmar_mm": 7.1,
            "bone.platform_mm": 1.6, "bone.palmar_fullness": 0.956, "skin.pulp_fullness": 0.897,
@@ -51,3 +55,18 @@ def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
 def test_a_soft_silicone_is_warned_of():
     soft = Design.load("article", changes=["silicone.product=own", "silicone.modulus_mpa=0.05"])
     assert any(check.name == "pad.strain" and check.warning for check in check_pad(soft))
+
+
+def test_command_page_and_picture_show_the_survey():
+    survey, answer = survey_pad(Design.load("article")), json.loads(run_fingertip("pad", "article", "--json").stdout)
+    assert {"design": "article", **survey.to_dict()}.items() <= answer.items()
+    text = run_fingertip("pad", "article").stdout
+    assert "never" in text
+    assert f"{survey.shares[2]:.2f}" in text
+    said = render_pad(Design.load("article"))
+    assert f"rolled by 10 degrees it gets {survey.rolled_share:.0%}" in said
+    assert said.count("<circle") == 1 + len(TILTS_DEG)
+    assert draw_pad(Design.load("article"))[:8] == b"\x89PNG\r\n\x1a\n"
+    both = run_fingertip("picture", "article", "--pad", "--filling")
+    assert both.returncode == 2
+    assert "--filling" in both.stderr

@@ -20,6 +20,7 @@ from fingertip.cli.detect import detect
 from fingertip.cli.documents import acceptance, drawing, page, picture, sheet
 from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.options import command
+from fingertip.cli.pad import pad
 from fingertip.cli.simulate import simulate
 from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
@@ -38,7 +39,7 @@ app = typer.Typer(
 )
 COMMANDS = {
     "Everything of a design": (new, make, check, params, page, studio),
-    "Parts and mold": (build, sheet, acceptance, coupon, picture, drawing, calibrate),
+    "Parts and mold": (build, pad, sheet, acceptance, coupon, picture, drawing, calibrate),
     "Board and controller": (board, firmware),
     "Signal and slip": (simulate, detect, validate),
     "Many designs, and measurements of the program": (sweep, bench),

@@ -37,6 +37,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "fingertip check fsr400 --verbose",
         "fingertip check out/fsr400",
     ),
+    "pad": ("fingertip pad fsr400", "fingertip pad fsr400 --set skin.crown_radius_mm=12"),
     "picture": ("fingertip picture fsr400", "fingertip picture adult_finger --filling --out filling.png"),
     "drawing": ("fingertip drawing adult_finger --out out/adult_drawing",),
     "page": ("fingertip page fsr400",),

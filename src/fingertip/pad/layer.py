@@ -110,6 +110,24 @@ def find_contacts(
     return found
 
 
+def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
+    """Map the share of a force on a small place: x and distance distal to the sensor [mm], and the share at both.
+
+    The pressure T under a force at a place, summed over the active area, is the same as T under a pressure of one on
+    the active area, at that place.
+    """
+    at = np.array([[0.0]]), np.array([[form.sensor_z_mm]])
+    thickness = float(form.skin_mm(*at)[0, 0]) - form.platform_mm
+    reach = form.active_radius_mm + 3.0 * thickness
+    count = math.ceil(reach / GRID_MM)
+    size = next(n for n in _SIZES if n >= 4 * count)
+    line = GRID_MM * (np.arange(size, dtype=np.float64) - 2 * count)
+    _, to_bone, _ = _kernels([size, size], thickness, form.young_mpa, form.poisson)
+    shares = _apply(_cover(line, line, form.active_radius_mm), to_bone)
+    inside = slice(count, 3 * count + 1)
+    return line[inside], line[inside], shares[inside, inside]
+
+
 @dataclass(frozen=True, eq=False)
 class _Approach:
     """Whole pad before an object, at the first touch."""

@@ -1,4 +1,4 @@
-"""What the sensor feels in the poses in which a finger presses: shares of the force, turn-on, stiffness and strain."""
+"""Survey of a pad: shares of a force in the poses in which a finger presses, turn-on, stiffness and strain."""
 
 from __future__ import annotations
 

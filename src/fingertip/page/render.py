@@ -7,6 +7,7 @@ from fingertip.page.board_section import render_board
 from fingertip.page.casting_section import render_basis, render_casting, render_drawing
 from fingertip.page.html import Markup, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import Item, list_items, render_model, render_no_view, scene_json
+from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
@@ -16,8 +17,9 @@ ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 _LEAD = "A sensorised prosthetic fingertip: printed bone and mold, silicone skin, filter board, slip detector."
 _ENVELOPE_DETECTORS = " and ".join(name for name, kind in DETECTORS.items() if kind.quantity == ENVELOPE_MEAN)
 _SECTIONS = (
-    ("model", "Model"), ("checks", "Checks"), ("parameters", "Parameters"), ("casting", "Casting guide"),
-    ("drawing", "Drawing"), ("board", "Board"), ("response", "Response"), ("trial", "Trial"), ("basis", "Basis"),
+    ("model", "Model"), ("checks", "Checks"), ("parameters", "Parameters"), ("pad", "Pad"),
+    ("casting", "Casting guide"), ("drawing", "Drawing"), ("board", "Board"), ("response", "Response"),
+    ("trial", "Trial"), ("basis", "Basis"),
 )  # fmt: skip
 
 
@@ -45,6 +47,7 @@ def _render_sections(sources: Sources, items: tuple[Item, ...]) -> list[Markup]:
     beside = element("section", element("div", model, element("div", checks, parameters), class_="beside"))
     parts = [beside]
     for name, title, content in (
+        ("pad", "What the sensor feels", render_pad(design)),
         ("casting", "Casting guide", render_casting(sources)),
         ("drawing", "Dimensioned drawing", render_drawing(sources)),
         ("board", "Board", render_board(sources)),

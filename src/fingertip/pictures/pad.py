@@ -8,10 +8,9 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.foundation.numerics import Array
 from fingertip.foundation.plot_style import RED, REFERENCE, SERIES, TEXT_COLOUR, new_figure, style_axes, to_png
 from fingertip.pad.form import PadForm
-from fingertip.pad.layer import Contact, find_contacts
+from fingertip.pad.layer import Contact, find_contacts, map_shares
 from fingertip.pad.pose import Pose
 from fingertip.pad.survey import survey_pad
 
@@ -21,9 +20,6 @@ if TYPE_CHECKING:
 _FORCES_N = (0.3, 1.0, 3.0, 8.0)
 _TILTS_DEG = tuple(float(tilt) for tilt in range(-5, 23))
 _MARKED_DEG = (-5.0, 0.0, 5.0, 10.0, 15.0, 20.0)
-_BALL_MM = 4.0
-"""Radius of the ball that touches the pad place by place [mm]."""
-_PLACES_MM = 1.0
 _DEPTH_TILTS_DEG = (0.0, 10.0)
 
 
@@ -51,17 +47,22 @@ def _try(form: PadForm, pose: Pose, forces_n: tuple[float, ...]) -> list[Contact
 
 
 def _draw_places(axes: Axes, form: PadForm, by_tilt: dict[float, list[Contact]]) -> None:
-    """Draw the share of a light touch by a ball over the pad, the sensor, and where a plate touches at some tilts."""
-    length = form.outer.spans[-1].z[2]
-    z = np.arange(0.5, length, _PLACES_MM)
-    half = np.array([form.outer.section.half_width * form.outer.scale_at(float(value)) for value in z])
-    shares = _share_along(form, z)
-    mesh = axes.pcolormesh(*_unroll(half, z), shares, cmap="YlGnBu", vmin=0.0, vmax=1.0, shading="gouraud")
+    """Draw the share of a force over its place on the pad, the sensor, and where a plate touches at some tilts."""
+    x, dz, shares = map_shares(form)
+    z = dz + form.sensor_z_mm
+    on_pad = np.isfinite(form.skin_mm(*np.meshgrid(x, z, indexing="ij")))
+    shown = np.where(on_pad, shares, np.nan)
+    mesh = axes.pcolormesh(x, z, shown.T, cmap="YlGnBu", vmin=0.0, vmax=1.0, shading="nearest")
     bar = axes.figure.colorbar(mesh, ax=axes, shrink=0.75, location="left", pad=0.02)
-    bar.set_label(f"share of 0.3 N on a ball of {_BALL_MM:g} mm radius")
+    bar.set_label("share of a force on a small place")
+    length = form.outer.spans[-1].z[2]
+    outline = np.linspace(0.0, length, 200)
+    half = np.array([form.outer.section.half_width * form.outer.scale_at(float(value)) for value in outline])
+    for side in (-1.0, 1.0):
+        axes.plot(side * half, outline, color=REFERENCE, linewidth=1.0)
     angle = np.linspace(0.0, 2.0 * np.pi, 90)
-    for radius, colour in ((form.active_radius_mm, RED),):
-        axes.plot(radius * np.sin(angle), form.sensor_z_mm + radius * np.cos(angle), color=colour, linewidth=1.5)
+    radius = form.active_radius_mm
+    axes.plot(radius * np.sin(angle), form.sensor_z_mm + radius * np.cos(angle), color=RED, linewidth=1.5)
     for tilt in _MARKED_DEG:
         if by_tilt[tilt]:
             at = by_tilt[tilt][1].centre_mm[1] + form.sensor_z_mm
@@ -73,23 +74,6 @@ def _draw_places(axes: Axes, form: PadForm, by_tilt: dict[float, list[Contact]])
     axes.set_xlabel("across [mm]")
     axes.set_ylabel("distance from the collar [mm]")
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def _unroll(half: Array, z: Array) -> tuple[Array, Array]:
-    across = np.linspace(-0.7, 0.7, 9)
-    return np.outer(half, across), np.repeat(z[:, None], len(across), axis=1)
-
-
-def _share_along(form: PadForm, z: Array) -> Array:
-    """Compute the share of a ball's touch at each place; across the finger a roll brings the place to the ball."""
-    across = np.linspace(-0.7, 0.7, 9)
-    found = np.zeros((len(z), len(across)))
-    for i, height in enumerate(z):
-        for j, share in enumerate(across[:5]):
-            x = float(share * form.outer.section.half_width * form.outer.scale_at(float(height)))
-            contact = _try(form, Pose(0.0, 0.0, "sphere", _BALL_MM, float(height) - form.sensor_z_mm, x), (0.3,))
-            found[i, j] = found[i, -1 - j] = contact[0].share if contact else 0.0
-    return found
 
 
 def _draw_tilts(axes: Axes, form: PadForm, by_tilt: dict[float, list[Contact]]) -> None:

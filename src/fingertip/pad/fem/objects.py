@@ -1,0 +1,113 @@
+"""Rigid objects at their first touch with the pad, and poses in which they would miss the skin.
+
+An object approaches along the normal of a plate in the same pose. At no tilt that plate is parallel to the straight
+part of the pad at its base, not to the finger's axis. Positive tilt presses with the tip, positive roll with x < 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.pad.fem.mesh import PALM, RIM_MM, X, Z
+from fingertip.pad.pose import EDGE_RADIUS_MM
+
+if TYPE_CHECKING:
+    from fingertip.pad.form import PadForm
+    from fingertip.pad.pose import Pose
+
+MAX_ANGLE_DEG = 60.0
+"""Largest tilt and roll. Beyond, objects touch tip or side rather than the pad."""
+_LOWEST_MM = 2.0 * RIM_MM
+"""Height above the parting plane below which the surface is too steep to be pressed [mm]."""
+_ROUND = 0.8
+"""Part of its radius up to which an object is round. Beyond, it goes on along the tangent."""
+_BONE_STEP_MM, _BONE_REACH_MM = 0.5, 60.0
+"""Grid on which the bone is looked up, and its reach from the proximal end of the skin both ways [mm]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """Object of a pose at its first touch with the undeformed skin."""
+
+    pose: Pose
+    radius_mm: float
+    slopes: tuple[float, float]
+    """Slopes of a plate in this pose along x and z."""
+    sensor_z_mm: float
+    height_mm: float = 0.0
+    """Height of the plate in the pose, or of the plane on which the round object's lowest line lies, at the sensor."""
+    rigid_mm: float = math.inf
+    """Travel after which the object would touch bone or collar."""
+
+    @classmethod
+    def of_pose(cls, form: PadForm, pose: Pose, surface: Array) -> tuple[Touch, Array]:
+        """Bring an object to points of the surface, and return it with the point that it touches first.
+
+        Raises TraceError where it meets bone or collar before, or the skin beside the pad.
+        """
+        for name, angle in (("tilt_deg", pose.tilt_deg), ("roll_deg", pose.roll_deg)):
+            if not abs(angle) <= MAX_ANGLE_DEG:
+                raise _refuse(name, f"{angle:g} degrees exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.")
+        radius = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm
+        if pose.object != "plate" and not 0.0 < radius < math.inf:
+            raise _refuse("radius_mm", f"{radius:g} mm is no radius of a {pose.object}; use one above 0.")
+        slopes = math.tan(math.radians(pose.roll_deg)), -math.tan(math.radians(pose.tilt_deg)) - form.base_slope
+        touch = cls(pose, radius, slopes, form.sensor_z_mm)
+        clear = touch._rise(surface)[0] - surface[:, PALM]
+        first = int(np.argmin(clear))
+        point, touch = surface[first], replace(touch, height_mm=-float(clear[first]))
+        is_beside = pose.object != "plate" and np.hypot(*touch._off_axis(point[None])[0]) > _ROUND * radius
+        if is_beside or point[PALM] < _LOWEST_MM:
+            name, value = ("tilt_deg", pose.tilt_deg) if pose.object == "plate" else ("place_mm", pose.place_mm)
+            where = f"at {value:g} the {pose.object} touches at x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
+            raise _refuse(name, f"{where}; turn the finger less, or bring the object nearer to the sensor.")
+        rigid = _rigid_points(form)
+        travel = float((touch.height_mm + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
+        if travel <= 0.0:
+            before = f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar {-travel:.2g} mm before the skin"
+            raise _refuse("tilt_deg", f"{before}; turn the finger less.")
+        return replace(touch, rigid_mm=travel), point
+
+    def gaps(self, points: Array) -> tuple[Array, Array, Array]:
+        """Distances of points from the object, unit vectors from them into it, and by what a travel of 1 mm closes."""
+        rise, slopes = self._rise(points)
+        into = np.column_stack([-slopes, np.ones(len(points))])
+        into /= np.linalg.norm(into, axis=1)[:, None]
+        closing = into[:, PALM] * math.hypot(1.0, *self.slopes)
+        return (self.height_mm + rise - points[:, PALM]) * into[:, PALM], into, closing
+
+    def _off_axis(self, points: Array) -> Array:
+        """Offsets from the axis or centre of a round object, along x and z; 0 along an axis and for a plate."""
+        off = points[:, [X, Z]] - (0.0, self.sensor_z_mm + self.pose.place_mm)
+        return np.asarray(off * {"plate": (0.0, 0.0), "sphere": (1.0, 1.0)}.get(self.pose.object, (0.0, 1.0)))
+
+    def _rise(self, points: Array) -> tuple[Array, Array]:
+        """Heights of the object over points, without `height_mm`, and its slopes along x and z."""
+        plane = (points[:, [X, Z]] - (0.0, self.sensor_z_mm)) @ self.slopes
+        if self.pose.object == "plate":
+            return plane, np.broadcast_to(self.slopes, (len(points), 2))
+        off = self._off_axis(points)
+        distance = np.linalg.norm(off, axis=1)
+        inner = np.minimum(distance, _ROUND * self.radius_mm)
+        deep = np.sqrt(self.radius_mm**2 - inner**2)
+        rise = self.radius_mm - deep + (distance - inner) * inner / deep
+        return plane + rise, self.slopes + off * (inner / deep / np.maximum(distance, 1e-12))[:, None]
+
+
+def _refuse(name: str, message: str) -> TraceError:
+    return TraceError(Issue(f"pose.{name}", message))
+
+
+def _rigid_points(form: PadForm) -> Array:
+    """Points of the bone's palmar side, also proximal of the skin, and of the collar's ridge."""
+    steps = np.arange(-_BONE_REACH_MM, _BONE_REACH_MM, _BONE_STEP_MM)
+    x, z = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    height = form.bone_mm(x, z)
+    ridge = [(0.0, form.collar[0], form.collar[1]), (0.0, 0.0, form.collar[1])]
+    return np.concatenate([np.column_stack([x, z, height])[height > -math.inf], ridge])

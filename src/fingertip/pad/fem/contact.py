@@ -37,6 +37,8 @@ MAX_STRAIN = 0.3
 """Largest principal strain, in the middle of an element, up to which small strains are taken to hold."""
 _BATCH = 64
 """Columns of the compliance that are solved for at a time."""
+_ALONG = 0.025
+"""Part of the normals along an axis, below which it is left out of the compliance: its square counts."""
 _SEED = 12
 """Number of nodes with which the search for a patch begins."""
 _GROWTH = 1.4
@@ -118,8 +120,9 @@ class PadModel:
 
     def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
         """Displacements at nodes of the surface under unit pressures at them, both along the vectors `into`."""
-        total = np.zeros((len(nodes), len(nodes)))
-        for axis in np.flatnonzero(np.abs(into).max(axis=0) > 1e-12):
+        total, along = np.zeros((len(nodes), len(nodes))), np.abs(into).max(axis=0) > _ALONG
+        into = into * along
+        for axis in np.flatnonzero(along):
             new = nodes[self._solved[axis][nodes] < 0]
             self._solved[axis][new] = self._columns[axis].shape[2] + np.arange(len(new))
             parts = [self._columns[axis]]
@@ -174,7 +177,7 @@ class Patch:
         self._weight = model.area * closing
         # The normal is that at the node, as in the work of its pressure; the distance is averaged around the node.
         self._gap = model.top.trace.T @ (gap / self._into[:, PALM]) * self._into[:, PALM]
-        self._active = self._travel < self._reach
+        self._active = self._travel <= self._reach
 
     def press(self, force_n: float) -> PadContact:
         """Press with a force, larger than the one before. Raises TraceError beyond small strains."""
@@ -234,4 +237,5 @@ def find_patch(
         if wrong.max() <= 1e-9:
             break
         active = active ^ ((wrong > 1e-9) if 2 * step < _MAX_STEPS else (wrong == wrong.max()))
+        active |= (rest == rest.min()) & ~active.any()
     return pressure, depth, float(solution[n, 1]), active

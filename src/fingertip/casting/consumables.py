@@ -85,7 +85,8 @@ def seat_tape_data(design: Design) -> dict[str, Any] | None:
 def flat_width_mm(design: Design, z: float) -> float:
     """Width of the bone's palmar flat at a height z [mm], where a retention groove narrows it too."""
     dims = design.dimensions
-    return 2.0 * add_groove(design.bone, dims.bone_outline).half_width_at(-dims.flat_depth, z)
+    platform = dims.platform_half_width_at(z)
+    return 2.0 * (platform or add_groove(design.bone, dims.bone_outline).half_width_at(-dims.flat_depth, z))
 
 
 def uses_primer(data: Mapping[str, Any]) -> bool:

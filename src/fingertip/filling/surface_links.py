@@ -204,9 +204,18 @@ def build_skin_grid(
     side, height, is_dorsal = _outline(outer.section, body.section, columns)
     outer_z, outer_scale = _heights(outer, straight, tip)
     inner_z, inner_scale = _heights(body, straight, tip)
-    outside = _points(outer.section, outer_z, outer_scale, side[0], height[0], is_dorsal)
-    inside = _points(body.section, inner_z, inner_scale, side[1], height[1], is_dorsal)
+    palmar_scale = np.array([outer.palmar_scale_at(float(z)) for z in outer_z]) if outer.crown else outer_scale
+    outside = _points(outer.section, outer_z, outer_scale, palmar_scale, side[0], height[0], is_dorsal)
+    inside = _points(body.section, inner_z, inner_scale, inner_scale, side[1], height[1], is_dorsal)
     inside[..., 1] = np.maximum(inside[..., 1], -flat)
+    if design.bone.platform_mm:
+        dims = design.dimensions
+        half, deep = (
+            np.array([at(float(z)) for z in inner_z])[:, None]
+            for at in (dims.platform_half_width_at, dims.flat_depth_at)
+        )
+        raised = (inside[..., 1] <= -flat) & (np.abs(inside[..., 0]) <= half)
+        inside[..., 1] = np.where(raised, -(flat + deep - dims.flat_depth), inside[..., 1])
     inside, outside = scale * inside, shrinkage * outside
     layer = link_layer(inside, outside, has_pole=True, is_periodic=True, is_closed=is_closed)
     surfaces = [vector_areas(np.concatenate((surface, surface[:, :1]), axis=1)) for surface in (inside, outside)]
@@ -274,8 +283,8 @@ def _around(dorsal: Array, palmar: Array, mirrored: float, below: float) -> Arra
     ))  # fmt: skip
 
 
-def _points(section: CrossSection, z: Array, scale: Array, x: Array, y: Array, is_dorsal: Mask) -> Array:
-    """Compute the points of a surface [mm], shape (rows, columns, 3)."""
-    around = section.half_width * x, np.where(is_dorsal, section.dorsal, section.palmar) * y
-    across = [scale[:, None] * values for values in around]
-    return np.stack((*across, np.broadcast_to(z[:, None], across[0].shape)), axis=2)
+def _points(section: CrossSection, z: Array, scale: Array, palmar: Array, x: Array, y: Array, is_dorsal: Mask) -> Array:
+    """Compute the points of a surface [mm], shape (rows, columns, 3), with a scale of its own for the palmar height."""
+    wide = scale[:, None] * (section.half_width * x)
+    high = np.where(is_dorsal, scale[:, None] * section.dorsal, palmar[:, None] * section.palmar) * y
+    return np.stack((wide, high, np.broadcast_to(z[:, None], wide.shape)), axis=2)

@@ -1,1 +1,1 @@
-"""Pad of the finger as a mechanism: from its form and a pose to the share of the force that the sensor feels."""
+"""Pad of the finger: what part of a force reaches the sensor, by a layer model and by finite elements."""

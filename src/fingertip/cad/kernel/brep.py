@@ -11,12 +11,11 @@ exact solids are needed.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.conic import ConicBody, CrossSection, Span
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -198,18 +197,13 @@ def _elbow(e: ElbowTube) -> Any:
 
 
 def _superconic(body: ConicBody) -> Any:
-    """Sew a superconic body from four faces between each pair of stations, four on the tip, and flat end faces."""
-    faces = []
-    for quadrant in _quadrants(body.section):
-        levels = [(z, s, 1.0) for z, s in body.stations]
-        for rows in itertools.pairwise(levels):
-            faces.append(_patch(quadrant, rows))
-        if body.tip:
-            z, s, _ = levels[-1]
-            tip = ((z, s, 1.0), (body.tip.z, body.tip_control(), body.tip.weight), (body.tip.z, 0.0, 1.0))
-            faces.append(_patch(quadrant, tip))
-    ends = [body.stations[0]] if body.tip else [body.stations[0], body.stations[-1]]
-    faces += [_end(body.section, z, scale) for z, scale in ends]
+    """Sew a superconic body from four faces for each span and flat end faces."""
+    faces = [_patch(quadrant, span) for quadrant in _quadrants(body.section) for span in body.spans]
+    first, last = body.spans[0], body.spans[-1]
+    ends = [(first.z[0], first.scale[0], first.palmar[0])]
+    if body.tip is None:
+        ends.append((last.z[2], last.scale[2], last.palmar[2]))
+    faces += [_end(body.section, *end) for end in ends]
     sewing = BRepBuilderAPI_Sewing(_SEWING_MM)
     for face in faces:
         sewing.Add(face.wrapped)
@@ -267,20 +261,25 @@ def _quadrants(section: CrossSection) -> list[tuple[ControlPoint, ...]]:
     ]
 
 
-def _patch(quadrant: Any, rows: Any) -> Any:
-    """Create a rational Bezier face: the tensor product of a section arc with rows of (z, scale, weight)."""
+def _patch(quadrant: Any, span: Span) -> Any:
+    """Create a rational Bezier face: the tensor product of a section arc with a span; straight ones have two rows."""
+    rows = [*zip(span.z, span.scale, span.palmar, (1.0, span.weight, 1.0), strict=True)]
+    rows = rows[::2] if span.is_straight else rows
     poles = TColgp_Array2OfPnt(1, len(quadrant), 1, len(rows))
     weights = TColStd_Array2OfReal(1, len(quadrant), 1, len(rows))
     for i, (x, y, w) in enumerate(quadrant, 1):
-        for j, (z, scale, v) in enumerate(rows, 1):
-            poles.SetValue(i, j, gp_Pnt(x * scale, y * scale, z))
+        for j, (z, scale, palmar, v) in enumerate(rows, 1):
+            poles.SetValue(i, j, gp_Pnt(x * scale, y * (palmar if y < 0 else scale), z))
             weights.SetValue(i, j, w * v)
     return cq.Face(BRepBuilderAPI_MakeFace(Geom_BezierSurface(poles, weights), _SEWING_MM).Face())
 
 
-def _end(section: CrossSection, z: float, scale: float) -> Any:
+def _end(section: CrossSection, z: float, scale: float, palmar: float) -> Any:
     """Create the flat end face at height `z` [mm], bounded by the section's four arcs."""
-    edges = [_arc([(x * scale, y * scale, w) for x, y, w in quadrant], z) for quadrant in _quadrants(section)]
+    edges = [
+        _arc([(x * scale, y * (palmar if y < 0 else scale), w) for x, y, w in quadrant], z)
+        for quadrant in _quadrants(section)
+    ]
     return cq.Face.makeFromWires(cq.Wire.assembleEdges(edges))
 
 

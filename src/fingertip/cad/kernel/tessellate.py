@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, arc_point
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, Span, arc_point
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -61,25 +61,41 @@ def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
 
     Units: `tolerance` [mm].
     """
+    return _count_chords((a, a, 0.0), (0.0, b, b), weight, tolerance)
+
+
+@lru_cache(maxsize=1024)
+def _count_chords(
+    first: tuple[float, float, float], second: tuple[float, float, float], weight: float, tolerance: float
+) -> int:
+    """Count the chords that a conic arc between three control points, given by their coordinates, needs."""
     n = 2
-    while (deviation := _chord_deviation(a, b, weight, n)) > tolerance:
+    while (deviation := _chord_deviation(first, second, weight, n)) > tolerance:
         n = max(n + 1, math.ceil(n * math.sqrt(deviation / tolerance)))
     return n
 
 
-def _chord_deviation(a: float, b: float, weight: float, n: int) -> float:
+def _chord_deviation(
+    first: tuple[float, float, float], second: tuple[float, float, float], weight: float, n: int
+) -> float:
     """Measure the largest distance [mm] between the arc and any of its `n` chords."""
-    worst = 0.0
-    previous = (a, 0.0)
+
+    def point(t: float) -> Point2:
+        u = 1.0 - t
+        side, middle, top = u * u, 2.0 * weight * u * t, t * t
+        d = side + middle + top
+        x, y = ((side * p[0] + middle * p[1] + top * p[2]) / d for p in (first, second))
+        return x, y
+
+    worst, start = 0.0, point(0.0)
     for i in range(1, n + 1):
-        x, y = arc_point(i / n, weight)
-        point = (a * x, b * y)
-        dx, dy = point[0] - previous[0], point[1] - previous[1]
+        end = point(i / n)
+        dx, dy = end[0] - start[0], end[1] - start[1]
         length = math.hypot(dx, dy)
         for fraction in (0.35, 0.5, 0.65):  # a short conic arc is farthest from its chord near the middle
-            mx, my = arc_point((i - 1 + fraction) / n, weight)
-            worst = max(worst, abs((a * mx - previous[0]) * dy - (b * my - previous[1]) * dx) / length)
-        previous = point
+            mx, my = point((i - 1 + fraction) / n)
+            worst = max(worst, abs((mx - start[0]) * dy - (my - start[1]) * dx) / length)
+        start = end
     return worst
 
 
@@ -148,15 +164,22 @@ def _superconic(body: ConicBody, tolerance: float) -> tuple[Array, Triangles]:
         + [(-section.half_width * x, -section.palmar * y) for x, y in palmar[1:]]
         + [(section.half_width * x, -section.palmar * y) for x, y in palmar[-2:0:-1]]
     )
-    # Rings at the stations, and along the tip as many as its profile needs.
-    levels = list(body.stations)
+    # Rings at the ends of straight spans, and along curved ones as many as their profile needs.
+    levels = [(body.spans[0].z[0], body.spans[0].scale[0], body.spans[0].palmar[0])]
+    for span in body.spans:
+        rows = 1 if span.is_straight else _count_rows(section, span, share)
+        levels += [span.evaluate(i / rows) for i in range(1, rows)]
+        levels.append((span.z[2], span.scale[2], span.palmar[2]))
     if body.tip:
-        length = body.tip.z - body.stations[-1][0]
-        radius = max(section.half_width, section.palmar, section.dorsal) * body.tip_control()
-        rows = arc_segments(radius, length, body.tip.weight, share)
-        levels += [body.tip_point(i / rows) for i in range(1, rows)]
-    rings = [[(s * x, s * y, z) for x, y in unit] for z, s in levels]
+        levels.pop()
+    rings = [[(s * x, (c if y < 0.0 else s) * y, z) for x, y in unit] for z, s, c in levels]
     return _connect_rings(rings, (0.0, 0.0, body.tip.z) if body.tip else None)
+
+
+def _count_rows(section: CrossSection, span: Span, tolerance: float) -> int:
+    """Count the chords needed on a curved span so that none of its profiles deviates by more than `tolerance` [mm]."""
+    profiles = (section.half_width, span.scale), (section.dorsal, span.scale), (section.palmar, span.palmar)
+    return max(_count_chords((r * s[0], r * s[1], r * s[2]), span.z, span.weight, tolerance) for r, s in profiles)
 
 
 def _drafted_extrusion(extrusion: DraftedExtrusion, tolerance: float) -> tuple[Array, Triangles]:

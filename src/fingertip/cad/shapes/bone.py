@@ -7,7 +7,7 @@ tape is wound around the base, where the mold holds it, and covers the window of
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.insert import filled_bone, pilot_hole
+from fingertip.cad.shapes.insert import filled_bone, flat_slab, pilot_hole
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.features import END_ROOM_MM, SLIDING_MM, TailFold
@@ -35,27 +35,31 @@ def sensor_recess(design: Design) -> Solid:
     dims, bone = design.dimensions, design.bone
     flat = -dims.flat_depth
     outside = -dims.collar.section.palmar - dims.bone_outline.section.palmar  # below the palmar surface of every solid
-    head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    tail = dims.tail_half_width
-    floor = flat + dims.pocket_depth
+    tail, above_floor = dims.tail_half_width, dims.pocket_depth - dims.passage_height
     if dims.fold:
         top = dims.sensor_z + design.sensor.clearance_mm
-        passage = Box((-tail, floor - dims.passage_height, dims.fold.nose_z - _OVERLAP_MM), (tail, floor, top))
+        passage = flat_slab(design, above_floor, dims.pocket_depth, tail, dims.fold.nose_z - _OVERLAP_MM, top)
         return union(
-            cylinder("y", (dims.sensor_z, 0.0), outside, floor, head), Box((-tail, outside, 0.0), (tail, floor, top)),
-            passage, trough(design, dims.fold), _window(design, dims.fold, tail),
+            _head_pocket(design, outside), flat_slab(design, outside, dims.pocket_depth, tail, 0.0, top), passage,
+            trough(design, dims.fold), _window(design, dims.fold, tail),
         )  # fmt: skip
     # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
     relief_top = dims.tail_end_z + dims.relief_half_length
-    pocket = cylinder("y", (dims.sensor_z, 0.0), outside, floor, head)
+    pocket = _head_pocket(design, outside)
     tail_top = dims.sensor_z + design.sensor.clearance_mm  # also clears a tail that is wider than the head
     relief = Box((-tail, outside, dims.relief_proximal_z), (tail, relief_floor, relief_top))
     if not dims.tail_passes_collar:
-        return union(pocket, Box((-tail, outside, dims.tail_end_z), (tail, floor, tail_top)), relief)
-    passage = Box((-tail, floor - dims.passage_height, dims.tail_end_z), (tail, floor, tail_top))
-    under_skin = Box((-tail, outside, 0.0), (tail, floor, tail_top))
+        return union(pocket, flat_slab(design, outside, dims.pocket_depth, tail, dims.tail_end_z, tail_top), relief)
+    passage = flat_slab(design, above_floor, dims.pocket_depth, tail, dims.tail_end_z, tail_top)
+    under_skin = flat_slab(design, outside, dims.pocket_depth, tail, 0.0, tail_top)
     return union(pocket, passage, under_skin, relief)
+
+
+def _head_pocket(design: Design, outside: float) -> Solid:
+    dims = design.dimensions
+    radius = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
+    return cylinder("y", (dims.sensor_z, 0.0), outside, dims.pocket_depth - dims.platform_depth, radius)
 
 
 def trough(design: Design, fold: TailFold) -> Solid:
@@ -132,13 +136,16 @@ def tie_hole(design: Design) -> Solid:
 def sensor_body(design: Design) -> Solid:
     """Build the sensor as mounted in the bone, for pictures and checks; it is not printed."""
     dims = design.dimensions
-    dorsal_face = -dims.flat_depth + dims.pocket_depth - design.sensor.adhesive_thickness_mm
-    palmar_face, half_tail = dorsal_face - dims.sensor.thickness_mm, dims.sensor.tail_width_mm / 2
-    head = cylinder("y", (dims.sensor_z, 0.0), palmar_face, dorsal_face, dims.sensor.head_diameter_mm / 2)
+    depth, half_tail = dims.pocket_depth - design.sensor.adhesive_thickness_mm, dims.sensor.tail_width_mm / 2
+    dorsal_face, at_head = depth - dims.flat_depth, depth - dims.platform_depth
+    head = cylinder(
+        "y", (dims.sensor_z, 0.0), at_head - dims.sensor.thickness_mm, at_head, dims.sensor.head_diameter_mm / 2
+    )
     fold = dims.fold
+    low = fold.nose_z if fold else dims.tail_end_z
+    palmar = flat_slab(design, depth - dims.sensor.thickness_mm, depth, half_tail, low, dims.sensor_z)
     if not fold:
-        return union(head, Box((-half_tail, palmar_face, dims.tail_end_z), (half_tail, dorsal_face, dims.sensor_z)))
-    palmar = Box((-half_tail, palmar_face, fold.nose_z), (half_tail, dorsal_face, dims.sensor_z))
+        return union(head, palmar)
     # Around the nose the film keeps to the plane in which it lies in its slot, and to that of the dorsal passage.
     inner, low = fold.floor_y + SLIDING_MM / 2, fold.nose_z
     y, r = (dorsal_face + inner) / 2, (inner - dorsal_face) / 2
@@ -171,6 +178,8 @@ def genus(design: Design) -> int:
 
 
 TAPE_MM = 0.1
+_INTO_BONE_MM = 0.02
+"""Depth to which the tape on a ramp reaches into the bone [mm]: oblique faces that only touch leave slits."""
 TAPE_RIM_MM = 0.5
 """Width by which the tape reaches past what it covers [mm]."""
 _INTO_COLLAR_MM = 0.3
@@ -186,8 +195,14 @@ def tape_outline_mm(design: Design) -> tuple[float, float]:
 
 def tape(design: Design) -> Solid:
     """Build the tape on the flat of the bone, from the collar over the sensor's head."""
-    (half, top), flat = tape_outline_mm(design), -design.dimensions.flat_depth
-    return Box((-half, flat - TAPE_MM, -_INTO_COLLAR_MM), (half, flat, top))
+    half, top = tape_outline_mm(design)
+    if design.bone.platform_mm == 0.0:
+        return flat_slab(design, -TAPE_MM, 0.0, half, -_INTO_COLLAR_MM, top)
+    dims = design.dimensions
+    low, high, neck = dims.platform_depth + 2 * TAPE_MM, dims.flat_depth / 2, dims.tail_half_width + TAPE_RIM_MM
+    disc = cylinder("y", (dims.sensor_z, 0.0), -low, -high, top - dims.sensor_z)
+    outline = union(disc, Box((-neck, -low, -1.0), (neck, -high, dims.sensor_z)))
+    return intersection(flat_slab(design, -TAPE_MM, _INTO_BONE_MM, half, -_INTO_COLLAR_MM, top), outline)
 
 
 def passage_seal(design: Design) -> tuple[Solid, ...]:

@@ -101,6 +101,8 @@ def head_y(design: Design) -> float:
     return contact_y(design) - chaplet.engaged + length
 
 
+_NECK_OVERLAP_MM = 0.5
+"""Length by which the ramp's solid begins below the flat, proximal to the ramp [mm]."""
 _STEP_IN_COLLAR_MM = 0.3
 """Depth of the step between both flats in the collar, which rules keep longer than this [mm]."""
 _BASE_OVERLAP_MM = 0.4
@@ -115,7 +117,9 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
 
 
 def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    return difference(_cut_flat(design, body, inset_mm), *facet_cut(design, inset_mm))
+    return difference(
+        union(_cut_flat(design, body, inset_mm), *_platform(design, body, inset_mm)), *facet_cut(design, inset_mm)
+    )
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
@@ -133,6 +137,29 @@ def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
     if base == dims.flat_depth:
         return difference(SuperconicSolid(body), below(flat, low))
     return difference(SuperconicSolid(body), below(base, low), below(flat, -_STEP_IN_COLLAR_MM))
+
+
+def _platform(design: Design, body: ConicBody, inset_mm: float) -> tuple[Solid, ...]:
+    """Build the platform under the sensor's head, and the ramp of its tail, within the outline; none without one."""
+    dims = design.dimensions
+    if design.bone.platform_mm == 0.0:
+        return ()
+    radius, half = dims.platform_radius - inset_mm, dims.neck_half_width - inset_mm
+    disc = cylinder("y", (dims.sensor_z, 0.0), inset_mm - dims.platform_depth, 0.0, radius)
+    neck = flat_slab(design, inset_mm, dims.flat_depth, half, dims.ramp[0] - _NECK_OVERLAP_MM, dims.sensor_z)
+    return (intersection(SuperconicSolid(body), union(disc, neck)),)
+
+
+def flat_slab(design: Design, low_mm: float, high_mm: float, half_width: float, begin: float, end: float) -> Solid:
+    """Build what lies between two distances from the bone's palmar side, positive into the bone, from z to z [mm]."""
+    dims = design.dimensions
+    knots = [z for z in dims.ramp if design.bone.platform_mm and begin < z < end]
+    if not knots:
+        flat = -dims.flat_depth_at(begin)
+        return Box((-half_width, flat + low_mm, begin), (half_width, flat + high_mm, end))
+    line = [(-dims.flat_depth_at(z), z) for z in (begin, *knots, end)]
+    corners = [(y + high_mm, z) for y, z in line] + [(y + low_mm, z) for y, z in reversed(line)]
+    return Prism("x", tuple(corners), -half_width, half_width)
 
 
 def collar(design: Design) -> Solid:

@@ -40,8 +40,8 @@ from fingertip.design.geometry.solids import (
     Solid,
     SuperconicSolid,
     cylinder,
+    difference,
     intersection,
-    scaled,
     union,
 )
 from fingertip.design.interfaces.clevis import eye_profile, knuckle, pin_bore, space
@@ -64,12 +64,12 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
         # The bone does not lie in the mold, and a sleeve is smaller than it by the interference.
         inside.pop("bone", None)
         inside.pop("lid", None)
-        if "skin" in inside:
-            inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)  # size before it shrinks
+    # The silicone fills the cavity before it shrinks.
+    filled = inside | ({"skin": difference(cavity(design), mold_insert(design))} if "skin" in inside else {})
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
-    yield from _check_overlaps(evaluator, inside, halves)
+    yield from _check_overlaps(evaluator, inside, filled, halves)
     if inside:
-        cast = evaluator.manifold(union(*inside.values()))
+        cast = evaluator.manifold(union(*filled.values()))
         for name, half in halves.items():
             solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
             pulled = (solid.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
@@ -117,9 +117,9 @@ def check_brep_assembly(
 
 
 def _check_overlaps(
-    evaluator: MeshEvaluator, inside: Mapping[str, Solid], halves: Mapping[str, Solid]
+    evaluator: MeshEvaluator, inside: Mapping[str, Solid], filled: Mapping[str, Solid], halves: Mapping[str, Solid]
 ) -> Iterator[Check]:
-    """Check that no two parts overlap.
+    """Check that no two parts overlap: those inside the mold at their own sizes, and as they are cast with a half.
 
     Parts inside the mold share surfaces. The intersection of such solids takes four times as long as their union, so
     their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half they are tested all at once, and one by
@@ -132,8 +132,8 @@ def _check_overlaps(
     for (first, one), (second, other) in combinations(inside.items(), 2):
         yield check_zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
     for half, solid in halves.items():
-        together = volume(intersection(union(*inside.values()), solid)) if inside else 0.0
-        for name, one in inside.items():
+        together = volume(intersection(union(*filled.values()), solid)) if filled else 0.0
+        for name, one in filled.items():
             alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
             yield check_zero_volume(f"overlap.{name}.{half}", alone)
     if len(halves) == 2:

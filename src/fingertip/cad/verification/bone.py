@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.shapes.insert import filled_bone, flat_slab
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
@@ -60,7 +60,6 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
 
 def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
-    y_flat = -dims.flat_depth
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
     recess = evaluator.manifold(bone.sensor_recess(design))
     if dims.fold:
@@ -69,9 +68,10 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     else:
         yield from _check_channel_walls(design, evaluator, outside, wall)
 
-    # Pocket and slot open in the plane of the flat, so only what lies above that plane is measured.
-    recessed = recess.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM) ^ whole
-    beside = outside.trim_by_plane((0.0, 1.0, 0.0), y_flat + PLANE_OFFSET_MM)
+    # Pocket and slot open in the flat, so only what lies above flat, ramp and platform is measured.
+    low_x, _, low_z, high_x, high_y, high_z = outside.bounding_box()
+    above = evaluator.manifold(flat_slab(design, PLANE_OFFSET_MM, 2 * high_y, max(-low_x, high_x), low_z, high_z))
+    recessed, beside = recess ^ whole ^ above, outside ^ above
     rim = min(design.bone.rim_mm, wall)
     yield check_min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
     if not dims.window_opens_into_gap:
@@ -158,15 +158,14 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
         gap = min(SLIDING_MM / 2, design.sensor.clearance_mm)  # above and below it, and at its sides
         yield check_min_distance("sensor.tail_clearance", beyond, solid, gap - evaluator.tolerance_mm)
     yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())
-    floor = -dims.flat_depth + dims.pocket_depth
     if dims.fold:  # only its palmar side rests on a seat
         distal = above_z(body, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y)
     else:
         distal = above_z(body, dims.tail_end_z + dims.relief_half_length + PLANE_OFFSET_MM)
-    low, high = distal.bounding_box()[1], distal.bounding_box()[4]
     # Move the sensor into its seat by its own thickness. Where it then meets no bone, the seat does not support it.
-    sunk = distal.translate((0.0, floor - low, 0.0))
-    unsupported = (sunk.volume() - (sunk ^ solid).volume()) / (high - low)
+    thickness = dims.sensor.thickness_mm
+    sunk = distal.translate((0.0, thickness + design.sensor.adhesive_thickness_mm, 0.0))
+    unsupported = (sunk.volume() - (sunk ^ solid).volume()) / thickness
     yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")
 
 

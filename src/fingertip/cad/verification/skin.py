@@ -1,9 +1,6 @@
 """Checks of the skin: thickness, deviation of its mesh from the exact surface, and stretch of a sleeve.
 
-Thickness is measured above the plane z = 0, where the skin is cut square. The distance of a point inside a convex
-polyhedron from its surface is the distance from the nearest of the facets' planes. Each of these is linear in the
-point, so the smallest distance of a body is that of one of its corners. Were the surface not convex, the planes would
-cut into it, and the result would be too small, never too large.
+Thickness is measured above the plane z = 0, where the skin is cut square: the least gap between bone and outside.
 
 The exact surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are
 reflected to x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two
@@ -15,18 +12,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays
-from fingertip.cad.kernel.tessellate import Triangles
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.insert import filled_bone, skin_interior
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, search_distance
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody
+from fingertip.design.geometry.conic import ConicBody, Span
 from fingertip.design.geometry.seat import Loss, Motion, worst
 from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
@@ -34,34 +29,6 @@ from fingertip.foundation.numerics import Array
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-_BLOCK = 2**15
-"""Number of distances that are computed at once. They fit into the cache of a processor, and the linear algebra library
-starts no threads for so few."""
-
-_PLANE_DIGITS = 9
-"""Decimals to which planes agree that are the same."""
-
-
-class EnclosingSurface:
-    """Planes of the facets of a convex surface. Units: `vertices` [mm]."""
-
-    def __init__(self, vertices: Array, triangles: Triangles) -> None:
-        a, b, c = (vertices[triangles[:, i]] for i in range(3))
-        normals = np.cross(b - a, c - a)
-        normals /= np.linalg.norm(normals, axis=1)[:, None]
-        planes = np.column_stack((normals, -np.einsum("ij,ij->i", normals, a)))
-        # Two triangles share a plane wherever a ring of the mesh is a scaled copy of the next one.
-        _, distinct = np.unique(np.round(planes, _PLANE_DIGITS), axis=0, return_index=True)
-        self._planes = np.ascontiguousarray(planes[distinct].T)
-
-    def distance_to(self, points: Array) -> float:
-        """Measure the smallest distance [mm] of points inside from the surface; negative if one lies outside."""
-        homogeneous = np.column_stack((points, np.ones(len(points))))
-        size = max(1, _BLOCK // self._planes.shape[1])
-        blocks = (homogeneous[i : i + size] for i in range(0, len(points), size))
-        return -max(float((block @ self._planes).max()) for block in blocks)
-
 
 _NEARBY_STEPS = 3
 """Gauss-Newton steps that suffice for points very near the surface."""
@@ -98,25 +65,27 @@ def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
 class Patch:
     """Patch of one quadrant of a taper or of the tip: tensor product of a section arc (t) and a profile [mm] (v)."""
 
-    def __init__(self, a: float, b: float, weight: float, profile: tuple[tuple[float, float, float], ...]) -> None:
-        self.a, self.b, self.profile = a, b, profile
-        self._section = ((1.0, 0.0, 1.0), (1.0, 1.0, weight), (0.0, 1.0, 1.0))
+    def __init__(self, a: float, b: float, weight: float, span: Span) -> None:
+        self.a, self.b, self._z = a, b, (span.z[0], span.z[2])
+        self._section = (weight, (1.0, 1.0, 0.0), (0.0, 1.0, 1.0))
+        # Height, scale of the width, and scale of this side's height.
+        self._profile = (span.weight, span.z, span.scale, span.scale if b > 0 else span.palmar)
 
     def evaluate(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
         """Evaluate points of the patch and their derivatives by t and v, each of shape (n, 3)."""
-        (x, dx), (y, dy) = _rational(t, self._section)
-        (z, dz), (s, ds) = _rational(v, self.profile)
+        (x, dx), (y, dy) = _rational(t, *self._section)
+        (z, dz), (s, ds), (c, dc) = _rational(v, *self._profile)
         x, dx, y, dy = self.a * x, self.a * dx, self.b * y, self.b * dy
         zero = np.zeros_like(z)
         return (
-            np.column_stack((s * x, s * y, z)),
-            np.column_stack((s * dx, s * dy, zero)),
-            np.column_stack((ds * x, ds * y, dz)),
+            np.column_stack((s * x, c * y, z)),
+            np.column_stack((s * dx, c * dy, zero)),
+            np.column_stack((ds * x, dc * y, dz)),
         )
 
     def in_range(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
         """Select points by a mask: those within the height and side of the patch, extended by `reach_mm`."""
-        low, high = self.profile[0][0], self.profile[-1][0]
+        low, high = self._z
         y, z = points[:, 1] * np.sign(self.b), points[:, 2]
         within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
         return within
@@ -145,43 +114,37 @@ class Patch:
         """Estimate the parameters of the nearest point: same height, and about the same direction from the axis."""
         heights, scales, angles = self._samples
         v = np.interp(points[:, 2], heights, _PARAMETERS)
-        scale = np.maximum(np.interp(v, _PARAMETERS, scales), 1e-9)
-        angle = np.arctan2(np.maximum(points[:, 1] / (self.b * scale), 0.0), points[:, 0] / (self.a * scale))
+        wide, high = (np.maximum(np.interp(v, _PARAMETERS, values), 1e-9) for values in scales)
+        angle = np.arctan2(np.maximum(points[:, 1] / (self.b * high), 0.0), points[:, 0] / (self.a * wide))
         return np.interp(angle, angles, _PARAMETERS), v
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array, Array]:
-        """Height [mm] and scale along the profile, and angle [rad] along the section arc, at `_PARAMETERS`."""
-        (x, _), (y, _) = _rational(_PARAMETERS, self._section)
-        (z, _), (s, _) = _rational(_PARAMETERS, self.profile)
-        return z, s, np.arctan2(y, x)
+    def _samples(self) -> tuple[Array, tuple[Array, Array], Array]:
+        """Height [mm] and both scales along the profile, and angle [rad] along the section arc, at `_PARAMETERS`."""
+        (x, _), (y, _) = _rational(_PARAMETERS, *self._section)
+        (z, _), (s, _), (c, _) = _rational(_PARAMETERS, *self._profile)
+        return z, (s, c), np.arctan2(y, x)
 
 
-def _rational(t: Array, poles: Iterable[tuple[float, float, float]]) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Evaluate a plane rational Bezier curve of degree 1 or 2, and its derivative; poles have a weight."""
-    *coordinates, weights = (np.array(column) for column in zip(*poles, strict=True))
-    u, is_line = 1.0 - t, len(weights) == 2
-    basis = np.array((u, t) if is_line else (u * u, 2.0 * u * t, t * t))
-    slope = np.array((-np.ones_like(t), np.ones_like(t)) if is_line else (-2.0 * u, 2.0 * (u - t), 2.0 * t))
+def _rational(t: Array, weight: float, *coordinates: tuple[float, float, float]) -> list[tuple[Array, Array]]:
+    """Evaluate each coordinate of a rational quadratic Bezier curve, and its derivative."""
+    u, weights = 1.0 - t, np.array((1.0, weight, 1.0))
+    basis, slope = np.array((u * u, 2.0 * u * t, t * t)), np.array((-2.0 * u, 2.0 * (u - t), 2.0 * t))
     d, dd = weights @ basis, weights @ slope
-    first, second = ((values * weights) @ basis / d for values in coordinates)
-    by_first, by_second = (
-        ((values * weights) @ slope - value * dd) / d
-        for values, value in zip(coordinates, (first, second), strict=True)
-    )
-    return (first, by_first), (second, by_second)
+    found = []
+    for poles in coordinates:
+        value = (poles * weights) @ basis / d
+        found.append((value, ((poles * weights) @ slope - value * dd) / d))
+    return found
 
 
 def surface_patches(body: ConicBody) -> Iterator[Patch]:
     """List the patches of the side x >= 0 of a body with a tip, dorsal and palmar."""
     assert body.tip is not None
-    spans = [((z0, s0, 1.0), (z1, s1, 1.0)) for (z0, s0), (z1, s1) in pairwise(body.stations)]
-    z, s = body.stations[-1]
-    tip = ((z, s, 1.0), (body.tip.z, body.tip_control(), body.tip.weight), (body.tip.z, 0.0, 1.0))
     section = body.section
     for height, weight in ((section.dorsal, section.dorsal_weight), (-section.palmar, section.palmar_weight)):
-        for profile in (*spans, tip):
-            yield Patch(section.half_width, height, weight, profile)
+        for span in body.spans:
+            yield Patch(section.half_width, height, weight, span)
 
 
 _STEEP = 0.5
@@ -193,7 +156,7 @@ _SECTIONS = 24
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
-    interior, outside = _interior(design, evaluator), _outer_surface(design, evaluator)
+    interior, outside = _interior(design, evaluator), _outside(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
     yield from _check_play(design, interior, outside, minimum)
@@ -202,7 +165,7 @@ def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator
 
 
 def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
-    return _thickness(_interior(design, evaluator), _outer_surface(design, evaluator))
+    return _thickness(_interior(design, evaluator), _outside(design, evaluator))
 
 
 def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
@@ -220,20 +183,17 @@ def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
     return above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
 
 
-def _outer_surface(design: Design, evaluator: MeshEvaluator) -> EnclosingSurface:
-    """Outer surface of the skin without its flat end, where the skin is open."""
-    vertices, triangles = to_arrays(evaluator.manifold(SuperconicSolid(design.dimensions.outer)))
-    in_flat_end = (vertices[triangles][:, :, 2] == vertices[:, 2].min()).all(axis=1)
-    return EnclosingSurface(vertices, triangles[~in_flat_end])
+def _outside(design: Design, evaluator: MeshEvaluator) -> Manifold:
+    """Everything around the skin, but not beyond its flat end, where the skin is open."""
+    return above_z(complement(evaluator, SuperconicSolid(design.dimensions.outer)), PLANE_OFFSET_MM)
 
 
-def _thickness(interior: Manifold, outside: EnclosingSurface) -> float:
-    """Measure the smallest thickness [mm] between a skin's interior and its outer surface; 0 where they meet."""
-    corners, _ = to_arrays(interior)
-    return max(0.0, outside.distance_to(corners))
+def _thickness(interior: Manifold, outside: Manifold) -> float:
+    """Measure the smallest thickness [mm] between a skin's interior and its outside; 0 where they meet."""
+    return search_distance(lambda reach_mm: interior.min_gap(outside, reach_mm), 1.0)
 
 
-def _check_play(design: Design, interior: Manifold, outside: EnclosingSurface, minimum: float) -> Iterator[Check]:
+def _check_play(design: Design, interior: Manifold, outside: Manifold, minimum: float) -> Iterator[Check]:
     """Check the silicone that is left where bone or core lies off as far as its supports allow."""
     losses = design.losses
     for name, over_sensor, limit in (

@@ -122,7 +122,7 @@ def list_load_points(design: Design) -> tuple[LoadPoint, ...]:
     dims, skin = design.dimensions, design.skin
     scale = dims.outer.scale_at(dims.sensor_z)
     return (
-        LoadPoint("pad centre", (0.0, -skin.semi_axis_palmar_mm * scale, dims.sensor_z)),
+        LoadPoint("pad centre", (0.0, -dims.outer.palmar_height_at(0.0, dims.sensor_z), dims.sensor_z)),
         LoadPoint("apex", (0.0, 0.0, skin.length_mm)),
         LoadPoint("side", (skin.width_mm / 2 * scale, 0.0, dims.sensor_z)),
     )

@@ -3,9 +3,10 @@
 A cross-section consists of four rational quadratic arcs, one in each quadrant. The arc from (a, 0) to (0, b) has the
 control point (a, b) with weight w. The weight w = sqrt(1/2) gives an ellipse, larger weights are squarer and smaller
 ones flatter. Along z the whole section is scaled: linearly between stations, then by one more conic to the apex of the
-tip, which continues the last straight line without a kink (G1 continuity). NURBS represent both exactly, so that mesh
-and B-rep evaluate the same surface. Every section widens monotonically towards the plane y = 0. That is why both halves
-of a mold parted there pull without an undercut.
+tip, which continues the last straight line without a kink (G1 continuity). The palmar height may have a profile of its
+own along z, the crown of a pad: conic arcs that share the parameter, and so the weights, of the scale. NURBS represent
+all of these exactly, so that mesh and B-rep evaluate the same surface. Every section widens monotonically towards the
+plane y = 0. That is why both halves of a mold parted there pull without an undercut.
 
 Only the math module is used: its results are the same on every processor, while numpy's vector functions differ in the
 last bit.
@@ -17,6 +18,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
@@ -93,12 +96,17 @@ class CrossSection:
     palmar_weight: float
     dorsal_weight: float
 
-    def half_width_at(self, y: float, scale: float = 1.0) -> float:
-        """Return the half width [mm] of the section, scaled by `scale`, at height y [mm]; 0 outside it."""
-        height, weight = (self.dorsal, self.dorsal_weight) if y >= 0 else (self.palmar, self.palmar_weight)
-        if scale <= 0.0 or abs(y) >= height * scale:
+    def half_width_at(self, y: float, scale: float = 1.0, palmar_scale: float | None = None) -> float:
+        """Return the half width [mm] of the section, scaled by `scale`, at height y [mm]; 0 outside it.
+
+        The palmar height is scaled by `palmar_scale` if given.
+        """
+        dorsal = self.dorsal * scale, self.dorsal_weight
+        palmar = self.palmar * (scale if palmar_scale is None else palmar_scale), self.palmar_weight
+        height, weight = dorsal if y >= 0 else palmar
+        if scale <= 0.0 or abs(y) >= height:
             return 0.0
-        return scale * self.half_width * arc_abscissa(abs(y) / (height * scale), weight)
+        return scale * self.half_width * arc_abscissa(abs(y) / height, weight)
 
     def dorsal_height_at(self, x: float, scale: float = 1.0) -> float:
         """Return the height y [mm] of the dorsal side, whose arc is symmetric, at x [mm]; 0 outside."""
@@ -118,6 +126,55 @@ class Tip:
 
 
 @dataclass(frozen=True)
+class Span:
+    """Piece of a body along z: a rational quadratic curve of height z, scale and palmar scale, with one weight.
+
+    The weights of both ends are one. A straight piece has its control point in the middle, and the weight one.
+    """
+
+    z: tuple[float, float, float]
+    scale: tuple[float, float, float]
+    palmar: tuple[float, float, float]
+    weight: float
+
+    @property
+    def is_straight(self) -> bool:
+        return self.weight == 1.0 and self.z[1] == 0.5 * (self.z[0] + self.z[2])
+
+    def evaluate(self, t: Parameter) -> tuple[Parameter, Parameter, Parameter]:
+        """Return height, scale and palmar scale at t in [0, 1]."""
+        u = 1.0 - t
+        side, middle, top = u * u, 2.0 * self.weight * u * t, t * t
+        d = side + middle + top
+        z, s, c = ((side * p[0] + middle * p[1] + top * p[2]) / d for p in (self.z, self.scale, self.palmar))
+        return z, s, c
+
+    def parameter_at(self, z: float) -> float:
+        """Return t at a height in the span; r = t / (1 - t) solves (z2 - z) r^2 + 2 w (z1 - z) r = z - z0."""
+        low, middle, high = z - self.z[0], self.weight * (self.z[1] - z), self.z[2] - z
+        root = math.sqrt(middle * middle + low * high)
+        if middle >= 0.0:
+            return low / (low + middle + root) if low > 0.0 else 0.0
+        return (root - middle) / (root - middle + high)
+
+
+@dataclass(frozen=True)
+class Crown:
+    """Profile of a pad along z: an arc about its apex, and another one that leads on to a lower, straight base.
+
+    Both arcs have the same radius. Towards the tip the arc ends where it has turned by `flank`.
+    """
+
+    z: float
+    """Height z of the apex [mm], where the palmar scale is 1."""
+    radius: float
+    drop: float
+    """Drop from the apex to the base, relative to the palmar height of the section."""
+    flank: float
+    """Slope at which the arc ends towards the tip [mm per mm]."""
+
+
+@dataclass(frozen=True)
 class ConicBody:
     """Section that is scaled along z and then closed, flat or by a tip."""
 
@@ -125,6 +182,33 @@ class ConicBody:
     stations: tuple[tuple[float, float], ...]
     """Heights [mm] and scales between which the section is scaled linearly."""
     tip: Tip | None = None
+    crown: Crown | None = None
+
+    @cached_property
+    def spans(self) -> tuple[Span, ...]:
+        """Pieces of the body along z, from its beginning to the tip's apex."""
+        spans = [_straight(low, high) for low, high in pairwise(self.stations)]
+        if self.tip:
+            z, s = self.stations[-1]
+            control = self.tip_control()
+            spans.append(Span((z, self.tip.z, self.tip.z), (s, control, 0.0), (s, control, 0.0), self.tip.weight))
+        return tuple(spans) if self.crown is None else _crown_spans(self, self.crown)
+
+    def palmar_scale_at(self, z: float) -> float:
+        """Return the scale of the palmar height at height z [mm]; 0 outside the body."""
+        if self.crown is None:
+            return self.scale_at(z)
+        for span in self.spans:
+            if span.z[0] <= z <= span.z[2] and z < self.spans[-1].z[2]:
+                return span.evaluate(span.parameter_at(z))[2]
+        return 0.0
+
+    def palmar_height_at(self, x: float, z: float) -> float:
+        """Return the height [mm] of the palmar side, positive towards the palm, at (x, z) [mm]; 0 outside it."""
+        width = self.section.half_width * self.scale_at(z)
+        if abs(x) >= width:
+            return 0.0
+        return self.palmar_scale_at(z) * self.section.palmar * arc_abscissa(abs(x) / width, self.section.palmar_weight)
 
     def tip_control(self) -> float:
         """Return the scale of the tip's control point, where the last taper line meets the height of the apex."""
@@ -159,11 +243,99 @@ class ConicBody:
 
     def half_width_at(self, y: float, z: float) -> float:
         """Return the half width [mm] of the body at (y, z) [mm]; 0 outside it."""
-        return self.section.half_width_at(y, self.scale_at(z))
+        return self.section.half_width_at(y, self.scale_at(z), self.palmar_scale_at(z))
 
     def dorsal_height_at(self, x: float, z: float) -> float:
         """Return the height y [mm] of the dorsal side at (x, z) [mm]; 0 outside it."""
         return self.section.dorsal_height_at(x, self.scale_at(z))
+
+
+def _straight(low: tuple[float, float], high: tuple[float, float]) -> Span:
+    (z0, s0), (z1, s1) = low, high
+    scale = (s0, 0.5 * (s0 + s1), s1)
+    return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
+
+
+def _crown_spans(body: ConicBody, crown: Crown) -> tuple[Span, ...]:
+    """Lay the palmar profile of a crown over the scale of a body with one taper and a tip.
+
+    On the taper the arcs are circles: height and palmar scale meet at the tangents' intersection, and the weight is the
+    cosine of half the angle. On the tip the weights are those of the scale's conic, cut at the end of the crown, so the
+    profile there only continues the tangents.
+    """
+    assert body.tip is not None
+    (begin, _), (join, end_scale) = body.stations
+    height, radius = body.section.palmar, crown.radius
+    sine = crown_sine(crown.drop * height, radius)
+    flank = crown.flank / math.hypot(1.0, crown.flank)
+    # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
+    knots = [(crown.z - 2.0 * radius * sine, 0.0), (crown.z - radius * sine, sine)]
+    last = min(crown.z + radius * flank, join)
+    knots.append((last, (crown.z - last) / radius))
+    low = 1.0 - crown.drop
+    spans = [_taper_span(body, begin, knots[0][0], low, 0.0, 0.0, height)] if knots[0][0] > begin else []
+    for (z0, sine0), (z1, sine1) in pairwise(knots):
+        spans.append(_taper_span(body, z0, z1, low, sine0, sine1, height))
+        low = spans[-1].palmar[2]
+    slope = knots[-1][1] / math.sqrt(1.0 - knots[-1][1] ** 2) / height
+    if last < join:
+        spans.append(_taper_span(body, last, join, low, knots[-1][1], knots[-1][1], height))
+        low = spans[-1].palmar[2]
+    control = body.tip_control()
+    whole = Span((join, body.tip.z, body.tip.z), (end_scale, control, 0.0), (0.0, 0.0, 0.0), body.tip.weight)
+    if crown.z + radius * flank > join:
+        near, whole = _cut(whole, whole.parameter_at(crown.z + radius * flank))
+        middle = low + slope * (near.z[1] - near.z[0])
+        slope = -crown.flank / height
+        high = middle + slope * (near.z[2] - near.z[1])
+        spans.append(replace(near, palmar=(low, middle, high)))
+        low = high
+    spans.append(replace(whole, palmar=(low, low + slope * (whole.z[1] - whole.z[0]), 0.0)))
+    return tuple(spans)
+
+
+def crown_sine(drop: float, radius: float) -> float:
+    """Return the sine of the steepest slope between a crown and its base, of two arcs that drop by `drop` [mm]."""
+    cosine = 1.0 - drop / (2.0 * radius)
+    return math.sqrt(max(0.0, 1.0 - cosine * cosine))
+
+
+def _taper_span(
+    body: ConicBody, z0: float, z1: float, palmar: float, sine0: float, sine1: float, height: float
+) -> Span:
+    """Lay a straight line or an arc of a circle over the taper, from a palmar scale and the sines of both slopes."""
+    cosines = [math.sqrt(1.0 - sine * sine) for sine in (sine0, sine1)]
+    slopes = [sine / cosine / height for sine, cosine in zip((sine0, sine1), cosines, strict=True)]
+    if sine0 == sine1:
+        middle, weight = 0.5 * (z0 + z1), 1.0
+    else:
+        # Tangents from both ends are equally long, r tan(angle / 2), and meet there.
+        turn = cosines[0] * cosines[1] + sine0 * sine1  # cosine of the angle
+        weight = math.sqrt(0.5 * (1.0 + turn))
+        length = (z1 - z0) / (cosines[0] + cosines[1])
+        middle = z0 + length * cosines[0]
+    scale = tuple(body.scale_at(z) for z in (z0, middle, z1))
+    rise = slopes[0] * (middle - z0), slopes[1] * (z1 - middle)
+    return Span(
+        (z0, middle, z1), (scale[0], scale[1], scale[2]), (palmar, palmar + rise[0], palmar + rise[0] + rise[1]), weight
+    )
+
+
+def _cut(span: Span, t: float) -> tuple[Span, Span]:
+    """Cut a span at parameter t (de Casteljau's algorithm in homogeneous coordinates); palmar scales are left out."""
+    w = span.weight
+    first, last = 1.0 - t + t * w, (1.0 - t) * w + t  # weights of the control points of both pieces
+    middle = (1.0 - t) * first + t * last
+    pieces: list[list[tuple[float, float, float]]] = [[], []]
+    for a, b, c in (span.z, span.scale):
+        left, right = ((1.0 - t) * a + t * w * b) / first, ((1.0 - t) * w * b + t * c) / last
+        point = ((1.0 - t) * first * left + t * last * right) / middle
+        pieces[0].append((a, left, point))
+        pieces[1].append((point, right, c))
+    none, root = (0.0, 0.0, 0.0), math.sqrt(middle)
+    return (
+        Span(pieces[0][0], pieces[0][1], none, first / root), Span(pieces[1][0], pieces[1][1], none, last / root),
+    )  # fmt: skip
 
 
 TANGENT_STEP_MM = 0.05

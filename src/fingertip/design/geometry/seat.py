@@ -49,24 +49,35 @@ class ThicknessSample:
 def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
     """Compute the minimum skin thickness [mm] over the straight part of the finger.
 
-    Both outlines shrink linearly between the section where the skin begins and the one where its tip begins, so that no
-    section in between is thinner. The tip is left to the check of the solids, which covers all three dimensions.
+    Both outlines change linearly between the section where the skin begins and the one where its tip begins, but for
+    the arcs of a crown and the ramp of a platform, which bring sections of their own. The tip is left to the check of
+    the solids, which covers all three dimensions.
     """
-    heights = (z for z, _ in dims.bone_outline.stations if z >= 0.0)
-    return min(sample.thickness_mm for z in heights for sample in skin_thicknesses(dims, z, inset_mm))
+    heights = {z for z, _ in dims.bone_outline.stations if z >= 0.0} | {z for z in _bends(dims) if z < dims.taper_end_z}
+    return min(sample.thickness_mm for z in sorted(heights) for sample in skin_thicknesses(dims, z, inset_mm))
+
+
+def _bends(dims: Dimensions) -> list[float]:
+    """List the heights at which a crown, or the palmar side of the bone, bends over the skin's length [mm]."""
+    knots = [span.z[0] for span in dims.outer.spans if dims.crown]
+    if dims.platform_half_width_at(dims.sensor_z):
+        radius = dims.platform_radius
+        knots += [*dims.ramp, *(dims.sensor_z + share * radius for share in (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99))]
+    return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 
 
 def skin_thicknesses(
     dims: Dimensions, z: float, inset_mm: float, points: int = _OUTLINE_POINTS, chords: int = _OUTLINE_CHORDS
 ) -> Iterator[ThicknessSample]:
     """Sample the silicone over the bone's outline at height z [mm], cut at the palmar flat; one side, x >= 0."""
-    outer, outer_scale = dims.outer.section, dims.outer.scale_at(z)
+    outer, outer_scale, palmar_scale = dims.outer.section, dims.outer.scale_at(z), dims.outer.palmar_scale_at(z)
     inner, inner_scale = dims.bone_outline.section, dims.bone_outline.scale_at(z)
     width, flat = inner.half_width - inset_mm, dims.flat_depth - inset_mm
     for dorsal in (True, False):
         height = (inner.dorsal if dorsal else inner.palmar) - inset_mm
         weight = inner.dorsal_weight if dorsal else inner.palmar_weight
-        surface = [(outer_scale * x, outer_scale * y) for x, y in quarter_outline(outer, dorsal, chords)]
+        rise = outer_scale if dorsal else palmar_scale
+        surface = [(outer_scale * x, rise * y) for x, y in quarter_outline(outer, dorsal, chords)]
         bone = [
             (inner_scale * width * x, inner_scale * height * y)
             for x, y in (arc_point(i / points, weight) for i in range(points + 1))
@@ -76,6 +87,8 @@ def skin_thicknesses(
             edge = inner.half_width_at(-flat, inner_scale)
             bone = [(x, y) for x, y in bone if y < flat]
             bone += [(min(edge, width * inner_scale), flat)] if edge > 0.0 else []
+            if platform := dims.platform_half_width_at(z):
+                bone.append((platform - inset_mm, dims.flat_depth_at(z) - inset_mm))
         polyline = [_chord(a, b) for a, b in pairwise(surface)]
         for point in bone:
             thickness, (ax, ay, dx, dy, _) = _nearest_chord(point, polyline)
@@ -233,22 +246,24 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
     inset = sleeve_inset_mm(design)
     points = []
-    for z in (0.0, join, *(join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))):
-        # The rate at which the outer surface narrows, relative to its size there [1/mm].
-        here, above = dims.outer.scale_at(z), dims.outer.scale_at(z + _STEP_MM)
-        narrowing = (here - above) / _STEP_MM / here
+    tip = (join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))
+    for z in (0.0, *_bends(dims), join, *tip):
+        # The rates at which both sides of the outer surface narrow, relative to their size there [1/mm].
+        dorsal, palmar = (
+            (1.0 - scale_at(z + _STEP_MM) / scale_at(z)) / _STEP_MM
+            for scale_at in (dims.outer.scale_at, dims.outer.palmar_scale_at)
+        )
         for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS):
-            slope = sample.support_mm * narrowing
+            slope = sample.support_mm * (palmar if sample.bone_y < 0.0 else dorsal)
             cosine = 1.0 / math.hypot(1.0, slope)
             normal = (sample.x * cosine, sample.y * cosine, slope * cosine)
             points.append(SkinPoint((sample.bone_x, sample.bone_y, z), normal, sample.thickness_mm * cosine))
     points.append(SkinPoint((0.0, 0.0, apex), (0.0, 0.0, 1.0), design.skin.thickness_tip_mm + inset))
-    head, outer = dims.sensor.active_diameter_mm / 2, dims.outer.section
-    upside_down = CrossSection(outer.half_width, outer.dorsal, outer.palmar, outer.dorsal_weight, outer.palmar_weight)
+    head = dims.sensor.active_diameter_mm / 2
     for x, z in ((0.0, 0.0), (head, 0.0), (0.0, head), (0.0, -head)):
-        height = upside_down.dorsal_height_at(x, dims.outer.scale_at(dims.sensor_z + z))
-        point = (x, -dims.flat_depth, dims.sensor_z + z)
-        points.append(SkinPoint(point, (0.0, -1.0, 0.0), height - dims.flat_depth + inset, over_sensor=True))
+        thickness = dims.outer.palmar_height_at(x, dims.sensor_z + z) - dims.platform_depth + inset
+        point = (x, -dims.platform_depth, dims.sensor_z + z)
+        points.append(SkinPoint(point, (0.0, -1.0, 0.0), thickness, over_sensor=True))
     return tuple(points)
 
 

@@ -207,7 +207,7 @@ def _keeps_wall(design: DesignTables, anchor: TendonAnchor, y: float) -> bool:
 
 def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
     """Return whether the hand's shoulder touches neither base, collar nor skin at an angle, in the middle plane."""
-    dims, skin = design.dimensions, design.skin
+    dims = design.dimensions
     angle = math.radians(angle_deg)
     sine, cosine = math.sin(angle), math.cos(angle)
     # The finger as nested outlines, each from one height on: the palmar edge of base, collar and skin.
@@ -215,7 +215,7 @@ def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
     outline = (
         (joint.shoulder_z, -dims.base_flat_depth),
         (foot, -dims.collar.section.palmar),
-        (0.0, -skin.semi_axis_palmar_mm),
+        (0.0, -dims.base_palmar_height),
     )
     palmar = -design.hand.axis_height_mm  # of the hand, from its axis
     # The shoulder's palmar corner in the frame of the bone.

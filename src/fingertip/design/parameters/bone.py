@@ -23,6 +23,10 @@ class Bone(ParameterTable):
         0.6, "mm", (0.2, 5),
         "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
     )  # fmt: skip
+    platform_mm: float = quantity(
+        0.0, "mm", (0, 10),
+        "Height of the platform under the sensor's head above the flat of the bone, down to which the tail runs.",
+    )  # fmt: skip
     wall_mm: float = quantity(
         1.0, "mm", (0.4, 5),
         "Design wall between cable channel, sensor slot and outer surface; checks require printer.min_wall_mm.",

@@ -71,6 +71,15 @@ class Skin(ParameterTable):
         0.875, "", (0.77, 0.9925),
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
     )  # fmt: skip
+    crown_radius_mm: float = quantity(
+        0.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown."
+    )
+    crown_offset_mm: float = quantity(
+        1.0, "mm", (-10, 20), "Distance from the sensor's centre to the apex of the crown, towards the base."
+    )
+    crown_drop_mm: float = quantity(
+        2.1, "mm", (0, 20), "Height by which the pad at its base lies below the apex of the crown."
+    )
     thickness_side_mm: float = quantity(2.0, "mm", (0.4, 15), "Skin thickness at the sides.")
     thickness_palmar_mm: float = quantity(
         3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."

@@ -67,7 +67,7 @@ def collar_carries_skin(design: DesignTables) -> Limit | None:
         )
     )
     passage = dims.flat_depth - dims.pocket_depth + dims.passage_height
-    below = design.skin.semi_axis_palmar_mm - passage - design.bone.wall_mm
+    below = dims.base_palmar_height - passage - design.bone.wall_mm
     maximum = min(sides, below) if dims.tail_passes_collar else sides
     what = "the collar's height" if maximum == sides else "the collar below the tail's passage"
     return Limit(maximum, f"leaves too little of {what}")

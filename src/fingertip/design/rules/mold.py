@@ -12,7 +12,7 @@ from fingertip.design.geometry.features import Chaplet, place_chaplet
 from fingertip.design.geometry.seat import Loss, find_losses, worst
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
 from fingertip.design.rules.ruleset import SLACK, Interval, Limit, Ruleset, Violation, at_most
-from fingertip.design.rules.skin import SOUND_SECTIONS, bone_left_at_sides, bone_left_dorsally, tip_within_skin
+from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, skin_is_thick_enough, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
@@ -224,15 +224,12 @@ def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("mold.fit_clearance_mm", *SOUND_SECTIONS, collar_carries_skin, chaplet_stands_on_bone, takes_long=True)
+@RULES.rule("mold.fit_clearance_mm", skin_is_thick_enough, collar_carries_skin, chaplet_stands_on_bone, takes_long=True)
 def bone_is_held(design: DesignTables) -> Violation | None:
     """A bone or core that lies off as far as its supports allow leaves most of the skin, everywhere."""
     losses = design.losses
     sensor, elsewhere = worst(losses, over_sensor=True), worst(losses, over_sensor=False)
     least = min(loss.left_mm for loss in losses)
-    nominal = min(loss.point.thickness_mm for loss in losses)
-    if nominal <= design.skin.min_thickness_mm:
-        return None  # Too thin without any play, which another rule reports.
     if all(_leaves_enough(design, loss) for loss in losses):
         return None
     clearance = design.mold.fit_clearance_mm

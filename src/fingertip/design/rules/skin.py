@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
-from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm
+from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness, sleeve_inset_mm
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 
 RULES = Ruleset()
@@ -82,12 +82,40 @@ def sensor_within_skin(design: DesignTables) -> Limit | None:
     return Limit(length - head / 2 - _BEHIND_SENSOR, f"puts the sensor's head outside the skin of {length:g} mm")
 
 
-@RULES.rule("skin.thickness_palmar_mm", tip_within_skin)
+@RULES.rule("skin.crown_offset_mm", tip_within_skin)
+def crown_on_taper(design: DesignTables) -> Violation | None:
+    """The apex of a crown lies on the tapered part of the skin."""
+    dims, offset = design.dimensions, design.skin.crown_offset_mm
+    low, high = dims.sensor_z - dims.taper_end_z, dims.sensor_z - _MIN_STRAIGHT
+    if design.skin.crown_radius_mm == 0.0 or low - SLACK <= offset <= high + SLACK:
+        return None
+    where = "on the rounded tip" if offset < low else "outside the skin"
+    return Violation(f"{offset:g} mm puts the apex of the crown {where}", ((low, high),))
+
+
+@RULES.at_most("skin.crown_drop_mm", crown_on_taper)
+def crown_within_pad(design: DesignTables) -> Limit | None:
+    """Both arcs of a crown fit between its apex and the skin's proximal end, and leave a base."""
+    if design.skin.crown_radius_mm == 0.0:
+        return None
+    return Limit(design.dimensions.max_crown_drop, "is more than fits proximal to the crown's apex")
+
+
+@RULES.rule("skin.crown_radius_mm", crown_within_pad, taper_reaches_tip)
+def crown_reaches_tip(design: DesignTables) -> Violation | None:
+    """The crown does not slope down to the parting plane before the tip."""
+    dims, radius = design.dimensions, design.skin.crown_radius_mm
+    if radius == 0.0 or (dims.crown and dims.outer.spans[-1].palmar[1] > _MIN_TIP_CONTROL):
+        return None
+    return Violation(f"{radius:g} mm slopes the pad down to the parting plane before the tip", ((0.0, 0.0),))
+
+
+@RULES.rule("skin.thickness_palmar_mm", tip_within_skin, crown_within_pad, crown_reaches_tip)
 def flat_within_bone(design: DesignTables) -> Violation | None:
-    dims = design.dimensions
-    height = design.skin.semi_axis_palmar_mm * dims.outer.scale_at(dims.sensor_z)
+    dims, platform = design.dimensions, design.bone.platform_mm
+    height = design.skin.semi_axis_palmar_mm * dims.outer.palmar_scale_at(dims.sensor_z)
     bone = dims.bone_outline.section.palmar * dims.bone_outline.scale_at(dims.sensor_z)
-    maximum, minimum = height - _MIN_FLAT_DEPTH, height - bone + _MIN_FLAT_CUT
+    maximum, minimum = height - platform - _MIN_FLAT_DEPTH, height - bone + _MIN_FLAT_CUT
     if minimum <= design.skin.thickness_palmar_mm <= maximum + SLACK:
         return None
     if design.skin.thickness_palmar_mm < minimum:
@@ -125,7 +153,7 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
     )
 
 
-SOUND_SECTIONS = (
+_SOUND_SECTIONS = (
     tip_within_skin,
     bone_left_at_sides,
     bone_left_dorsally,
@@ -138,9 +166,12 @@ SOUND_SECTIONS = (
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
-@RULES.at_most("skin.min_thickness_mm", *SOUND_SECTIONS, slack=_THICKNESS_SLACK)
+@RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
-    thinnest = min(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm)
+    thinnest = min(
+        min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm,
+        *(point.thickness_mm for point in list_skin_points(design, design.dimensions)),
+    )  # fmt: skip
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")
 
 
@@ -159,7 +190,8 @@ def _edge_thickness(design: DesignTables) -> float:
 def slot_fits_flat(design: DesignTables) -> Violation | None:
     dims = design.dimensions
     half = dims.tail_half_width
-    room = min(dims.bone_outline.half_width_at(-dims.flat_depth, z) for z in (0.0, max(0.0, dims.sensor_z)))
+    heights = (0.0, max(0.0, dims.sensor_z))
+    room = min(dims.bone_outline.half_width_at(-dims.flat_depth_at(z), z) for z in heights)
     if half + design.bone.wall_mm <= room or room == 0.0:
         return None
     return Violation(

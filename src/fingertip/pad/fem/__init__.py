@@ -1,1 +1,1 @@
-"""Finite elements of the pad: an elastic skin between rigid bone and a rigid object. They check the fast layer model."""
+"""Finite elements of the pad: the elastic skin between bone and a rigid object, which checks the layer model."""

@@ -14,7 +14,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem.elastic import Body, Surface, triangle_shapes
-from fingertip.pad.fem.mesh import PALM, X, Z, MeshSize, mesh_skin
+from fingertip.pad.fem.mesh import PALM, MeshSize, X, Z, mesh_skin
 from fingertip.pad.fem.objects import Touch
 
 if TYPE_CHECKING:
@@ -90,50 +91,65 @@ def solve(
 
 
 class PadModel:
-    """Meshed skin with the compliance of its surface, as far as asked for, and the weights of the share."""
+    """Meshed skin, the compliance of its surface as far as asked for, and the weights of the share.
+
+    What costs time is computed at its first use: a pose may be refused before.
+    """
 
     def __init__(self, form: PadForm, size: MeshSize, *, is_half: bool) -> None:
+        self.form, self.copies = form, 2.0 if is_half else 1.0
+        self._mesh, self._is_bonded = mesh_skin(form, size, is_half)
+        self._triangles, nodes = self._mesh.plan.triangles, self._mesh.nodes
+        self.top, self.bond = (Surface.of_nodes(nodes[s], self._triangles) for s in (self._mesh.top, self._mesh.bottom))
+        self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
+        self._solved = np.full((3, len(self.area)), -1)
+        self._columns = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
+
+    @cached_property
+    def _body(self) -> Body:
+        nodes = self._mesh.nodes
+        is_fixed = np.zeros(nodes.shape, bool)
+        is_fixed[self._mesh.bottom] = True
+        is_fixed[nodes[:, Z] <= 0.0, Z] = True
+        is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
+        return Body(self._mesh, self.form.young_mpa, self.form.poisson, is_fixed)
+
+    @cached_property
+    def _bond_mass(self) -> Any:
         from scipy.sparse.linalg import splu  # noqa: PLC0415
 
-        self.form, self.copies = form, 2.0 if is_half else 1.0
-        mesh, self._is_bonded = mesh_skin(form, size, is_half)
-        self.mesh, self._triangles = mesh, mesh.plan.triangles
-        is_fixed = np.zeros(mesh.nodes.shape, bool)
-        is_fixed[mesh.bottom] = True
-        is_fixed[mesh.nodes[:, Z] <= 0.0, Z] = True
-        if is_half:
-            is_fixed[mesh.nodes[:, X] <= 0.0, X] = True
-        self.body = Body(mesh, form.young_mpa, form.poisson, is_fixed)
-        self.top, self.bond = (Surface.of_nodes(mesh.nodes[s], self._triangles) for s in (mesh.top, mesh.bottom))
-        self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
-        self._bond_mass = splu(self.bond.mass)
-        # A unit step of the active area, projected to the shape functions: so the load is the integral of the traction
-        # over this disc, without a part of the elements around it.
-        arm = np.hypot(mesh.plan.points[:, 0], mesh.plan.points[:, 1] - form.sensor_z_mm)
-        disc = self._triangles[(arm[self._triangles] <= form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)]
-        inside = Surface.of_nodes(self.bond.points, disc).mass.sum(axis=1)
-        step = np.zeros((*mesh.nodes.shape, 1))
-        step[mesh.bottom, PALM, 0] = self._bond_mass.solve(np.asarray(inside).ravel())
-        self._weights = self.body.move(np.zeros_like(step), step)[mesh.top, :, 0]
-        self._solved: list[NDArray[np.int64]] = [np.full(len(self.area), -1) for _ in range(3)]
-        self._columns: list[Array] = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
+        return splu(self.bond.mass)
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Displacements of the surface for a unit step of the active area.
+
+        The step is projected to the shape functions: the load is then the integral of the traction over the disc,
+        without a part of the elements around it.
+        """
+        arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)
+        disc = (arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)
+        inside = Surface.of_nodes(self.bond.points, self._triangles[disc]).mass.sum(axis=1)
+        step = np.zeros((*self._mesh.nodes.shape, 1))
+        step[self._mesh.bottom, PALM, 0] = self._bond_mass.solve(np.asarray(inside).ravel())
+        return self._body.move(np.zeros_like(step), step)[self._mesh.top, :, 0]
 
     def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
         """Displacements at nodes of the surface under unit pressures at them, both along the vectors `into`."""
         total, along = np.zeros((len(nodes), len(nodes))), np.abs(into).max(axis=0) > _ALONG
         into = into * along
         for axis in np.flatnonzero(along):
-            new = nodes[self._solved[axis][nodes] < 0]
-            self._solved[axis][new] = self._columns[axis].shape[2] + np.arange(len(new))
+            new = nodes[self._solved[axis, nodes] < 0]
+            self._solved[axis, new] = self._columns[axis].shape[2] + np.arange(len(new))
             parts = [self._columns[axis]]
             for start in range(0, len(new), _BATCH):
                 load = self.top.trace[:, new[start : start + _BATCH]].toarray()
-                loads = np.zeros((*self.mesh.nodes.shape, load.shape[1]))
-                loads[self.mesh.top, axis] = load
-                moved = self.body.move(loads)[self.mesh.top]
+                loads = np.zeros((*self._mesh.nodes.shape, load.shape[1]))
+                loads[self._mesh.top, axis] = load
+                moved = self._body.move(loads)[self._mesh.top]
                 parts.append(np.stack([self.top.trace.T @ moved[:, other] for other in range(3)]))
             self._columns[axis] = np.concatenate(parts, axis=2)
-            block = self._columns[axis][:, nodes[:, None], self._solved[axis][nodes]]
+            block = self._columns[axis][:, nodes[:, None], self._solved[axis, nodes]]
             total += np.einsum("ic,cij->ij", into, block) * into[:, axis]
         return total
 
@@ -145,11 +161,14 @@ class PadModel:
 
     def respond(self, tractions: Array) -> tuple[float, float, float, float]:
         """Load on the active area [N], and largest strain, shear and tension at the bond, under surface tractions."""
-        load = np.zeros((*self.mesh.nodes.shape, 1))
-        load[self.mesh.top, :, 0] = self.top.trace @ tractions
-        sensed = -self.copies * float((load[self.mesh.top, :, 0] * self._weights).sum())
-        moved = self.body.move(load)[:, :, 0]
-        held = self._bond_mass.solve(self.body.support(moved)[self.mesh.bottom])
+        load = np.zeros((*self._mesh.nodes.shape, 1))
+        load[self._mesh.top, :, 0] = self.top.trace @ tractions
+        sensed = -self.copies * float((load[self._mesh.top, :, 0] * self._weights).sum())
+        moved = self._body.move(load)[:, :, 0]
+        forces = self._body.support(moved)[self._mesh.bottom]
+        if self.copies > 1.0:
+            forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
+        held = self._bond_mass.solve(forces)
         faces = self._triangles[self._is_bonded]
         a, b, c = (self.bond.points[faces[:, i]] for i in range(3))
         normal = np.cross(c - a, b - a)
@@ -157,7 +176,7 @@ class PadModel:
         mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
         along = (mean * normal).sum(axis=1)
         shear = np.linalg.norm(mean - along[:, None] * normal, axis=1)
-        return sensed, float(np.abs(self.body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
+        return sensed, float(np.abs(self._body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
 
 
 class Patch:
@@ -193,13 +212,17 @@ class Patch:
             if depth <= self._reach:
                 break
             if self._reach >= self._limit:
-                raise _refuse_force(force_n, f"presses {depth:.2g} mm deep, beyond {self._limit:.2g} mm, {self._reason}")
+                raise _refuse_force(
+                    force_n, f"presses {depth:.2g} mm deep, beyond {self._limit:.2g} mm, {self._reason}"
+                )
             self._reach = min(_GROWTH * self._reach, depth, self._limit)
         tractions = np.zeros_like(self._into)
         tractions[nodes] = -pressure[:, None] * into
         sensed, strain, shear, tension = model.respond(tractions)
         if strain > MAX_STRAIN:
-            raise _refuse_force(force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains")
+            raise _refuse_force(
+                force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains"
+            )
         flow = pressure * self._weight[nodes]
         x, z = flow @ model.top.points[nodes][:, [X, Z]] / flow.sum()
         return PadContact(

@@ -2,7 +2,7 @@
 
 Displacements are quadratic in plan and in height. Each wedge has a pressure of its own, constant in plan and linear in
 height, which is eliminated. So Poisson's ratio may approach 0.5 without locking, and the matrix stays symmetric and
-positive definite (D. Boffi, F. Brezzi, M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8).
+positive definite (D. Boffi, F. Brezzi and M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8).
 """
 
 from __future__ import annotations
@@ -26,16 +26,15 @@ _POINTS = np.array([[_A, _A], [1 - 2 * _A, _A], [_A, 1 - 2 * _A], [_B, _B], [1 -
 _WEIGHTS = np.repeat([0.111690794839005, 0.054975871827661], 3)
 """Quadrature of the triangle, of degree 4 (D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) 1129)."""
 _LINE, _LINE_WEIGHTS = np.polynomial.legendre.leggauss(3)
-_QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
-"""Parts of a triangle between its corners and the middles of its edges."""
 _NODES = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
+_QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+"""Parts of a triangle between its corners and the middles of its edges, by their nodes."""
 
 
 def triangle_shapes(points: Array) -> tuple[Array, Array]:
     """Shape functions of the quadratic triangle at local points, and their derivatives by both local axes."""
     r, s = points.T
-    t = 1.0 - r - s
-    zero = np.zeros_like(r)
+    t, zero = 1 - r - s, np.zeros_like(r)
     shapes = np.stack([t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * t * r, 4 * r * s, 4 * s * t], axis=1)
     by_r = np.stack([1 - 4 * t, 4 * r - 1, zero, 4 * (t - r), 4 * s, -4 * s], axis=1)
     by_s = np.stack([1 - 4 * t, zero, 4 * s - 1, -4 * r, 4 * r, 4 * (t - s)], axis=1)
@@ -44,8 +43,7 @@ def triangle_shapes(points: Array) -> tuple[Array, Array]:
 
 def _wedge_derivatives(points: Array, heights: Array) -> Array:
     """Local derivatives of a wedge's shape functions at all pairs of points and heights, of shape (pairs, 18, 3)."""
-    plan, by_plan = triangle_shapes(points)
-    t = heights
+    (plan, by_plan), t = triangle_shapes(points), heights
     up = np.stack([0.5 * t * (t - 1), 1 - t * t, 0.5 * t * (t + 1)], axis=1)
     by_up = np.stack([t - 0.5, -2 * t, t + 0.5], axis=1)
     along = np.einsum("pak,ql->pqlak", by_plan, up)
@@ -53,9 +51,8 @@ def _wedge_derivatives(points: Array, heights: Array) -> Array:
     return np.concatenate([along, upwards], axis=4).reshape(len(points) * len(t), 18, 3)
 
 
-_INSIDE = _wedge_derivatives(_POINTS, _LINE)
+_INSIDE, _MIDDLE = _wedge_derivatives(_POINTS, _LINE), _wedge_derivatives(np.full((1, 2), 1 / 3), np.zeros(1))
 _INSIDE_WEIGHTS = np.outer(_WEIGHTS, _LINE_WEIGHTS).ravel()
-_MIDDLE = _wedge_derivatives(np.full((1, 2), 1 / 3), np.zeros(1))
 _PRESSURES = np.stack([np.ones(18), np.tile(_LINE, 6)])
 """Pressures of an element at the points of its quadrature."""
 
@@ -76,8 +73,7 @@ def stiffness(mesh: WedgeMesh, young_mpa: float, poisson: float) -> Any:
     for start in range(0, len(wedges), _CHUNK):
         part = wedges[start : start + _CHUNK]
         gradient, determinant = _gradients(mesh.nodes[part], _INSIDE)
-        volume = determinant * _INSIDE_WEIGHTS
-        flat = gradient.reshape(len(part), 18, 54)
+        volume, flat = determinant * _INSIDE_WEIGHTS, gradient.reshape(len(part), 18, 54)
         pairs = (flat.transpose(0, 2, 1) @ (volume[..., None] * flat)).reshape(-1, 18, 3, 18, 3)
         laplacian = np.einsum("eakbk->eab", pairs)[:, :, None, :, None] * unit[:, None, :]
         matrix = shear * (laplacian + pairs.transpose(0, 1, 4, 3, 2) - 2 / 3 * pairs).reshape(-1, 54, 54)
@@ -92,36 +88,31 @@ def stiffness(mesh: WedgeMesh, young_mpa: float, poisson: float) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Integrals over the triangles of an upper or lower surface, which may be curved."""
+    """Integrals over triangles of an upper or lower surface, which may be curved."""
 
     points: Array
     """Nodes of the surface [mm]."""
     mass: Any
     """Of products of the quadratic shape functions [mm^2]."""
     trace: Any
-    """Of products of these with pressures, which are linear between the nodes of a quarter of a triangle [mm^2]."""
+    """Of products of these with pressures, which are linear between the nodes of each quarter of a triangle [mm^2]."""
 
     @classmethod
     def of_nodes(cls, points: Array, triangles: NDArray[np.int64]) -> Surface:
-        mass, trace = [], []
+        from scipy.sparse import coo_array, csc_array  # noqa: PLC0415
+
+        size = (len(points), len(points))
+        mass, trace, linear = csc_array(size), csc_array(size), np.column_stack([1 - _POINTS.sum(axis=1), _POINTS])
         for quarter in _QUARTERS:
-            linear = np.column_stack([1.0 - _POINTS.sum(axis=1), _POINTS])
             shapes, local = triangle_shapes(linear @ _NODES[quarter])
             along = np.einsum("eai,qak->eqki", points[triangles], local, optimize=True)
             area = 0.25 * _WEIGHTS * np.linalg.norm(np.cross(along[:, :, 0], along[:, :, 1]), axis=2)
-            mass.append(_join(shapes, area, shapes, triangles, triangles, len(points)))
-            trace.append(_join(shapes, area, linear, triangles, triangles[:, quarter], len(points)))
-        return cls(points, sum(mass[1:], mass[0]), sum(trace[1:], trace[0]))
-
-
-def _join(
-    a: Array, area: Array, b: Array, rows: NDArray[np.int64], columns: NDArray[np.int64], size: int
-) -> Any:
-    from scipy.sparse import coo_array  # noqa: PLC0415
-
-    values = np.einsum("qa,eq,qb->eab", a, area, b, optimize=True)
-    i, j = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
-    return coo_array((values.ravel(), (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
+            for other, columns in ((shapes, triangles), (linear, triangles[:, quarter])):
+                values = np.einsum("qa,eq,qb->eab", shapes, area, other, optimize=True)
+                i, j = np.broadcast_arrays(triangles[:, :, None], columns[:, None, :])
+                added = coo_array((values.ravel(), (i.ravel(), j.ravel())), shape=size).tocsc()
+                mass, trace = (mass + added, trace) if other is shapes else (mass, trace + added)
+        return cls(points, mass, trace)
 
 
 class Body:
@@ -131,20 +122,16 @@ class Body:
         """Factorise the stiffness. `is_fixed` has a flag for each axis of each node."""
         from scipy.sparse.linalg import splu  # noqa: PLC0415
 
-        self.mesh = mesh
-        self._fixed, self._free = np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
+        self.mesh, self._fixed, self._free = mesh, np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
         matrix = stiffness(mesh, young_mpa, poisson)
         self._coupling = matrix[self._fixed][:, self._free]
-        inner = matrix[self._free][:, self._free].tocsc()
-        del matrix
-        self._factors = splu(
-            inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        matrix = matrix[self._free][:, self._free].tocsc()
+        self._factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
     def move(self, loads: Array, given: Array | None = None) -> Array:
         """Displacements under loads of shape (nodes, 3, cases). Those that are fixed are `given`, or 0."""
-        flat, out = loads.reshape(self.mesh.nodes.size, -1), np.zeros((self.mesh.nodes.size, loads.shape[2]))
-        right = flat[self._free]
+        flat = loads.reshape(self.mesh.nodes.size, -1)
+        out, right = np.zeros_like(flat), flat[self._free]
         if given is not None:
             out[self._fixed] = given.reshape(flat.shape)[self._fixed]
             right = right - self._coupling.T @ out[self._fixed]

@@ -30,7 +30,7 @@ RIM_MM = 0.6
 _THINNEST_MM = 0.1
 """Thickness of the skin over the bone below which it is not meshed [mm]."""
 _WIDEST_MM = 200.0
-"""Distance from the sensor within which the outline of the skin is looked for [mm]."""
+"""Distance from the axis and the sensor within which the outline is looked for [mm]."""
 _SMOOTHINGS = 10
 """Rounds in which free points move to the middle of their neighbours."""
 _BYTES_PER_ENTRY, _FIXED_GB = 20.0, 0.2
@@ -39,12 +39,10 @@ _BYTES_PER_ENTRY, _FIXED_GB = 20.0, 0.2
 
 @dataclass(frozen=True)
 class MeshSize:
-    """Size of the elements, and the memory that they may take."""
+    """Length of the edges in plan, number of elements over the thickness, and the memory that they may take."""
 
     edge_mm: float = 0.75
-    """Length of the edges in plan [mm]."""
     layers: int = 2
-    """Number of elements over the thickness."""
     memory_gb: float = 2.0
 
 
@@ -58,7 +56,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class WedgeMesh:
-    """Plan extruded to layers of wedges. Nodes are in levels from the bottom up, each in the order of the plan."""
+    """Plan extruded to layers of wedges. Nodes come in levels from the bottom up, each in the order of the plan."""
 
     plan: Plan
     nodes: Array
@@ -67,8 +65,7 @@ class WedgeMesh:
     @property
     def wedges(self) -> NDArray[np.int64]:
         """The 18 nodes of each wedge: the triangle's six at its lower, middle and upper level."""
-        step = len(self.plan.points)
-        levels = [self.plan.triangles + step * level for level in range(2 * self.layers + 1)]
+        levels = [self.plan.triangles + level * len(self.plan.points) for level in range(2 * self.layers + 1)]
         return np.concatenate([np.hstack(levels[i : i + 3]) for i in range(0, 2 * self.layers, 2)])
 
     @property
@@ -82,17 +79,16 @@ class WedgeMesh:
 
 def quadratic_plan(corners: Array, triangles: NDArray[np.int64], centre_z: float = 0.0, radius: float = -1.0) -> Plan:
     """Add the middles of the edges. Those of edges on a circle about (0, `centre_z`) move onto it."""
-    a, b, c = (corners[triangles[:, i]] for i in range(3))
-    turns_left = _cross(b - a, c - a) > 0.0
+    turns_left = _doubled_areas(corners, triangles) > 0.0
     triangles = np.where(turns_left[:, None], triangles, triangles[:, [0, 2, 1]])
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
     unique, index = np.unique(edges, axis=0, return_inverse=True)
-    arms = corners[unique] - (0.0, centre_z)
+    centre = np.array([0.0, centre_z])
+    arms = corners[unique] - centre
     middle = arms.mean(axis=1)
     on = (np.abs(np.linalg.norm(arms, axis=2) - radius) < 1e-9).all(axis=1)
     middle[on] *= radius / np.linalg.norm(middle[on], axis=1, keepdims=True)
-    points = np.concatenate([corners, middle + (0.0, centre_z)])
-    return Plan(points, np.hstack([triangles, len(corners) + index.reshape(-1, 3)]))
+    return Plan(np.concatenate([corners, middle + centre]), np.hstack([triangles, len(corners) + index.reshape(-1, 3)]))
 
 
 def extrude(plan: Plan, bottom: Array, surface: Array, layers: int) -> WedgeMesh:
@@ -111,25 +107,16 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
         corners = np.concatenate([corners, corners[away] * (-1.0, 1.0)])
         triangles = np.concatenate([triangles, mirrored[triangles]])
     plan = quadratic_plan(corners, triangles, form.sensor_z_mm, form.active_radius_mm)
-    x, z = plan.points.T
+    (x, z), t = plan.points.T, plan.triangles
     surface, bone = form.skin_mm(x, z), form.bone_mm(x, z)
-    thinnest = int(np.argmin(surface - bone))
-    if not surface[thinnest] - bone[thinnest] >= _THINNEST_MM:
-        raise GeometryError(
-            Issue(
-                "skin.thickness_side_mm",
-                f"the skin at x = {x[thinnest]:.1f}, z = {z[thinnest]:.1f} mm is "
-                f"{surface[thinnest] - bone[thinnest]:.2g} mm thick, below {_THINNEST_MM:g} mm; make it thicker there.",
-            )
-        )
+    thin = int(np.argmin(surface - bone))
+    if not surface[thin] - bone[thin] >= _THINNEST_MM:
+        where = f"at x = {x[thin]:.1f}, z = {z[thin]:.1f} mm the skin is {surface[thin] - bone[thin]:.2g} mm thick"
+        raise GeometryError(Issue("skin", f"{where}, below the {_THINNEST_MM:g} mm of a mesh; make it thicker there."))
     bottom = np.maximum(bone, 0.0)
     # Where the bone has a kink within an element, a curved lower face would bulge: its middles lie between its corners.
-    t = plan.triangles
-    for middle, (first, second) in enumerate(((0, 1), (1, 2), (2, 0)), 3):
-        bottom[t[:, middle]] = 0.5 * (bottom[t[:, first]] + bottom[t[:, second]])
-    return extrude(plan, bottom, surface, size.layers), (bone[t] > -math.inf).all(axis=1)
-
-
+    bottom[t[:, 3:]] = 0.5 * (bottom[t[:, :3]] + bottom[t[:, [1, 2, 0]]])
+    return extrude(plan, bottom, surface, size.layers), np.isfinite(bone[t]).all(axis=1)
 
 
 def _outline(form: PadForm) -> Array:
@@ -138,15 +125,14 @@ def _outline(form: PadForm) -> Array:
     def reach(start: Array, x: float, z: float) -> Array:
         """Distance from points on the axis, in a direction, at which the surface falls to the rim."""
         low, high = np.zeros(len(start)), np.full(len(start), _WIDEST_MM)
-        for _ in range(60):
+        for _ in range(50):
             middle = 0.5 * (low + high)
             is_inside = form.skin_mm(x * middle, start + z * middle) >= RIM_MM
             low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
         return low
 
-    centre = np.array([form.sensor_z_mm])
-    length = float(centre[0] + reach(centre, 0.0, 1.0)[0])
-    z = length * np.sin(np.linspace(0.0, 0.5 * math.pi, 600))  # closer towards the tip
+    length = form.sensor_z_mm + float(reach(np.array([form.sensor_z_mm]), 0.0, 1.0)[0])
+    z = length * np.sin(np.linspace(0.0, 0.5 * math.pi, 400))  # closer towards the tip
     return np.concatenate([np.column_stack([reach(z, 1.0, 0.0), z]), [[0.0, length]]])
 
 
@@ -162,13 +148,11 @@ def _triangulate_half(form: PadForm, size: MeshSize, copies: float) -> tuple[Arr
 
     edge, centre, radius = size.edge_mm, form.sensor_z_mm, form.active_radius_mm
     outline = _outline(form)
-    _check_memory(size, copies * float(np.trapezoid(outline[:, 0], outline[:, 1])))
     width, length = outline[0, 0], outline[-1, 1]
-    lines = [
-        outline,
-        np.array([[0.0, 0.0], [width, 0.0]]),
-        np.array([[0.0, 0.0], [0.0, centre - radius]]),
-        np.array([[0.0, centre + radius], [0.0, length]]),
+    _check_memory(size, copies * float(np.trapezoid(outline[:, 0], outline[:, 1])))
+    lines = [outline] + [
+        np.array(ends)
+        for ends in ([[0, 0], [width, 0]], [[0, 0], [0, centre - radius]], [[0, centre + radius], [0, length]])
     ]
     rings = max(2, round(radius / edge))
     nailed = [_resample(line, edge) for line in lines] + [np.array([[0.0, centre]])]
@@ -176,9 +160,9 @@ def _triangulate_half(form: PadForm, size: MeshSize, copies: float) -> tuple[Arr
         angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, round(math.pi * ring) + 1)
         arc = np.column_stack([np.cos(angle), np.sin(angle)])
         arc[[0, -1], 0] = 0.0
-        nailed.append(radius * (ring / rings) * arc + (0.0, centre))
+        nailed.append(radius * (ring / rings) * arc + np.array([0.0, centre]))
     fixed = np.concatenate(nailed)
-    fixed = fixed[np.sort(np.unique(np.round(fixed / (1e-6 * edge)), axis=0, return_index=True)[1])]
+    fixed = fixed[np.unique(np.round(fixed / (1e-6 * edge)), axis=0, return_index=True)[1]]
     row = 0.5 * math.sqrt(3.0) * edge
     i, j = np.meshgrid(np.arange(round(length / row)), np.arange(round(outline[:, 0].max() / edge) + 1))
     x, z = edge * (j + 0.5 * (i % 2)).ravel(), row * i.ravel()
@@ -188,34 +172,28 @@ def _triangulate_half(form: PadForm, size: MeshSize, copies: float) -> tuple[Arr
     points = np.concatenate([fixed, lattice])
     for step in range(_SMOOTHINGS + 1):
         triangles = Delaunay(points).simplices.astype(np.int64)
-        a, b, c = (points[triangles[:, i]] for i in range(3))
-        triangles = triangles[np.abs(_cross(b - a, c - a)) > 1e-3 * edge * edge]  # flat ones lie along straight borders
+        # Flat ones lie along straight borders.
+        triangles = triangles[np.abs(_doubled_areas(points, triangles)) > 1e-3 * edge * edge]
         if step < _SMOOTHINGS:
             total, count = np.zeros_like(points), np.zeros((len(points), 1))
-            for corner in range(3):
-                np.add.at(total, triangles[:, corner], points[triangles].sum(axis=1) - points[triangles[:, corner]])
-                np.add.at(count, triangles[:, corner], 2.0)
+            np.add.at(total, triangles, points[triangles].sum(axis=1, keepdims=True) - points[triangles])
+            np.add.at(count, triangles, 2.0)
             points[len(fixed) :] = (total / count)[len(fixed) :]
     return points, triangles
 
 
-def _cross(a: Array, b: Array) -> Array:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+def _doubled_areas(points: Array, triangles: NDArray[np.int64]) -> Array:
+    (a, b), (c, d) = ((points[triangles[:, i]] - points[triangles[:, 0]]).T for i in (1, 2))
+    return np.asarray(a * d - b * c)
 
 
 def _check_memory(size: MeshSize, area_mm2: float) -> None:
     """Refuse a mesh whose factorised stiffness would not fit, by the fill of nested dissection in the plane."""
     if not (0.0 < size.edge_mm < math.inf and size.layers >= 1):
-        sizes = f"{size.edge_mm:g} mm and {size.layers} layers make no mesh; use an edge above 0 and a layer at least."
-        raise GeometryError(Issue("mesh.edge_mm", sizes))
+        raise GeometryError(Issue("mesh", f"{size.edge_mm:g} mm and {size.layers} layers: both must be above 0."))
     points = 4.6 * area_mm2 / size.edge_mm**2 + 10.0
     entries = 4.5 * points * (6.0 * size.layers) ** 2 * math.log2(points)
-    needed = _FIXED_GB + entries * _BYTES_PER_ENTRY * 1e-9
-    if needed > size.memory_gb:
-        raise GeometryError(
-            Issue(
-                "mesh.edge_mm",
-                f"edges of {size.edge_mm:g} mm in {size.layers} layers need about {needed:.1f} GB, more than the "
-                f"{size.memory_gb:g} GB of mesh.memory_gb; use longer edges, or raise that limit.",
-            )
-        )
+    needed, given = _FIXED_GB + entries * _BYTES_PER_ENTRY * 1e-9, size.memory_gb
+    if needed > given:
+        need = f"edges of {size.edge_mm:g} mm in {size.layers} layers need about {needed:.1f} GB, above {given:g} GB"
+        raise GeometryError(Issue("mesh.edge_mm", f"{need}; use longer edges, or raise mesh.memory_gb."))

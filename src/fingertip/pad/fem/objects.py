@@ -41,9 +41,9 @@ class Touch:
     """Slopes of a plate in this pose along x and z."""
     sensor_z_mm: float
     height_mm: float = 0.0
-    """Height of the plate in the pose, or of the plane on which the round object's lowest line lies, at the sensor."""
+    """Height of a plate in this pose, at the sensor, on which the object would lie."""
     rigid_mm: float = math.inf
-    """Travel after which the object would touch bone or collar."""
+    """Travel after which the object would reach bone or collar."""
 
     @classmethod
     def of_pose(cls, form: PadForm, pose: Pose, surface: Array) -> tuple[Touch, Array]:
@@ -54,42 +54,44 @@ class Touch:
         for name, angle in (("tilt_deg", pose.tilt_deg), ("roll_deg", pose.roll_deg)):
             if not abs(angle) <= MAX_ANGLE_DEG:
                 raise _refuse(name, f"{angle:g} degrees exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.")
-        radius = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm
-        if pose.object != "plate" and not 0.0 < radius < math.inf:
+        radius, is_plate = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm, pose.object == "plate"
+        if not (is_plate or 0.0 < radius < math.inf):
             raise _refuse("radius_mm", f"{radius:g} mm is no radius of a {pose.object}; use one above 0.")
         slopes = math.tan(math.radians(pose.roll_deg)), -math.tan(math.radians(pose.tilt_deg)) - form.base_slope
         touch = cls(pose, radius, slopes, form.sensor_z_mm)
         clear = touch._rise(surface)[0] - surface[:, PALM]
-        first = int(np.argmin(clear))
-        point, touch = surface[first], replace(touch, height_mm=-float(clear[first]))
-        is_beside = pose.object != "plate" and np.hypot(*touch._off_axis(point[None])[0]) > _ROUND * radius
+        point, height = surface[np.argmin(clear)], -float(clear.min())
+        is_beside = not is_plate and np.linalg.norm(touch._off_axis(point[None])) > _ROUND * radius
         if is_beside or point[PALM] < _LOWEST_MM:
-            name, value = ("tilt_deg", pose.tilt_deg) if pose.object == "plate" else ("place_mm", pose.place_mm)
-            where = f"at {value:g} the {pose.object} touches at x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
+            name, value = ("tilt_deg", pose.tilt_deg) if is_plate else ("place_mm", pose.place_mm)
+            where = f"at {value:g} the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
             raise _refuse(name, f"{where}; turn the finger less, or bring the object nearer to the sensor.")
         rigid = _rigid_points(form)
-        travel = float((touch.height_mm + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
+        travel = float((height + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
         if travel <= 0.0:
-            before = f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar {-travel:.2g} mm before the skin"
+            before = f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar {-travel:.2g} mm before skin"
             raise _refuse("tilt_deg", f"{before}; turn the finger less.")
-        return replace(touch, rigid_mm=travel), point
+        return replace(touch, height_mm=height, rigid_mm=travel), point
 
     def gaps(self, points: Array) -> tuple[Array, Array, Array]:
-        """Distances of points from the object, unit vectors from them into it, and by what a travel of 1 mm closes."""
+        """Return the gaps over points, unit vectors from them into the object, and how much 1 mm of travel closes.
+
+        Gaps and what closes count along these vectors.
+        """
         rise, slopes = self._rise(points)
         into = np.column_stack([-slopes, np.ones(len(points))])
         into /= np.linalg.norm(into, axis=1)[:, None]
-        closing = into[:, PALM] * math.hypot(1.0, *self.slopes)
-        return (self.height_mm + rise - points[:, PALM]) * into[:, PALM], into, closing
+        gap = (self.height_mm + rise - points[:, PALM]) * into[:, PALM]
+        return gap, into, into[:, PALM] * math.hypot(1.0, *self.slopes)
 
     def _off_axis(self, points: Array) -> Array:
-        """Offsets from the axis or centre of a round object, along x and z; 0 along an axis and for a plate."""
-        off = points[:, [X, Z]] - (0.0, self.sensor_z_mm + self.pose.place_mm)
-        return np.asarray(off * {"plate": (0.0, 0.0), "sphere": (1.0, 1.0)}.get(self.pose.object, (0.0, 1.0)))
+        """Offsets along x and z from the axis or the centre of a round object."""
+        off = points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm + self.pose.place_mm])
+        return off if self.pose.object == "sphere" else off * (0.0, 1.0)
 
     def _rise(self, points: Array) -> tuple[Array, Array]:
-        """Heights of the object over points, without `height_mm`, and its slopes along x and z."""
-        plane = (points[:, [X, Z]] - (0.0, self.sensor_z_mm)) @ self.slopes
+        """Heights of the object over points, above `height_mm`, and its slopes along x and z."""
+        plane = (points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm])) @ self.slopes
         if self.pose.object == "plate":
             return plane, np.broadcast_to(self.slopes, (len(points), 2))
         off = self._off_axis(points)
@@ -108,6 +110,5 @@ def _rigid_points(form: PadForm) -> Array:
     """Points of the bone's palmar side, also proximal of the skin, and of the collar's ridge."""
     steps = np.arange(-_BONE_REACH_MM, _BONE_REACH_MM, _BONE_STEP_MM)
     x, z = (axis.ravel() for axis in np.meshgrid(steps, steps))
-    height = form.bone_mm(x, z)
-    ridge = [(0.0, form.collar[0], form.collar[1]), (0.0, 0.0, form.collar[1])]
-    return np.concatenate([np.column_stack([x, z, height])[height > -math.inf], ridge])
+    bone = np.column_stack([x, z, form.bone_mm(x, z)])
+    return np.concatenate([bone[np.isfinite(bone[:, PALM])], [(0.0, z, form.collar[1]) for z in (form.collar[0], 0.0)]])

@@ -32,18 +32,14 @@ if TYPE_CHECKING:
     from fingertip.pad.form import PadForm
     from fingertip.pad.pose import Pose
 
-MAX_DEPTH = 0.45
-"""Largest depth of a contact relative to the thickness of the skin at the first touch."""
-MAX_STRAIN = 0.3
-"""Largest principal strain, in the middle of an element, up to which small strains are taken to hold."""
+MAX_DEPTH, MAX_STRAIN = 0.45, 0.3
+"""Depth relative to the skin's thickness at first touch, and principal strain, to which small strains are trusted."""
 _BATCH = 64
 """Columns of the compliance that are solved for at a time."""
 _ALONG = 0.025
 """Part of the normals along an axis, below which it is left out of the compliance: its square counts."""
-_SEED = 12
-"""Number of nodes with which the search for a patch begins."""
-_GROWTH = 1.4
-"""Factor by which the depth that the patch may reach grows, until the contact lies within."""
+_SEED, _GROWTH = 12, 1.4
+"""Nodes with which the search for a patch begins, and growth of the depth that it may reach, until it lies within."""
 _MAX_STEPS = 80
 """Largest number of steps of the search for a patch; five are usual. In the second half one node changes a step."""
 
@@ -78,13 +74,12 @@ def solve(
     exceeds its memory, and TraceError for a pose beside the skin or on bone, and for a force beyond small strains.
     """
     extras.require("", "scipy", subject="the pad by finite elements")
-    for force in forces_n:
-        if not 0.0 < force < math.inf:
-            raise TraceError(Issue("force_n", f"{force:g} N does not press; use a force above 0."))
+    wrong = [force for force in forces_n if not 0.0 < force < math.inf]
+    if wrong:
+        raise TraceError(Issue("force_n", f"{wrong[0]:g} N does not press; use a force above 0."))
     model = PadModel(form, mesh or MeshSize(), is_half=all(pose.roll_deg == 0.0 for pose in poses))
-    patches = [Patch(model, pose) for pose in poses]
     results = []
-    for patch in patches:
+    for patch in [Patch(model, pose) for pose in poses]:
         rising = {force: patch.press(force) for force in sorted(forces_n)}
         results += [rising[force] for force in forces_n]
     return results
@@ -99,8 +94,9 @@ class PadModel:
     def __init__(self, form: PadForm, size: MeshSize, *, is_half: bool) -> None:
         self.form, self.copies = form, 2.0 if is_half else 1.0
         self._mesh, self._is_bonded = mesh_skin(form, size, is_half)
-        self._triangles, nodes = self._mesh.plan.triangles, self._mesh.nodes
-        self.top, self.bond = (Surface.of_nodes(nodes[s], self._triangles) for s in (self._mesh.top, self._mesh.bottom))
+        nodes, count, self._triangles = self._mesh.nodes, self._mesh.count, self._mesh.triangles
+        self._upper, self._lower = slice(len(nodes) - count, None), slice(0, count)
+        self.top, self.bond = (Surface.of_nodes(nodes[part], self._triangles) for part in (self._upper, self._lower))
         self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
         self._solved = np.full((3, len(self.area)), -1)
         self._columns = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
@@ -109,7 +105,7 @@ class PadModel:
     def _body(self) -> Body:
         nodes = self._mesh.nodes
         is_fixed = np.zeros(nodes.shape, bool)
-        is_fixed[self._mesh.bottom] = True
+        is_fixed[self._lower] = True
         is_fixed[nodes[:, Z] <= 0.0, Z] = True
         is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
         return Body(self._mesh, self.form.young_mpa, self.form.poisson, is_fixed)
@@ -131,8 +127,8 @@ class PadModel:
         disc = (arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)
         inside = Surface.of_nodes(self.bond.points, self._triangles[disc]).mass.sum(axis=1)
         step = np.zeros((*self._mesh.nodes.shape, 1))
-        step[self._mesh.bottom, PALM, 0] = self._bond_mass.solve(np.asarray(inside).ravel())
-        return self._body.move(np.zeros_like(step), step)[self._mesh.top, :, 0]
+        step[self._lower, PALM, 0] = self._bond_mass.solve(np.asarray(inside).ravel())
+        return self._body.move(np.zeros_like(step), step)[self._upper, :, 0]
 
     def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
         """Displacements at nodes of the surface under unit pressures at them, both along the vectors `into`."""
@@ -145,8 +141,8 @@ class PadModel:
             for start in range(0, len(new), _BATCH):
                 load = self.top.trace[:, new[start : start + _BATCH]].toarray()
                 loads = np.zeros((*self._mesh.nodes.shape, load.shape[1]))
-                loads[self._mesh.top, axis] = load
-                moved = self._body.move(loads)[self._mesh.top]
+                loads[self._upper, axis] = load
+                moved = self._body.move(loads)[self._upper]
                 parts.append(np.stack([self.top.trace.T @ moved[:, other] for other in range(3)]))
             self._columns[axis] = np.concatenate(parts, axis=2)
             block = self._columns[axis][:, nodes[:, None], self._solved[axis, nodes]]
@@ -162,15 +158,14 @@ class PadModel:
     def respond(self, tractions: Array) -> tuple[float, float, float, float]:
         """Load on the active area [N], and largest strain, shear and tension at the bond, under surface tractions."""
         load = np.zeros((*self._mesh.nodes.shape, 1))
-        load[self._mesh.top, :, 0] = self.top.trace @ tractions
-        sensed = -self.copies * float((load[self._mesh.top, :, 0] * self._weights).sum())
-        moved = self._body.move(load)[:, :, 0]
-        forces = self._body.support(moved)[self._mesh.bottom]
+        load[self._upper, :, 0] = forces = self.top.trace @ tractions
+        sensed, moved = -self.copies * float((forces * self._weights).sum()), self._body.move(load)[:, :, 0]
+        forces = self._body.support(moved)[self._lower]
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
         held = self._bond_mass.solve(forces)
         faces = self._triangles[self._is_bonded]
-        a, b, c = (self.bond.points[faces[:, i]] for i in range(3))
+        a, b, c = self.bond.points[faces[:, :3]].transpose(1, 0, 2)
         normal = np.cross(c - a, b - a)
         normal *= (np.sign(normal[:, PALM]) / np.linalg.norm(normal, axis=1))[:, None]
         mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
@@ -184,13 +179,14 @@ class Patch:
 
     def __init__(self, model: PadModel, pose: Pose) -> None:
         self._model, surface = model, model.top.points
-        self._touch, point = Touch.of_pose(model.form, pose, model.fine_surface())
+        touch, point = Touch.of_pose(model.form, pose, model.fine_surface())
         nearest = int(np.argmin(np.linalg.norm(surface - point, axis=1)))
         thickness = float(surface[nearest, PALM] - model.bond.points[nearest, PALM])
-        self._limit, self._reason = MAX_DEPTH * thickness, f"{MAX_DEPTH:g} of the skin's {thickness:.2g} mm"
-        if self._touch.rigid_mm < self._limit:
-            self._limit, self._reason = self._touch.rigid_mm, "where the object reaches bone or collar"
-        gap, self._into, closing = self._touch.gaps(surface)
+        self._limit, self._reason = min(
+            (MAX_DEPTH * thickness, f"{MAX_DEPTH:g} of the skin's {thickness:.2g} mm"),
+            (touch.rigid_mm, "where the object reaches bone or collar"),
+        )
+        gap, self._into, closing = touch.gaps(surface)
         self._travel = gap / closing
         self._reach = float(np.partition(self._travel, _SEED)[_SEED])
         self._weight = model.area * closing
@@ -212,17 +208,13 @@ class Patch:
             if depth <= self._reach:
                 break
             if self._reach >= self._limit:
-                raise _refuse_force(
-                    force_n, f"presses {depth:.2g} mm deep, beyond {self._limit:.2g} mm, {self._reason}"
-                )
+                raise _refuse(force_n, f"presses {depth:.2g} mm deep, beyond {self._limit:.2g} mm, {self._reason}")
             self._reach = min(_GROWTH * self._reach, depth, self._limit)
         tractions = np.zeros_like(self._into)
         tractions[nodes] = -pressure[:, None] * into
         sensed, strain, shear, tension = model.respond(tractions)
         if strain > MAX_STRAIN:
-            raise _refuse_force(
-                force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains"
-            )
+            raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains")
         flow = pressure * self._weight[nodes]
         x, z = flow @ model.top.points[nodes][:, [X, Z]] / flow.sum()
         return PadContact(
@@ -232,7 +224,7 @@ class Patch:
         )  # fmt: skip
 
 
-def _refuse_force(force_n: float, problem: str) -> TraceError:
+def _refuse(force_n: float, problem: str) -> TraceError:
     return TraceError(Issue("force_n", f"{force_n:g} N {problem}; use less force, or a thicker or harder skin."))
 
 

@@ -68,10 +68,10 @@ def stiffness(mesh: WedgeMesh, young_mpa: float, poisson: float) -> Any:
     from scipy.sparse import coo_array, csr_array  # noqa: PLC0415
 
     shear, bulk = 0.5 * young_mpa / (1 + poisson), young_mpa / (3 * (1 - 2 * poisson))
-    wedges, size, unit = mesh.wedges, mesh.nodes.size, np.eye(3)
+    size, unit = mesh.nodes.size, np.eye(3)
     total = csr_array((size, size))
-    for start in range(0, len(wedges), _CHUNK):
-        part = wedges[start : start + _CHUNK]
+    for start in range(0, len(mesh.wedges), _CHUNK):
+        part = mesh.wedges[start : start + _CHUNK]
         gradient, determinant = _gradients(mesh.nodes[part], _INSIDE)
         volume, flat = determinant * _INSIDE_WEIGHTS, gradient.reshape(len(part), 18, 54)
         pairs = (flat.transpose(0, 2, 1) @ (volume[..., None] * flat)).reshape(-1, 18, 3, 18, 3)
@@ -122,7 +122,7 @@ class Body:
         """Factorise the stiffness. `is_fixed` has a flag for each axis of each node."""
         from scipy.sparse.linalg import splu  # noqa: PLC0415
 
-        self.mesh, self._fixed, self._free = mesh, np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
+        self._mesh, self._fixed, self._free = mesh, np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
         matrix = stiffness(mesh, young_mpa, poisson)
         self._coupling = matrix[self._fixed][:, self._free]
         matrix = matrix[self._free][:, self._free].tocsc()
@@ -130,7 +130,7 @@ class Body:
 
     def move(self, loads: Array, given: Array | None = None) -> Array:
         """Displacements under loads of shape (nodes, 3, cases). Those that are fixed are `given`, or 0."""
-        flat = loads.reshape(self.mesh.nodes.size, -1)
+        flat = loads.reshape(self._mesh.nodes.size, -1)
         out, right = np.zeros_like(flat), flat[self._free]
         if given is not None:
             out[self._fixed] = given.reshape(flat.shape)[self._fixed]
@@ -146,7 +146,7 @@ class Body:
 
     def strains(self, displacements: Array) -> Array:
         """Principal strains in the middle of each element, in rising order."""
-        wedges = self.mesh.wedges
-        gradient = _gradients(self.mesh.nodes[wedges], _MIDDLE)[0][:, 0]
+        wedges = self._mesh.wedges
+        gradient = _gradients(self._mesh.nodes[wedges], _MIDDLE)[0][:, 0]
         slope = displacements[wedges].transpose(0, 2, 1) @ gradient
         return np.asarray(np.linalg.eigvalsh(0.5 * (slope + slope.transpose(0, 2, 1))))

@@ -47,55 +47,41 @@ class MeshSize:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
-    """Quadratic triangles in the plane: each has three corners, then the middles of its edges 0-1, 1-2 and 2-0."""
-
-    points: Array
-    triangles: NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
 class WedgeMesh:
-    """Plan extruded to layers of wedges. Nodes come in levels from the bottom up, each in the order of the plan."""
+    """Wedges of 18 nodes between two heights. Nodes come in levels from the bottom up, all in the order of a plan."""
 
-    plan: Plan
     nodes: Array
-    layers: int
-
-    @property
-    def wedges(self) -> NDArray[np.int64]:
-        """The 18 nodes of each wedge: the triangle's six at its lower, middle and upper level."""
-        levels = [self.plan.triangles + level * len(self.plan.points) for level in range(2 * self.layers + 1)]
-        return np.concatenate([np.hstack(levels[i : i + 3]) for i in range(0, 2 * self.layers, 2)])
-
-    @property
-    def top(self) -> slice:
-        return slice(2 * self.layers * len(self.plan.points), None)
-
-    @property
-    def bottom(self) -> slice:
-        return slice(0, len(self.plan.points))
+    triangles: NDArray[np.int64]
+    """Triangles of a level: three corners, then the middles of the edges 0-1, 1-2 and 2-0."""
+    wedges: NDArray[np.int64]
+    """A triangle's nodes at the lower, the middle and the upper level of each wedge."""
+    count: int
+    """Number of nodes of a level."""
 
 
-def quadratic_plan(corners: Array, triangles: NDArray[np.int64], centre_z: float = 0.0, radius: float = -1.0) -> Plan:
-    """Add the middles of the edges. Those of edges on a circle about (0, `centre_z`) move onto it."""
+def quadratic_plan(
+    corners: Array, triangles: NDArray[np.int64], centre_z: float = 0.0, radius: float = -1.0
+) -> tuple[Array, NDArray[np.int64]]:
+    """Add the middles of triangles' edges. Those of edges on a circle about (0, `centre_z`) move onto it."""
     turns_left = _doubled_areas(corners, triangles) > 0.0
     triangles = np.where(turns_left[:, None], triangles, triangles[:, [0, 2, 1]])
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
     unique, index = np.unique(edges, axis=0, return_inverse=True)
-    centre = np.array([0.0, centre_z])
-    arms = corners[unique] - centre
+    arms = corners[unique] - np.array([0.0, centre_z])
     middle = arms.mean(axis=1)
     on = (np.abs(np.linalg.norm(arms, axis=2) - radius) < 1e-9).all(axis=1)
     middle[on] *= radius / np.linalg.norm(middle[on], axis=1, keepdims=True)
-    return Plan(np.concatenate([corners, middle + centre]), np.hstack([triangles, len(corners) + index.reshape(-1, 3)]))
+    points = np.concatenate([corners, middle + np.array([0.0, centre_z])])
+    return points, np.hstack([triangles, len(corners) + index.reshape(-1, 3)])
 
 
-def extrude(plan: Plan, bottom: Array, surface: Array, layers: int) -> WedgeMesh:
-    """Fill the space between two heights of the plan's points with layers of wedges."""
+def extrude(points: Array, triangles: NDArray[np.int64], bottom: Array, surface: Array, layers: int) -> WedgeMesh:
+    """Fill the space between two heights of a plan's points with layers of wedges."""
     height = bottom + np.linspace(0.0, 1.0, 2 * layers + 1)[:, None] * (surface - bottom)
-    nodes = np.dstack([np.broadcast_to(plan.points, (*height.shape, 2)), height])
-    return WedgeMesh(plan, nodes.reshape(-1, 3), layers)
+    nodes = np.dstack([np.broadcast_to(points, (*height.shape, 2)), height]).reshape(-1, 3)
+    levels = [triangles + level * len(points) for level in range(2 * layers + 1)]
+    wedges = np.concatenate([np.hstack(levels[i : i + 3]) for i in range(0, 2 * layers, 2)])
+    return WedgeMesh(nodes, triangles, wedges, len(points))
 
 
 def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, NDArray[np.bool_]]:
@@ -106,8 +92,8 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
         mirrored = np.where(away, len(corners) - 1 + np.cumsum(away), np.arange(len(corners)))
         corners = np.concatenate([corners, corners[away] * (-1.0, 1.0)])
         triangles = np.concatenate([triangles, mirrored[triangles]])
-    plan = quadratic_plan(corners, triangles, form.sensor_z_mm, form.active_radius_mm)
-    (x, z), t = plan.points.T, plan.triangles
+    points, t = quadratic_plan(corners, triangles, form.sensor_z_mm, form.active_radius_mm)
+    x, z = points.T
     surface, bone = form.skin_mm(x, z), form.bone_mm(x, z)
     thin = int(np.argmin(surface - bone))
     if not surface[thin] - bone[thin] >= _THINNEST_MM:
@@ -116,7 +102,7 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
     bottom = np.maximum(bone, 0.0)
     # Where the bone has a kink within an element, a curved lower face would bulge: its middles lie between its corners.
     bottom[t[:, 3:]] = 0.5 * (bottom[t[:, :3]] + bottom[t[:, [1, 2, 0]]])
-    return extrude(plan, bottom, surface, size.layers), np.isfinite(bone[t]).all(axis=1)
+    return extrude(points, t, bottom, surface, size.layers), np.asarray(np.isfinite(bone[t]).all(axis=1))
 
 
 def _outline(form: PadForm) -> Array:
@@ -150,10 +136,8 @@ def _triangulate_half(form: PadForm, size: MeshSize, copies: float) -> tuple[Arr
     outline = _outline(form)
     width, length = outline[0, 0], outline[-1, 1]
     _check_memory(size, copies * float(np.trapezoid(outline[:, 0], outline[:, 1])))
-    lines = [outline] + [
-        np.array(ends)
-        for ends in ([[0, 0], [width, 0]], [[0, 0], [0, centre - radius]], [[0, centre + radius], [0, length]])
-    ]
+    straight = [[0, 0], [width, 0]], [[0, 0], [0, centre - radius]], [[0, centre + radius], [0, length]]
+    lines = [outline, *(np.array(ends) for ends in straight)]
     rings = max(2, round(radius / edge))
     nailed = [_resample(line, edge) for line in lines] + [np.array([[0.0, centre]])]
     for ring in range(1, rings + 1):

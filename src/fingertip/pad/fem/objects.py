@@ -27,8 +27,8 @@ _LOWEST_MM = 2.0 * RIM_MM
 """Height above the parting plane below which the surface is too steep to be pressed [mm]."""
 _ROUND = 0.8
 """Part of its radius up to which an object is round. Beyond, it goes on along the tangent."""
-_BONE_STEP_MM, _BONE_REACH_MM = 0.5, 60.0
-"""Grid on which the bone is looked up, and its reach from the proximal end of the skin both ways [mm]."""
+_BONE_MM = np.arange(-60.0, 60.0, 0.5)
+"""Grid on which the bone is looked up, both ways from the proximal end of the skin [mm]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +51,9 @@ class Touch:
 
         Raises TraceError where it meets bone or collar before, or the skin beside the pad.
         """
-        for name, angle in (("tilt_deg", pose.tilt_deg), ("roll_deg", pose.roll_deg)):
-            if not abs(angle) <= MAX_ANGLE_DEG:
-                raise _refuse(name, f"{angle:g} degrees exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.")
+        if not (abs(pose.tilt_deg) <= MAX_ANGLE_DEG and abs(pose.roll_deg) <= MAX_ANGLE_DEG):
+            angles = f"{pose.tilt_deg:g} and a roll of {pose.roll_deg:g} degrees"
+            raise _refuse("tilt_deg", f"{angles}: neither may exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.")
         radius, is_plate = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm, pose.object == "plate"
         if not (is_plate or 0.0 < radius < math.inf):
             raise _refuse("radius_mm", f"{radius:g} mm is no radius of a {pose.object}; use one above 0.")
@@ -61,7 +61,7 @@ class Touch:
         touch = cls(pose, radius, slopes, form.sensor_z_mm)
         clear = touch._rise(surface)[0] - surface[:, PALM]
         point, height = surface[np.argmin(clear)], -float(clear.min())
-        is_beside = not is_plate and np.linalg.norm(touch._off_axis(point[None])) > _ROUND * radius
+        is_beside = not (is_plate or np.linalg.norm(touch._off_axis(point[None])) <= _ROUND * radius)
         if is_beside or point[PALM] < _LOWEST_MM:
             name, value = ("tilt_deg", pose.tilt_deg) if is_plate else ("place_mm", pose.place_mm)
             where = f"at {value:g} the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
@@ -74,10 +74,7 @@ class Touch:
         return replace(touch, height_mm=height, rigid_mm=travel), point
 
     def gaps(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return the gaps over points, unit vectors from them into the object, and how much 1 mm of travel closes.
-
-        Gaps and what closes count along these vectors.
-        """
+        """Return gaps over points, unit vectors into the object, and what 1 mm of travel closes of them."""
         rise, slopes = self._rise(points)
         into = np.column_stack([-slopes, np.ones(len(points))])
         into /= np.linalg.norm(into, axis=1)[:, None]
@@ -87,7 +84,7 @@ class Touch:
     def _off_axis(self, points: Array) -> Array:
         """Offsets along x and z from the axis or the centre of a round object."""
         off = points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm + self.pose.place_mm])
-        return off if self.pose.object == "sphere" else off * (0.0, 1.0)
+        return np.asarray(off if self.pose.object == "sphere" else off * (0.0, 1.0))
 
     def _rise(self, points: Array) -> tuple[Array, Array]:
         """Heights of the object over points, above `height_mm`, and its slopes along x and z."""
@@ -108,7 +105,6 @@ def _refuse(name: str, message: str) -> TraceError:
 
 def _rigid_points(form: PadForm) -> Array:
     """Points of the bone's palmar side, also proximal of the skin, and of the collar's ridge."""
-    steps = np.arange(-_BONE_REACH_MM, _BONE_REACH_MM, _BONE_STEP_MM)
-    x, z = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    x, z = (axis.ravel() for axis in np.meshgrid(_BONE_MM, _BONE_MM))
     bone = np.column_stack([x, z, form.bone_mm(x, z)])
     return np.concatenate([bone[np.isfinite(bone[:, PALM])], [(0.0, z, form.collar[1]) for z in (form.collar[0], 0.0)]])

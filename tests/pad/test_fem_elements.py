@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.foundation.numerics import Array
-from fingertip.pad.fem.elastic import Body, Surface
+from fingertip.pad.fem.elastic import Body, Surface, stiffness
 from fingertip.pad.fem.mesh import PALM, WedgeMesh, X, Z, extrude, quadratic_plan
 
 
@@ -84,8 +84,6 @@ def test_bonded_strip_in_compression_follows_its_closed_form() -> None:
     body = Body(mesh, 1.0, 0.4999, is_fixed)
     moved = body.move(unmoved(mesh), given)
     # Energy of the body is half of force times travel.
-    from fingertip.pad.fem.elastic import stiffness
-
     force = 2.0 * float(moved.ravel() @ (stiffness(mesh, 1.0, 0.4999) @ moved.ravel())) / travel / 0.5
     closed = 4.0 / 3.0 * (1.0 + (0.5 * width / height) ** 2) * width * travel / height
     assert force == pytest.approx(closed, rel=0.04)

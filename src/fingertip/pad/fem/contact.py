@@ -15,7 +15,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -46,23 +46,23 @@ _MAX_STEPS = 80
 
 @dataclass(frozen=True)
 class PadContact:
-    """Contact of the pad under a force, and what it does to the skin."""
+    """Contact of the pad under a force, and what it does to the skin.
+
+    The share is the load on the active area, normal to the sensor's plane, over the force. Depth is the object's travel
+    after the first touch; the centre of pressure is x and the distance distal to the sensor. Strain is the largest
+    principal one by magnitude, in the middle of an element; shear and tension at the bond are the largest means of an
+    element's face. At edges of the bone finer meshes see more.
+    """
 
     share: float
-    """Load on the active area, normal to the sensor's plane, over the whole force."""
     force_n: float
     depth_mm: float
-    """Travel of the object after the first touch."""
     stiffness_n_per_mm: float
     centre_mm: tuple[float, float]
-    """Centre of pressure, as x and as distance distal to the sensor."""
     peak_mpa: float
     strain: float
-    """Largest principal strain, by magnitude, in the middle of an element."""
     bond_shear_mpa: float
-    """Largest shear at the bond to the bone, as a mean of an element's face. Finer meshes see more at edges."""
     bond_tension_mpa: float
-    """Largest tension there."""
 
 
 def solve(
@@ -111,12 +111,6 @@ class PadModel:
         return Body(self._mesh, self.form.young_mpa, self.form.poisson, is_fixed)
 
     @cached_property
-    def _bond_mass(self) -> Any:
-        from scipy.sparse.linalg import splu  # noqa: PLC0415
-
-        return splu(self.bond.mass)
-
-    @cached_property
     def _weights(self) -> Array:
         """Displacements of the surface for a unit step of the active area.
 
@@ -127,7 +121,7 @@ class PadModel:
         disc = (arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)
         inside = Surface.of_nodes(self.bond.points, self._triangles[disc]).mass.sum(axis=1)
         step = np.zeros((*self._mesh.nodes.shape, 1))
-        step[self._lower, PALM, 0] = self._bond_mass.solve(np.asarray(inside).ravel())
+        step[self._lower, PALM, 0] = self.bond.project(np.asarray(inside).ravel())
         return self._body.move(np.zeros_like(step), step)[self._upper, :, 0]
 
     def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
@@ -163,7 +157,7 @@ class PadModel:
         forces = self._body.support(moved)[self._lower]
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
-        held = self._bond_mass.solve(forces)
+        held = self.bond.project(forces)
         faces = self._triangles[self._is_bonded]
         a, b, c = self.bond.points[faces[:, :3]].transpose(1, 0, 2)
         normal = np.cross(c - a, b - a)

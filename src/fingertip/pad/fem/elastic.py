@@ -1,8 +1,9 @@
 """Linear elasticity of a body of wedges: stiffness, displacements, forces of its support, strains.
 
-Displacements are quadratic in plan and in height. Each wedge has a pressure of its own, constant in plan and linear in
-height, which is eliminated. So Poisson's ratio may approach 0.5 without locking, and the matrix stays symmetric and
-positive definite (D. Boffi, F. Brezzi and M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8).
+Displacements are quadratic in plan and in height. Each wedge has a linear pressure of its own, which is eliminated. So
+Poisson's ratio may approach 0.5 without locking, and the matrix stays symmetric and positive definite (D. Boffi,
+F. Brezzi and M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8). A pressure that is constant in
+plan would be stable too, but four times as far from the limit of fine meshes.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def _wedge_derivatives(points: Array, heights: Array) -> Array:
 
 _INSIDE, _MIDDLE = _wedge_derivatives(_POINTS, _LINE), _wedge_derivatives(np.full((1, 2), 1 / 3), np.zeros(1))
 _INSIDE_WEIGHTS = np.outer(_WEIGHTS, _LINE_WEIGHTS).ravel()
-_PRESSURES = np.stack([np.ones(18), np.tile(_LINE, 6)])
+_PRESSURES = np.stack([np.ones(18), np.tile(_LINE, 6), *np.repeat(_POINTS - 1 / 3, 3, axis=0).T])
 """Pressures of an element at the points of its quadrature."""
 
 
@@ -88,14 +89,15 @@ def stiffness(mesh: WedgeMesh, young_mpa: float, poisson: float) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Integrals over triangles of an upper or lower surface, which may be curved."""
+    """Nodes of an upper or lower surface, which may be curved, with integrals over its triangles [mm^2].
+
+    The mass is that of products of the quadratic shape functions. The trace is that of these with pressures, which are
+    linear between the nodes of each quarter of a triangle.
+    """
 
     points: Array
-    """Nodes of the surface [mm]."""
     mass: Any
-    """Of products of the quadratic shape functions [mm^2]."""
     trace: Any
-    """Of products of these with pressures, which are linear between the nodes of each quarter of a triangle [mm^2]."""
 
     @classmethod
     def of_nodes(cls, points: Array, triangles: NDArray[np.int64]) -> Surface:
@@ -113,6 +115,12 @@ class Surface:
                 added = coo_array((values.ravel(), (i.ravel(), j.ravel())), shape=size).tocsc()
                 mass, trace = (mass + added, trace) if other is shapes else (mass, trace + added)
         return cls(points, mass, trace)
+
+    def project(self, integrals: Array) -> Array:
+        """Return the values at the nodes of a quadratic function, from its integrals with the shape functions."""
+        from scipy.sparse.linalg import spsolve  # noqa: PLC0415
+
+        return np.asarray(spsolve(self.mass, integrals))
 
 
 class Body:

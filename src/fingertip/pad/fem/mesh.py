@@ -41,7 +41,7 @@ _BYTES_PER_ENTRY, _FIXED_GB = 20.0, 0.2
 class MeshSize:
     """Length of the edges in plan, number of elements over the thickness, and the memory that they may take."""
 
-    edge_mm: float = 0.75
+    edge_mm: float = 0.8
     layers: int = 2
     memory_gb: float = 2.0
 

@@ -2,8 +2,8 @@
 
 Displacements are quadratic in plan and in height. Each wedge has a linear pressure of its own, which is eliminated. So
 Poisson's ratio may approach 0.5 without locking, and the matrix stays symmetric and positive definite (D. Boffi,
-F. Brezzi and M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8). A pressure that is constant in
-plan would be stable too, but four times as far from the limit of fine meshes.
+F. Brezzi and M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8). No proof of stability is known
+to us for this wedge; tests look for locking. A pressure constant in plan converges several times slower in force.
 """
 
 from __future__ import annotations

@@ -40,8 +40,8 @@ _MAX_ITERATIONS = 400
 _SUPERSAMPLED = 5
 """Points along each side of a cell with which the edge of the active area is followed."""
 _FREE_SIDES = 0.94
-"""Modulus of the layer over that of the silicone, which ends at the sides of the finger: the median that finite elements
-of random forms give at 1 N (benchmarks/pad.py)."""
+"""Modulus of the layer over that of the silicone, which ends at the sides of the finger: the median over random forms
+at 1 N, by finite elements (benchmarks/pad.py)."""
 MAX_STRAIN = 0.5
 """Largest indentation over the thickness of the layer: beyond it, small strain says nothing. An assumption."""
 _BESIDE = 0.95

@@ -57,7 +57,7 @@ def bring_sphere(radius, thickness, young=1.0, active=2.0):
 
 def test_a_thick_layer_is_hertz_half_space(monkeypatch):
     monkeypatch.setattr(layer, "_MARGIN", 1.0)
-    radius, force, modulus = 12.0, 0.5, 1.0 / (1 - 0.45**2)
+    radius, force, modulus = 12.0, 0.5, layer._FREE_SIDES / (1 - 0.45**2)
     contact, _ = layer._press(bring_sphere(radius, 60.0).lay_out(1.6), force, None)
     patch = (3 * force * radius / (4 * modulus)) ** (1 / 3)
     assert contact.area_mm2 == pytest.approx(math.pi * patch**2, rel=0.08)  # counted in whole cells

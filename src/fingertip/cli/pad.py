@@ -3,17 +3,35 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from fingertip.cli.console import Console
 from fingertip.cli.options import DesignArgument, SetOption, command, load_design
+from fingertip.foundation import extras
+from fingertip.foundation.errors import TraceError
 
 if TYPE_CHECKING:
+    from fingertip.pad.fem.contact import PadContact
+    from fingertip.pad.form import PadForm
     from fingertip.pad.survey import PadSurvey
+
+_REFINED = 0.7
+"""Length of the finer mesh's edges over those of the mesh."""
 
 
 @command
-def pad(console: Console, design: DesignArgument, changes: SetOption = None) -> None:
+def pad(
+    console: Console,
+    design: DesignArgument,
+    fem: Annotated[bool, typer.Option("--fem", help="Compute the same by finite elements, some 10 s.")] = False,
+    refine: Annotated[
+        bool, typer.Option("--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 30 s.")
+    ] = False,
+    changes: SetOption = None,
+) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
 
     A layer model of the silicone on the bone computes the contact with a flat, rigid plate. At a tilt of 0 the straight
@@ -23,24 +41,57 @@ def pad(console: Console, design: DesignArgument, changes: SetOption = None) -> 
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import survey_pad
 
+    if fem or refine:
+        extras.require("--fem", "scipy")
     loaded = load_design(design, changes, console)
     survey, form = survey_pad(loaded), PadForm.of_design(loaded)
     data: dict[str, Any] = {"design": loaded.name, "young_mpa": round(form.young_mpa, 4), **survey.to_dict()}
-    console.result(data, "\n".join(_list_lines(loaded.name, form.young_mpa, survey)))
+    lines = _list_lines(loaded.name, form.young_mpa, survey)
+    for is_fine in (False, True)[: 1 + refine] if fem or refine else ():
+        console.progress(f"finite elements{', finer mesh' if is_fine else ''}")
+        found = _press(form, is_fine)
+        name = "fem_refined" if is_fine else "fem"
+        data[name] = [
+            None if c is None else {"share": round(c.share, 4), "depth_mm": round(c.depth_mm, 4)} for c in found
+        ]
+        title = "finite elements, edges 0.7" if is_fine else "the same, finite elements"
+        lines.insert(3 + is_fine, _row(title, ["-" if c is None else f"{c.share:.2f}" for c in found]))
+    if fem or refine:
+        lines.append("finite elements: -: the plate reaches the rigid collar, or the strain is too large")
+    console.result(data, "\n".join(lines))
+
+
+def _press(form: PadForm, is_fine: bool) -> list[PadContact | None]:
+    """Press the pad by finite elements at all tilts of the survey; None where they refuse the contact."""
+    from fingertip.pad.fem.contact import PadModel, Patch
+    from fingertip.pad.fem.mesh import MeshSize
+    from fingertip.pad.pose import Pose
+    from fingertip.pad.survey import FORCE_N, TILTS_DEG
+
+    size = MeshSize()
+    model = PadModel(form, replace(size, edge_mm=_REFINED * size.edge_mm) if is_fine else size, is_half=True)
+    found: list[PadContact | None] = []
+    for tilt in TILTS_DEG:
+        try:
+            found.append(Patch(model, Pose(tilt)).press(FORCE_N))
+        except TraceError:
+            found.append(None)
+    return found
+
+
+def _row(title: str, texts: list[str]) -> str:
+    return f"{title:<30}" + "".join(f"{text:>7}" for text in texts)
 
 
 def _list_lines(name: str, young_mpa: float, survey: PadSurvey) -> list[str]:
     from fingertip.pad.survey import FIRM_N, FORCE_N, ROLL_DEG, ROLLED_TILT_DEG, TILTS_DEG
 
-    def row(title: str, texts: list[str]) -> str:
-        return f"{title:<30}" + "".join(f"{text:>7}" for text in texts)
-
     turn_on = [f"{force:.2f}" if force < math.inf else "never" for force in survey.turn_on_n]
     return [
         f"{name}: what the sensor feels on a flat plate (layer model, {young_mpa:.2g} MPa)",
-        row("tilt, tip down [deg]", [f"{tilt:g}" for tilt in TILTS_DEG]),
-        row(f"share of {FORCE_N:g} N", [f"{share:.2f}" for share in survey.shares]),
-        row("force at turn-on [N]", turn_on),
+        _row("tilt, tip down [deg]", [f"{tilt:g}" for tilt in TILTS_DEG]),
+        _row(f"share of {FORCE_N:g} N", [f"{share:.2f}" for share in survey.shares]),
+        _row("force at turn-on [N]", turn_on),
         f"share at a roll of {ROLL_DEG:g} deg and a tilt of {ROLLED_TILT_DEG:g}: {survey.rolled_share:.2f}",
         f"evenness, least over largest share at 0 to 10 deg: {survey.evenness:.2f}",
         f"stiffness at {FORCE_N:g} N: {survey.stiffness_n_per_mm:.1f} N/mm; indentation at {FIRM_N:g} N: "

@@ -1,0 +1,109 @@
+"""Error and run time of the layer model of the pad, against finite elements on random forms and poses.
+
+    python benchmarks/pad.py [--designs 34] [--seed 1]
+
+Each form is the default design with a random crown or none, thickness, modulus, and place of the sensor; it is pressed
+at three random tilts with 1 and 5 N. Forms that break a rule, and contacts that the finite elements refuse because the
+collar touches first or the strain is too large, are drawn again. The force of the layer model is that at the depth of
+the finite elements.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import random
+import time
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError, TraceError
+from fingertip.pad.fem.contact import PadModel, Patch
+from fingertip.pad.fem.mesh import MeshSize
+from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_contacts
+from fingertip.pad.pose import Pose
+
+FORCES_N = (1.0, 5.0)
+_AROUND = (0.75, 0.9, 1.0, 1.1, 1.35)
+"""Forces about each one, between which the force at a depth is interpolated."""
+
+
+def draw_form(rng: random.Random) -> PadForm:
+    """Draw a form that the rules accept."""
+    while True:
+        radius = rng.choice((0.0, rng.uniform(8.0, 30.0)))
+        changes = {
+            "skin.crown_radius_mm": radius,
+            "skin.crown_offset_mm": rng.uniform(0.0, 2.0),
+            "skin.crown_drop_mm": rng.uniform(1.0, 2.2),
+            "skin.thickness_palmar_mm": rng.uniform(2.4, 4.0),
+            "skin.semi_axis_palmar_mm": rng.uniform(6.0, 8.0),
+            "skin.pulp_fullness": rng.uniform(0.875, 0.92),
+            "bone.platform_mm": rng.uniform(0.0, 1.8),
+            "sensor.distance_from_tip_mm": rng.uniform(10.5, 12.5),
+            "silicone.product": "own",
+            "silicone.modulus_mpa": math.exp(rng.uniform(math.log(0.3), math.log(3.0))),
+        }
+        try:
+            return PadForm.of_design(Design.load("fsr400", changes=[f"{k}={v}" for k, v in changes.items()]))
+        except FingertipError:
+            continue
+
+
+def main() -> None:
+    """Print the errors and the times."""
+    parser = argparse.ArgumentParser(description="Layer model of the pad against finite elements.")
+    parser.add_argument("--designs", type=int, default=34)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    rng = random.Random(given.seed)
+    shares: dict[float, list[float]] = {force: [] for force in FORCES_N}
+    ratios: dict[float, list[float]] = {force: [] for force in FORCES_N}
+    layer_s, fem_s = [], []
+    for _ in range(given.designs):
+        form = draw_form(rng)
+        begin = time.process_time()
+        model = PadModel(form, MeshSize(), is_half=True)
+        spent, pressed = time.process_time() - begin, 0
+        for _ in range(30):
+            if pressed == 3:
+                break
+            pose = Pose(rng.uniform(-5.0, 20.0))
+            for force in FORCES_N:
+                begin = time.process_time()
+                try:
+                    patch = Patch(model, pose)
+                    found = patch.press(force)
+                    around = find_contacts(form, pose, [share * force for share in _AROUND], math.inf)
+                except TraceError:
+                    continue
+                spent += time.process_time() - begin
+                begin = time.process_time()
+                one = find_contacts(form, pose, (force,), math.inf)[0]
+                layer_s.append(time.process_time() - begin)
+                depth = found.depth_mm / math.cos(math.radians(pose.tilt_deg))  # along the heights
+                at = np.interp(
+                    math.log(depth), np.log([c.depth_mm for c in around]), np.log([c.force_n for c in around])
+                )
+                shares[force].append(one.share - found.share)
+                ratios[force].append(math.exp(float(at)) / force)
+                pressed += force == FORCES_N[0]
+        fem_s.append(spent)
+    for force in FORCES_N:
+        error, ratio = np.abs(shares[force]), np.array(ratios[force])
+        rms = float(np.sqrt(np.mean(np.square(shares[force]))))
+        print(
+            f"{force:g} N, {len(error)} contacts: share rms {rms:.3f}, median {np.median(error):.3f}, 90th percentile "
+            f"{np.quantile(error, 0.9):.3f}, worst {error.max():.3f}; force {ratio.min():.3f} to {ratio.max():.3f}, "
+            f"median {np.median(ratio):.3f}, 90 % within {np.quantile(np.abs(ratio - 1), 0.9):.3f}"
+        )
+    print(
+        f"a contact of the layer model {1e3 * np.median(layer_s):.1f} ms CPU; three poses of a form by finite elements "
+        f"{np.median(fem_s):.1f} s; {3 * np.median(fem_s) / 18 / np.median(layer_s):.0f} times as long a contact"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,250 @@
+"""Contact of the pad with rigid objects, and what of the force reaches the sensor, by finite elements.
+
+Small strains, no friction, skin bonded to rigid bone. Where there is no bone below, at the sides and the tip, the skin
+is held at the parting plane; its proximal end slides on the collar. Pressures are linear between the nodes of the
+surface and act along the normal of the object. With the compliance of the surface they solve a complementarity problem:
+pressure >= 0, gap >= 0, and one of both is 0 (N. Kikuchi and J. T. Oden, Contact Problems in Elasticity, 1988).
+
+The load on the sensor's active area is a linear functional of these pressures. By Betti's theorem its weights are the
+displacements of the surface that a unit displacement of the active area would cause: one solution serves all contacts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fingertip.foundation import extras
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.pad.fem.elastic import Body, Surface, triangle_shapes
+from fingertip.pad.fem.mesh import PALM, MeshSize, X, Z, mesh_skin
+from fingertip.pad.fem.objects import Touch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fingertip.pad.form import PadForm
+    from fingertip.pad.pose import Pose
+
+MAX_DEPTH, MAX_STRAIN = 0.45, 0.3
+"""Depth relative to the skin's thickness at first touch, and principal strain, to which small strains are trusted."""
+_BATCH = 64
+"""Columns of the compliance that are solved for at a time."""
+_ALONG = 0.025
+"""Part of the normals along an axis, below which it is left out of the compliance: its square counts."""
+_SEED, _GROWTH = 12, 1.4
+"""Nodes with which the search for a patch begins, and growth of the depth that it may reach, until it lies within."""
+_MAX_STEPS = 80
+"""Largest number of steps of the search for a patch; five are usual. In the second half one node changes a step."""
+
+
+@dataclass(frozen=True)
+class PadContact:
+    """Contact of the pad under a force, and what it does to the skin.
+
+    The share is the load on the active area, normal to the sensor's plane, over the force. Depth is the object's travel
+    after the first touch; the centre of pressure is x and the distance distal to the sensor. Strain is the largest
+    principal one by magnitude, in the middle of an element; shear and tension at the bond are the largest means of an
+    element's face. At edges of the bone finer meshes see more.
+    """
+
+    share: float
+    force_n: float
+    depth_mm: float
+    stiffness_n_per_mm: float
+    centre_mm: tuple[float, float]
+    peak_mpa: float
+    strain: float
+    bond_shear_mpa: float
+    bond_tension_mpa: float
+
+
+def solve(
+    form: PadForm, poses: Sequence[Pose], forces_n: Sequence[float], mesh: MeshSize | None = None
+) -> list[PadContact]:
+    """Press the pad on the object of each pose with each force [N]. The forces vary fastest.
+
+    Without roll, half of the pad is enough. Raises MissingLibraryError without scipy, GeometryError for a mesh that
+    exceeds its memory, and TraceError for a pose beside the skin or on bone, and for a force beyond small strains.
+    """
+    extras.require("", "scipy", subject="the pad by finite elements")
+    wrong = [force for force in forces_n if not 0.0 < force < math.inf]
+    if wrong:
+        raise TraceError(Issue("force_n", f"{wrong[0]:g} N does not press; use a force above 0."))
+    model = PadModel(form, mesh or MeshSize(), is_half=all(pose.roll_deg == 0.0 for pose in poses))
+    results = []
+    for patch in [Patch(model, pose) for pose in poses]:
+        rising = {force: patch.press(force) for force in sorted(forces_n)}
+        results += [rising[force] for force in forces_n]
+    return results
+
+
+class PadModel:
+    """Meshed skin, the compliance of its surface as far as asked for, and the weights of the share.
+
+    What costs time is computed at its first use: a pose may be refused before.
+    """
+
+    def __init__(self, form: PadForm, size: MeshSize, *, is_half: bool) -> None:
+        self.form, self.copies = form, 2.0 if is_half else 1.0
+        self._mesh, self._is_bonded = mesh_skin(form, size, is_half)
+        nodes, count, self._triangles = self._mesh.nodes, self._mesh.count, self._mesh.triangles
+        self._upper, self._lower = slice(len(nodes) - count, None), slice(0, count)
+        self.top, self.bond = (Surface.of_nodes(nodes[part], self._triangles) for part in (self._upper, self._lower))
+        self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
+        self._solved = np.full((3, len(self.area)), -1)
+        self._columns = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
+
+    @cached_property
+    def _body(self) -> Body:
+        nodes = self._mesh.nodes
+        is_fixed = np.zeros(nodes.shape, bool)
+        is_fixed[self._lower] = True
+        is_fixed[nodes[:, Z] <= 0.0, Z] = True
+        is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
+        return Body(self._mesh, self.form.young_mpa, self.form.poisson, is_fixed)
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Displacements of the surface for a unit step of the active area.
+
+        The step is projected to the shape functions: the load is then the integral of the traction over the disc,
+        without a part of the elements around it.
+        """
+        arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)
+        disc = (arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)
+        inside = Surface.of_nodes(self.bond.points, self._triangles[disc]).mass.sum(axis=1)
+        step = np.zeros((*self._mesh.nodes.shape, 1))
+        step[self._lower, PALM, 0] = self.bond.project(np.asarray(inside).ravel())
+        return self._body.move(np.zeros_like(step), step)[self._upper, :, 0]
+
+    def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
+        """Displacements at nodes of the surface under unit pressures at them, both along the vectors `into`."""
+        total, along = np.zeros((len(nodes), len(nodes))), np.abs(into).max(axis=0) > _ALONG
+        into = into * along
+        for axis in np.flatnonzero(along):
+            new = nodes[self._solved[axis, nodes] < 0]
+            self._solved[axis, new] = self._columns[axis].shape[2] + np.arange(len(new))
+            parts = [self._columns[axis]]
+            for start in range(0, len(new), _BATCH):
+                load = self.top.trace[:, new[start : start + _BATCH]].toarray()
+                loads = np.zeros((*self._mesh.nodes.shape, load.shape[1]))
+                loads[self._upper, axis] = load
+                moved = self._body.move(loads)[self._upper]
+                parts.append(np.stack([self.top.trace.T @ moved[:, other] for other in range(3)]))
+            self._columns[axis] = np.concatenate(parts, axis=2)
+            block = self._columns[axis][:, nodes[:, None], self._solved[axis, nodes]]
+            total += np.einsum("ic,cij->ij", into, block) * into[:, axis]
+        return total
+
+    def fine_surface(self, parts: int = 6) -> Array:
+        """Return points of the curved surface, finer than its nodes."""
+        steps = np.array([(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]) / parts
+        points = np.einsum("qa,eai->eqi", triangle_shapes(steps)[0], self.top.points[self._triangles])
+        return np.asarray(points.reshape(-1, 3))
+
+    def respond(self, tractions: Array) -> tuple[float, float, float, float]:
+        """Load on the active area [N], and largest strain, shear and tension at the bond, under surface tractions."""
+        load = np.zeros((*self._mesh.nodes.shape, 1))
+        load[self._upper, :, 0] = forces = self.top.trace @ tractions
+        sensed, moved = -self.copies * float((forces * self._weights).sum()), self._body.move(load)[:, :, 0]
+        forces = self._body.support(moved)[self._lower]
+        if self.copies > 1.0:
+            forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
+        held = self.bond.project(forces)
+        faces = self._triangles[self._is_bonded]
+        a, b, c = self.bond.points[faces[:, :3]].transpose(1, 0, 2)
+        normal = np.cross(c - a, b - a)
+        normal *= (np.sign(normal[:, PALM]) / np.linalg.norm(normal, axis=1))[:, None]
+        mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
+        along = (mean * normal).sum(axis=1)
+        shear = np.linalg.norm(mean - along[:, None] * normal, axis=1)
+        return sensed, float(np.abs(self._body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
+
+
+class Patch:
+    """Contact of a pose, with the nodes of the surface that it can have reached so far."""
+
+    def __init__(self, model: PadModel, pose: Pose) -> None:
+        self._model, surface = model, model.top.points
+        touch, point = Touch.of_pose(model.form, pose, model.fine_surface())
+        nearest = int(np.argmin(np.linalg.norm(surface - point, axis=1)))
+        thickness = float(surface[nearest, PALM] - model.bond.points[nearest, PALM])
+        self._limit, self._reason = min(
+            (MAX_DEPTH * thickness, f"{MAX_DEPTH:g} of the skin's {thickness:.2g} mm"),
+            (touch.rigid_mm, "where the object reaches bone or collar"),
+        )
+        gap, self._into, closing = touch.gaps(surface)
+        self._travel = gap / closing
+        self._reach = float(np.partition(self._travel, _SEED)[_SEED])
+        self._weight = model.area * closing
+        # The normal is that at the node, as in the work of its pressure; the distance is averaged around the node.
+        self._gap = model.top.trace.T @ (gap / self._into[:, PALM]) * self._into[:, PALM]
+        self._active = self._travel <= self._reach
+
+    def press(self, force_n: float) -> PadContact:
+        """Press with a force, larger than the one before. Raises TraceError beyond small strains."""
+        model = self._model
+        while True:
+            nodes = np.flatnonzero(self._travel <= self._reach)
+            into = self._into[nodes]
+            pressure, depth, slope, active = find_patch(
+                model.compliance(nodes, into), self._gap[nodes], self._weight[nodes], force_n / model.copies,
+                self._active[nodes],
+            )  # fmt: skip
+            self._active[nodes] = active
+            if depth <= self._reach:
+                break
+            if self._reach >= self._limit:
+                raise _refuse(force_n, f"presses {depth:.2g} mm deep, beyond {self._limit:.2g} mm, {self._reason}")
+            self._reach = min(_GROWTH * self._reach, depth, self._limit)
+        tractions = np.zeros_like(self._into)
+        tractions[nodes] = -pressure[:, None] * into
+        sensed, strain, shear, tension = model.respond(tractions)
+        if strain > MAX_STRAIN:
+            raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains")
+        flow = pressure * self._weight[nodes]
+        x, z = flow @ model.top.points[nodes][:, [X, Z]] / flow.sum()
+        return PadContact(
+            sensed / force_n, force_n, depth, model.copies / slope,
+            (0.0 if model.copies > 1.0 else float(x), float(z) - model.form.sensor_z_mm),
+            float(pressure.max()), strain, shear, tension,
+        )  # fmt: skip
+
+
+def _refuse(force_n: float, problem: str) -> TraceError:
+    return TraceError(Issue("force_n", f"{force_n:g} N {problem}; use less force, or a thicker or harder skin."))
+
+
+def find_patch(
+    compliance: Array, gap: Array, weight: Array, force_n: float, active: NDArray[np.bool_]
+) -> tuple[Array, float, float, NDArray[np.bool_]]:
+    """Find pressures, depth, its increase by force and the patch under a force, from a first guess of the patch.
+
+    Gap and weight are integrals around the nodes, of the distance and of what a unit depth takes of it. A primal-dual
+    active set (M. Hintermueller, K. Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865).
+    """
+    for step in range(_MAX_STEPS):
+        index = np.flatnonzero(active)
+        n = len(index)
+        system, right = np.zeros((n + 1, n + 1)), np.zeros((n + 1, 2))
+        system[:n, :n] = compliance[np.ix_(index, index)]
+        system[:n, n], system[n, :n] = -weight[index], weight[index]
+        right[:n, 0], right[n] = -gap[index], (force_n, 1.0)
+        solution = np.linalg.solve(system, right)
+        pressure = np.zeros(len(gap))
+        pressure[index], depth = solution[:n, 0], float(solution[n, 0])
+        rest = (gap + compliance[:, index] @ solution[:n, 0]) / weight - depth
+        # By how much pressures pull and the rest overlaps, relative to the largest pressure and to the depth.
+        wrong = np.where(active, -pressure / np.abs(pressure).max(), -rest / max(abs(depth), 1e-12))
+        if wrong.max() <= 1e-9:
+            break
+        active = active ^ ((wrong > 1e-9) if 2 * step < _MAX_STEPS else (wrong == wrong.max()))
+        active |= (rest == rest.min()) & ~active.any()
+    return pressure, depth, float(solution[n, 1]), active

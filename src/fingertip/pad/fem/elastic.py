@@ -1,0 +1,160 @@
+"""Linear elasticity of a body of wedges: stiffness, displacements, forces of its support, strains.
+
+Displacements are quadratic in plan and in height. Each wedge has a linear pressure of its own, which is eliminated. So
+Poisson's ratio may approach 0.5 without locking, and the matrix stays symmetric and positive definite (D. Boffi,
+F. Brezzi and M. Fortin, Mixed Finite Element Methods and Applications, 2013, chapter 8). No proof of stability is known
+to us for this wedge; tests look for locking. A pressure constant in plan converges several times slower in force.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fingertip.foundation.numerics import Array
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fingertip.pad.fem.mesh import WedgeMesh
+
+_CHUNK = 400
+"""Number of elements whose matrices are in memory at a time."""
+_A, _B = 0.445948490915965, 0.091576213509771
+_POINTS = np.array([[_A, _A], [1 - 2 * _A, _A], [_A, 1 - 2 * _A], [_B, _B], [1 - 2 * _B, _B], [_B, 1 - 2 * _B]])
+_WEIGHTS = np.repeat([0.111690794839005, 0.054975871827661], 3)
+"""Quadrature of the triangle, of degree 4 (D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) 1129)."""
+_LINE, _LINE_WEIGHTS = np.polynomial.legendre.leggauss(3)
+_NODES = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
+_QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+"""Parts of a triangle between its corners and the middles of its edges, by their nodes."""
+
+
+def triangle_shapes(points: Array) -> tuple[Array, Array]:
+    """Shape functions of the quadratic triangle at local points, and their derivatives by both local axes."""
+    r, s = points.T
+    t, zero = 1 - r - s, np.zeros_like(r)
+    shapes = np.stack([t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * t * r, 4 * r * s, 4 * s * t], axis=1)
+    by_r = np.stack([1 - 4 * t, 4 * r - 1, zero, 4 * (t - r), 4 * s, -4 * s], axis=1)
+    by_s = np.stack([1 - 4 * t, zero, 4 * s - 1, -4 * r, 4 * r, 4 * (t - s)], axis=1)
+    return shapes, np.stack([by_r, by_s], axis=2)
+
+
+def _wedge_derivatives(points: Array, heights: Array) -> Array:
+    """Local derivatives of a wedge's shape functions at all pairs of points and heights, of shape (pairs, 18, 3)."""
+    (plan, by_plan), t = triangle_shapes(points), heights
+    up = np.stack([0.5 * t * (t - 1), 1 - t * t, 0.5 * t * (t + 1)], axis=1)
+    by_up = np.stack([t - 0.5, -2 * t, t + 0.5], axis=1)
+    along = np.einsum("pak,ql->pqlak", by_plan, up)
+    upwards = np.einsum("pa,ql->pqla", plan, by_up)[..., None]
+    return np.concatenate([along, upwards], axis=4).reshape(len(points) * len(t), 18, 3)
+
+
+_INSIDE, _MIDDLE = _wedge_derivatives(_POINTS, _LINE), _wedge_derivatives(np.full((1, 2), 1 / 3), np.zeros(1))
+_INSIDE_WEIGHTS = np.outer(_WEIGHTS, _LINE_WEIGHTS).ravel()
+_PRESSURES = np.stack([np.ones(18), np.tile(_LINE, 6), *np.repeat(_POINTS - 1 / 3, 3, axis=0).T])
+"""Pressures of an element at the points of its quadrature."""
+
+
+def _gradients(nodes: Array, local: Array) -> tuple[Array, Array]:
+    """Gradients of the shape functions at points of elements with these nodes, and the determinants of their maps."""
+    jacobian = np.einsum("eai,qak->eqik", nodes, local, optimize=True)
+    return local @ np.linalg.inv(jacobian), np.linalg.det(jacobian)
+
+
+def stiffness(mesh: WedgeMesh, young_mpa: float, poisson: float) -> Any:
+    """Assemble the stiffness [N/mm] as a sparse matrix with three rows for each node."""
+    from scipy.sparse import coo_array, csr_array  # noqa: PLC0415
+
+    shear, bulk = 0.5 * young_mpa / (1 + poisson), young_mpa / (3 * (1 - 2 * poisson))
+    size, unit = mesh.nodes.size, np.eye(3)
+    total = csr_array((size, size))
+    for start in range(0, len(mesh.wedges), _CHUNK):
+        part = mesh.wedges[start : start + _CHUNK]
+        gradient, determinant = _gradients(mesh.nodes[part], _INSIDE)
+        volume, flat = determinant * _INSIDE_WEIGHTS, gradient.reshape(len(part), 18, 54)
+        pairs = (flat.transpose(0, 2, 1) @ (volume[..., None] * flat)).reshape(-1, 18, 3, 18, 3)
+        laplacian = np.einsum("eakbk->eab", pairs)[:, :, None, :, None] * unit[:, None, :]
+        matrix = shear * (laplacian + pairs.transpose(0, 1, 4, 3, 2) - 2 / 3 * pairs).reshape(-1, 54, 54)
+        mass = np.einsum("mq,eq,nq->emn", _PRESSURES, volume, _PRESSURES)
+        divergence = np.einsum("mq,eq,eqd->emd", _PRESSURES, volume, flat, optimize=True)
+        matrix += bulk * divergence.transpose(0, 2, 1) @ np.linalg.solve(mass, divergence)
+        rows = (3 * part[:, :, None] + np.arange(3)).reshape(-1, 54)
+        where = (np.repeat(rows, 54, axis=1).ravel(), np.tile(rows, (1, 54)).ravel())
+        total = total + coo_array((matrix.ravel(), where), shape=(size, size)).tocsr()
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Nodes of an upper or lower surface, which may be curved, with integrals over its triangles [mm^2].
+
+    The mass is that of products of the quadratic shape functions. The trace is that of these with pressures, which are
+    linear between the nodes of each quarter of a triangle.
+    """
+
+    points: Array
+    mass: Any
+    trace: Any
+
+    @classmethod
+    def of_nodes(cls, points: Array, triangles: NDArray[np.int64]) -> Surface:
+        from scipy.sparse import coo_array, csc_array  # noqa: PLC0415
+
+        size = (len(points), len(points))
+        mass, trace, linear = csc_array(size), csc_array(size), np.column_stack([1 - _POINTS.sum(axis=1), _POINTS])
+        for quarter in _QUARTERS:
+            shapes, local = triangle_shapes(linear @ _NODES[quarter])
+            along = np.einsum("eai,qak->eqki", points[triangles], local, optimize=True)
+            area = 0.25 * _WEIGHTS * np.linalg.norm(np.cross(along[:, :, 0], along[:, :, 1]), axis=2)
+            for other, columns in ((shapes, triangles), (linear, triangles[:, quarter])):
+                values = np.einsum("qa,eq,qb->eab", shapes, area, other, optimize=True)
+                i, j = np.broadcast_arrays(triangles[:, :, None], columns[:, None, :])
+                added = coo_array((values.ravel(), (i.ravel(), j.ravel())), shape=size).tocsc()
+                mass, trace = (mass + added, trace) if other is shapes else (mass, trace + added)
+        return cls(points, mass, trace)
+
+    def project(self, integrals: Array) -> Array:
+        """Return the values at the nodes of a quadratic function, from its integrals with the shape functions."""
+        from scipy.sparse.linalg import spsolve  # noqa: PLC0415
+
+        return np.asarray(spsolve(self.mass, integrals))
+
+
+class Body:
+    """Elastic body, some of whose displacements are fixed, with its factorised stiffness."""
+
+    def __init__(self, mesh: WedgeMesh, young_mpa: float, poisson: float, is_fixed: NDArray[np.bool_]) -> None:
+        """Factorise the stiffness. `is_fixed` has a flag for each axis of each node."""
+        from scipy.sparse.linalg import splu  # noqa: PLC0415
+
+        self._mesh, self._fixed, self._free = mesh, np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
+        matrix = stiffness(mesh, young_mpa, poisson)
+        self._coupling = matrix[self._fixed][:, self._free]
+        matrix = matrix[self._free][:, self._free].tocsc()
+        self._factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+    def move(self, loads: Array, given: Array | None = None) -> Array:
+        """Displacements under loads of shape (nodes, 3, cases). Those that are fixed are `given`, or 0."""
+        flat = loads.reshape(self._mesh.nodes.size, -1)
+        out, right = np.zeros_like(flat), flat[self._free]
+        if given is not None:
+            out[self._fixed] = given.reshape(flat.shape)[self._fixed]
+            right = right - self._coupling.T @ out[self._fixed]
+        out[self._free] = self._factors.solve(np.ascontiguousarray(right))
+        return out.reshape(loads.shape)
+
+    def support(self, displacements: Array) -> Array:
+        """Forces of the support on the nodes [N] for displacements that are 0 where they are fixed."""
+        out = np.zeros(displacements.size)
+        out[self._fixed] = self._coupling @ displacements.ravel()[self._free]
+        return out.reshape(-1, 3)
+
+    def strains(self, displacements: Array) -> Array:
+        """Principal strains in the middle of each element, in rising order."""
+        wedges = self._mesh.wedges
+        gradient = _gradients(self._mesh.nodes[wedges], _MIDDLE)[0][:, 0]
+        slope = displacements[wedges].transpose(0, 2, 1) @ gradient
+        return np.asarray(np.linalg.eigvalsh(0.5 * (slope + slope.transpose(0, 2, 1))))

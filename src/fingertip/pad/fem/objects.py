@@ -1,0 +1,110 @@
+"""Rigid objects at their first touch with the pad, and poses in which they would miss the skin.
+
+An object approaches along the normal of a plate in the same pose. At no tilt that plate is parallel to the straight
+part of the pad at its base, not to the finger's axis. Positive tilt presses with the tip, positive roll with x < 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
+from fingertip.pad.fem.mesh import PALM, RIM_MM, X, Z
+from fingertip.pad.pose import EDGE_RADIUS_MM
+
+if TYPE_CHECKING:
+    from fingertip.pad.form import PadForm
+    from fingertip.pad.pose import Pose
+
+MAX_ANGLE_DEG = 60.0
+"""Largest tilt and roll. Beyond, objects touch tip or side rather than the pad."""
+_LOWEST_MM = 2.0 * RIM_MM
+"""Height above the parting plane below which the surface is too steep to be pressed [mm]."""
+_ROUND = 0.8
+"""Part of its radius up to which an object is round. Beyond, it goes on along the tangent."""
+_BONE_MM = np.arange(-60.0, 60.0, 0.5)
+"""Grid on which the bone is looked up, both ways from the proximal end of the skin [mm]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """Object of a pose at its first touch with the undeformed skin."""
+
+    pose: Pose
+    radius_mm: float
+    slopes: tuple[float, float]
+    """Slopes of a plate in this pose along x and z."""
+    sensor_z_mm: float
+    height_mm: float = 0.0
+    """Height of a plate in this pose, at the sensor, on which the object would lie."""
+    rigid_mm: float = math.inf
+    """Travel after which the object would reach bone or collar."""
+
+    @classmethod
+    def of_pose(cls, form: PadForm, pose: Pose, surface: Array) -> tuple[Touch, Array]:
+        """Bring an object to points of the surface, and return it with the point that it touches first.
+
+        Raises TraceError where it meets bone or collar before, or the skin beside the pad.
+        """
+        if not (abs(pose.tilt_deg) <= MAX_ANGLE_DEG and abs(pose.roll_deg) <= MAX_ANGLE_DEG):
+            angles = f"{pose.tilt_deg:g} and a roll of {pose.roll_deg:g} degrees"
+            raise _refuse("tilt_deg", f"{angles}: neither may exceed +-{MAX_ANGLE_DEG:g}; turn the finger less.")
+        radius, is_plate = EDGE_RADIUS_MM if pose.object == "edge" else pose.radius_mm, pose.object == "plate"
+        if not (is_plate or 0.0 < radius < math.inf):
+            raise _refuse("radius_mm", f"{radius:g} mm is no radius of a {pose.object}; use one above 0.")
+        slopes = math.tan(math.radians(pose.roll_deg)), -math.tan(math.radians(pose.tilt_deg)) - form.base_slope
+        touch = cls(pose, radius, slopes, form.sensor_z_mm)
+        clear = touch._rise(surface)[0] - surface[:, PALM]
+        point, height = surface[np.argmin(clear)], -float(clear.min())
+        is_beside = not (is_plate or np.linalg.norm(touch._off_axis(point[None])) <= _ROUND * radius)
+        if is_beside or point[PALM] < _LOWEST_MM:
+            name, value = ("tilt_deg", pose.tilt_deg) if is_plate else ("place_mm", pose.place_mm)
+            where = f"at {value:g} the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
+            raise _refuse(name, f"{where}; turn the finger less, or bring the object nearer to the sensor.")
+        rigid = _rigid_points(form)
+        travel = float((height + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
+        if travel <= 0.0:
+            before = f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar {-travel:.2g} mm before skin"
+            raise _refuse("tilt_deg", f"{before}; turn the finger less.")
+        return replace(touch, height_mm=height, rigid_mm=travel), point
+
+    def gaps(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return gaps over points, unit vectors into the object, and what 1 mm of travel closes of them."""
+        rise, slopes = self._rise(points)
+        into = np.column_stack([-slopes, np.ones(len(points))])
+        into /= np.linalg.norm(into, axis=1)[:, None]
+        gap = (self.height_mm + rise - points[:, PALM]) * into[:, PALM]
+        return gap, into, into[:, PALM] * math.hypot(1.0, *self.slopes)
+
+    def _off_axis(self, points: Array) -> Array:
+        """Offsets along x and z from the axis or the centre of a round object."""
+        off = points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm + self.pose.place_mm])
+        return np.asarray(off if self.pose.object == "sphere" else off * (0.0, 1.0))
+
+    def _rise(self, points: Array) -> tuple[Array, Array]:
+        """Heights of the object over points, above `height_mm`, and its slopes along x and z."""
+        plane = (points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm])) @ self.slopes
+        if self.pose.object == "plate":
+            return plane, np.broadcast_to(self.slopes, (len(points), 2))
+        off = self._off_axis(points)
+        distance = np.linalg.norm(off, axis=1)
+        inner = np.minimum(distance, _ROUND * self.radius_mm)
+        deep = np.sqrt(self.radius_mm**2 - inner**2)
+        rise = self.radius_mm - deep + (distance - inner) * inner / deep
+        return plane + rise, self.slopes + off * (inner / deep / np.maximum(distance, 1e-12))[:, None]
+
+
+def _refuse(name: str, message: str) -> TraceError:
+    return TraceError(Issue(f"pose.{name}", message))
+
+
+def _rigid_points(form: PadForm) -> Array:
+    """Points of the bone's palmar side, also proximal of the skin, and of the collar's ridge."""
+    x, z = (axis.ravel() for axis in np.meshgrid(_BONE_MM, _BONE_MM))
+    bone = np.column_stack([x, z, form.bone_mm(x, z)])
+    return np.concatenate([bone[np.isfinite(bone[:, PALM])], [(0.0, z, form.collar[1]) for z in (form.collar[0], 0.0)]])

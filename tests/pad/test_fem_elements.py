@@ -1,0 +1,118 @@
+"""Finite elements of the pad on bodies with a known answer: patch test, bonded blocks in compression, locking."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fingertip.foundation.numerics import Array
+from fingertip.pad.fem.elastic import Body, Surface, stiffness
+from fingertip.pad.fem.mesh import PALM, WedgeMesh, X, Z, extrude, quadratic_plan
+
+
+def block(x: Array, z: Array, height: Array, layers: int) -> WedgeMesh:
+    """Block over a grid of x and z whose squares are cut along both diagonals in turn."""
+    corners = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(len(x) - 1), np.arange(len(z) - 1), indexing="ij"))
+    a, b, c, d = (p * len(z) + q for p, q in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+    even = ((i + j) % 2 == 0)[:, None]
+    first = np.where(even, np.stack([a, b, c], axis=1), np.stack([a, b, d], axis=1))
+    second = np.where(even, np.stack([a, c, d], axis=1), np.stack([b, c, d], axis=1))
+    points, triangles = quadratic_plan(corners, np.concatenate([first, second]))
+    top = np.interp(points[:, 0], x, height) if len(height) == len(x) else np.full(len(points), height[0])
+    return extrude(points, triangles, np.zeros(len(points)), top, layers)
+
+
+def unmoved(mesh: WedgeMesh) -> Array:
+    return np.zeros((*mesh.nodes.shape, 1))
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.49])
+def test_body_with_linear_displacements_at_its_border_has_them_inside(poisson: float) -> None:
+    """Patch test on skew elements. Also the strains are those of the displacements."""
+    random = np.random.default_rng(5)
+    mesh = block(np.linspace(0, 3, 4), np.linspace(0, 2, 4), np.array([1.4]), 2)
+    x, z, y = mesh.nodes.T
+    border = (x % 3 == 0) | (z % 2 == 0) | (y % 1.4 == 0)
+    slope = random.uniform(-0.1, 0.1, (3, 3))
+    nodes = mesh.nodes.copy()
+    nodes[:, X] += 0.1 * z + 0.2 * y
+    nodes[:, Z] += 0.15 * x
+    skew = WedgeMesh(nodes, mesh.triangles, mesh.wedges, mesh.count)
+    exact = nodes @ slope.T
+    body = Body(skew, 1.3, poisson, np.repeat(border[:, None], 3, axis=1))
+    moved = body.move(unmoved(skew), exact[:, :, None])[:, :, 0]
+    np.testing.assert_allclose(moved, exact, atol=1e-12)
+    np.testing.assert_allclose(
+        body.strains(moved), [np.linalg.eigvalsh(0.5 * (slope + slope.T))] * len(mesh.wedges), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.4999])
+def test_confined_block_is_as_stiff_as_the_closed_form(poisson: float) -> None:
+    """Uniform pressure p on a block between smooth walls: displacement p h / M with the confined modulus M."""
+    mesh = block(np.linspace(0, 2, 3), np.linspace(0, 2, 3), np.array([1.5]), 2)
+    is_fixed = np.zeros(mesh.nodes.shape, bool)
+    for axis, ends in ((X, (0.0, 2.0)), (Z, (0.0, 2.0)), (PALM, (0.0,))):
+        is_fixed[:, axis] = np.isin(mesh.nodes[:, axis], ends)
+    surface = Surface.of_nodes(mesh.nodes[-mesh.count :], mesh.triangles)
+    loads = unmoved(mesh)
+    loads[-mesh.count :, PALM, 0] = -0.01 * np.asarray(surface.trace.sum(axis=1)).ravel()
+    body = Body(mesh, 2.0, poisson, is_fixed)
+    moved = body.move(loads)[:, :, 0]
+    confined = 2.0 * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+    np.testing.assert_allclose(moved[-mesh.count :, PALM], -0.01 * 1.5 / confined, rtol=1e-7)
+    assert body.support(moved)[:, PALM].sum() == pytest.approx(0.01 * 4.0, rel=1e-9)
+
+
+def test_bonded_strip_in_compression_follows_its_closed_form() -> None:
+    """Long incompressible strip bonded to two rigid plates, plane strain: force per length E' (1 + S^2) w d / h.
+
+    Gent and Lindley (1959): E' = 4 E / 3, with the shape factor S = w / (2 h) of a strip of width w and height h.
+    """
+    width, height, travel = 8.0, 2.0, 0.01
+    grid = 0.5 * width * np.sin(np.linspace(0, 0.5 * math.pi, 13))  # half of it, closer towards the free side
+    mesh = block(grid, np.array([0.0, 0.5]), np.array([height]), 4)
+    rigid = np.isin(mesh.nodes[:, PALM], (0.0, height))
+    is_fixed = np.repeat(rigid[:, None], 3, axis=1)
+    is_fixed[:, Z] = True
+    is_fixed[mesh.nodes[:, X] == 0.0, X] = True
+    given = unmoved(mesh)
+    given[mesh.nodes[:, PALM] == height, PALM] = -travel
+    body = Body(mesh, 1.0, 0.4999, is_fixed)
+    moved = body.move(unmoved(mesh), given)
+    # Energy of the body is half of force times travel.
+    force = 2.0 * float(moved.ravel() @ (stiffness(mesh, 1.0, 0.4999) @ moved.ravel())) / travel / 0.5
+    closed = 4.0 / 3.0 * (1.0 + (0.5 * width / height) ** 2) * width * travel / height
+    assert force == pytest.approx(closed, rel=0.04)
+
+
+@pytest.mark.parametrize(("poisson", "layers"), [(0.3333333, 1), (0.4999, 1)])
+def test_membrane_of_cook_does_not_lock(poisson: float, layers: int) -> None:
+    """Tapered panel, clamped at one end and sheared at the other, in plane strain: deflection against a fine mesh."""
+    deflections = []
+    for count in (6, 12):
+        mesh = block(np.linspace(0, 48, count + 1), np.linspace(0, 1, count + 1), np.array([5.0]), layers)
+        nodes = mesh.nodes.copy()
+        x, eta = nodes[:, X].copy(), nodes[:, Z].copy()
+        nodes[:, Z] = 44 / 48 * x + eta * (44 - 28 / 48 * x)
+        panel = WedgeMesh(nodes, mesh.triangles, mesh.wedges, mesh.count)
+        is_fixed = np.zeros(nodes.shape, bool)
+        is_fixed[:, PALM] = True
+        is_fixed[x == 0.0] = True
+        loads = unmoved(panel)
+        end = np.flatnonzero(x == 48.0)
+        weight = _simpson(eta[end], count) * _simpson(nodes[end, PALM] / 5.0, layers)
+        loads[end, Z, 0] = weight / weight.sum()
+        moved = Body(panel, 1.0, poisson, is_fixed).move(loads)[:, :, 0]
+        deflections.append(float(moved[(x == 48.0) & (eta == 1.0)][:, Z].mean()))
+    assert deflections[0] == pytest.approx(deflections[1], rel=0.03)
+
+
+def _simpson(at: Array, elements: int) -> Array:
+    """Weights of the nodes of quadratic elements on a line from 0 to 1."""
+    place = np.round(at * 2 * elements).astype(int)
+    ends = (place == 0) | (place == 2 * elements)
+    return np.where(place % 2 == 1, 4.0, np.where(ends, 1.0, 2.0))

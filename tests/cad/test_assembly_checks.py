@@ -21,7 +21,7 @@ from fingertip.cad.verification.mold import flooded_mm3, leak_mm
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
 from fingertip.design import Design
 from fingertip.design.geometry.seat import creep_mm
-from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, union
+from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, scaled, union
 from fingertip.design.interfaces import interface_of
 from fingertip.tasks.build import build
 from tests.conftest import design_file
@@ -71,10 +71,10 @@ def test_vertex_on_an_edge_leaves_a_degenerate_triangle(evaluator: MeshEvaluator
 
 
 def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> None:
-    """A ledge in the cavity above the widest section of the skin, with a matching notch in the skin."""
+    """A ledge in the cavity above the widest section of the skin, with a matching notch in the skin as it is cast."""
     ledge = Box((7.4, 2.0, 8.0), (12.0, 2.6, 12.0))
     lower = union(PARTS["mold_palmar"].solid(FINGER), difference(ledge, Box((7.4, 2.0, 0.0), (7.4001, 2.6, 1.0))))
-    notched = difference(PARTS["skin"].solid(FINGER), ledge)
+    notched = difference(PARTS["skin"].solid(FINGER), scaled(ledge, 1.0 / FINGER.dimensions.shrinkage))
     upper = difference(PARTS["mold_dorsal"].solid(FINGER), ledge)
     found = assembly_failures(FINGER, evaluator, mold_palmar=lower, skin=notched, mold_dorsal=upper)
     assert "demolding_overlap.mold_palmar" in found

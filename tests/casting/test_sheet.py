@@ -81,16 +81,23 @@ def test_every_number_of_the_page_is_in_the_data(
 def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) -> None:
     design = Design.load(design_file(name))
     dims, data = design.dimensions, casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])
-    cover, rim = data["fit"]["cover_tape"], 0.5
+    cover, rim = data["fit"]["cover_tape"], 0.3 if design.bone.platform_mm else 0.5
     pocket = max(dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm, dims.tail_half_width)
     assert cover["pocket_mm"] == pytest.approx(2 * pocket, abs=0.005)
     (narrow, wide), (short, long) = cover["width_mm"], cover["length_mm"]
     assert 2 * (pocket + rim) - 1e-9 <= narrow <= wide
     assert wide <= flat_width_mm(design, dims.sensor_z) + 1e-9, "it ends on the flat"
-    assert short >= dims.sensor_z + pocket + rim + 0.3 - 1e-9, "it covers the pocket if it is laid off the collar"
     assert long >= short + 0.3, "a knife cuts it"
-    assert flat_width_mm(design, long) > 0.0, "the longest one ends on the flat"
-    assert flat_width_mm(design, cover["flat_end_mm"] + 0.2) == 0.0
+    if design.bone.platform_mm:
+        along = math.hypot(dims.ramp[1] - dims.ramp[0], design.bone.platform_mm)
+        film = dims.ramp[0] + along + dims.sensor_z - dims.ramp[1]
+        assert short >= film + pocket + rim - 1e-9, "it reaches along the ramp to the collar, where it is cut"
+        assert 0.0 < cover["neck_mm"] <= 2 * dims.neck_half_width, "it lies on the ramp"
+        assert cover["flat_end_mm"] == pytest.approx(dims.sensor_z + dims.platform_radius, abs=0.1)
+    else:
+        assert short >= dims.sensor_z + pocket + rim + 0.3 - 1e-9, "it covers the pocket if it is laid off the collar"
+        assert flat_width_mm(design, long) > 0.0, "the longest one ends on the flat"
+        assert flat_width_mm(design, cover["flat_end_mm"] + 0.2) == 0.0
     flat = min(flat_width_mm(design, z) for z in np.linspace(0.1, dims.sensor_z, 50))
     assert cover["trim"] == (flat < narrow)
 

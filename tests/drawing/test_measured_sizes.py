@@ -34,8 +34,14 @@ class StepFeatures:
         self.cylinders: list[tuple[Point3, Point3, float]] = []
         self.circles: list[tuple[Point3, Point3, float]] = []
         self.vertices = [vertex.toTuple() for vertex in shape.Vertices()]
+        self.curved: list[tuple[float, ...]] = []
+        """Bounding boxes of faces that are neither planes nor cylinders: a crown is deepest within one."""
         for face in shape.Faces():
             adaptor = BRepAdaptor_Surface(face.wrapped)
+            if face.geomType() not in ("PLANE", "CYLINDER"):
+                around = Bnd_Box()
+                BRepBndLib.AddOptimal_s(face.wrapped, around, False, False)
+                self.curved.append(around.Get())
             if face.geomType() == "PLANE":
                 normal = adaptor.Plane().Axis().Direction()
                 place = adaptor.Plane().Location()
@@ -63,6 +69,7 @@ class StepFeatures:
         found = [*self.planes[axis], self.bounds[i], self.bounds[i + 3]]
         found += [p[i] for p, d, _ in (*self.cylinders, *self.circles) if abs(d[i]) < 1e-9]
         found += [vertex[i] for vertex in self.vertices]
+        found += [box[k] for box in self.curved for k in (i, i + 3)]
         near = [value for value in found if abs(value - at[i]) < _NEAR_MM]
         assert near, f"nothing is near {axis} = {at[i]:.3f}"
         return min(near, key=lambda value: abs(value - at[i]))

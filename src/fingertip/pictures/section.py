@@ -214,7 +214,7 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
         height = (chaplet.facet_y + outer.section.dorsal) / 2
         yield Feature("chaplet", (chaplet.z - (chaplet.radius + chaplet.hole_radius) / 2, height))
     middle = 0.45 * design.skin.length_mm
-    yield Feature("skin", (middle, -(dims.flat_depth + outer.section.palmar) / 2 - 0.2))
+    yield Feature("skin", (middle, -(dims.flat_depth_at(middle) + outer.palmar_height_at(0.0, middle)) / 2 - 0.2))
     yield Feature("palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2))
     yield Feature("dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height))
     if design.mold.method == "sleeve":
@@ -233,7 +233,7 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
     if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
         yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))
-    yield Feature("sensor", (dims.sensor_z, -dims.flat_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
+    yield Feature("sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
     if not dims.window_opens_into_gap:
         yield Feature("hole for the tie", (dims.tie_hole_z, dims.tie_hole_y))
     if dims.fold:

@@ -158,11 +158,17 @@ def _pocket(design: Design, layout: Layout) -> Solid:
     dims, spot = design.dimensions, layout.sensor
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     low, high = dims.sensor_z - head - tail_mm(design), dims.sensor_z + head + _PAST_MM
-    side, flat = spot.size[0] / 2, -dims.flat_depth
+    side, flat = spot.size[0] / 2, -dims.platform_depth
     near = Box((-side, flat - _PAST_MM, low), (side, flat + dims.pocket_depth + _PAST_MM, high))
+    recess = sensor_recess(design)
+    if design.bone.platform_mm:
+        # The coupon has no ramp: its slot runs on in the plane of the pocket.
+        tail = dims.tail_half_width
+        slot = Box((-tail, flat - 2 * _PAST_MM, low - _PAST_MM), (tail, flat + dims.pocket_depth, dims.sensor_z))
+        recess = union(cylinder("y", (dims.sensor_z, 0.0), flat - 2 * _PAST_MM, flat + dims.pocket_depth, head), slot)
     at = (spot.centre[0], spot.high[1] - AROUND_MM - head, layout.tile_mm)
     # The tail points to the lower rib: y of the coupon is z of the bone.
-    return _place(intersection(sensor_recess(design), near), _UP_FROM_PALMAR, (0.0, flat, dims.sensor_z), at)
+    return _place(intersection(recess, near), _UP_FROM_PALMAR, (0.0, flat, dims.sensor_z), at)
 
 
 def _sensor_hole(design: Design, layout: Layout) -> tuple[Solid, ...]:

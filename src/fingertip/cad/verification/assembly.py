@@ -42,6 +42,7 @@ from fingertip.design.geometry.solids import (
     cylinder,
     difference,
     intersection,
+    scaled,
     union,
 )
 from fingertip.design.interfaces.clevis import eye_profile, knuckle, pin_bore, space
@@ -64,16 +65,21 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
         # The bone does not lie in the mold, and a sleeve is smaller than it by the interference.
         inside.pop("bone", None)
         inside.pop("lid", None)
-    # The silicone fills the cavity before it shrinks.
-    filled = inside | ({"skin": difference(cavity(design), mold_insert(design))} if "skin" in inside else {})
+        if "skin" in inside:
+            inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
+    filled = dict(inside)
+    if "skin" in inside and design.mold.method == "overmold":
+        # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown is hollow at its base.
+        cast = scaled(inside["skin"], design.dimensions.shrinkage)
+        filled["skin"] = difference(cast, mold_insert(design), *boss(design))
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
     yield from _check_overlaps(evaluator, inside, filled, halves)
     if inside:
-        cast = evaluator.manifold(union(*filled.values()))
+        whole = evaluator.manifold(union(*filled.values()))
         for name, half in halves.items():
             solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
             pulled = (solid.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
-            overlap = max(float((position ^ cast).volume()) for position in pulled)
+            overlap = max(float((position ^ whole).volume()) for position in pulled)
             yield check_zero_volume(f"demolding_overlap.{name}", overlap)
     if len(halves) == 2:
         yield check_zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))

@@ -256,6 +256,10 @@ def _straight(low: tuple[float, float], high: tuple[float, float]) -> Span:
     return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
 
 
+_LEAST_SPAN_MM = 1e-3
+"""Length below which a piece of a crown is left out, and its neighbour takes its place [mm]."""
+
+
 def _crown_spans(body: ConicBody, crown: Crown) -> tuple[Span, ...]:
     """Lay the palmar profile of a crown over the scale of a body with one taper and a tip.
 
@@ -269,22 +273,23 @@ def _crown_spans(body: ConicBody, crown: Crown) -> tuple[Span, ...]:
     sine = crown_sine(crown.drop * height, radius)
     flank = crown.flank / math.hypot(1.0, crown.flank)
     # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
-    knots = [(crown.z - 2.0 * radius * sine, 0.0), (crown.z - radius * sine, sine)]
-    last = min(crown.z + radius * flank, join)
-    knots.append((last, (crown.z - last) / radius))
-    low = 1.0 - crown.drop
-    spans = [_taper_span(body, begin, knots[0][0], low, 0.0, 0.0, height)] if knots[0][0] > begin else []
-    for (z0, sine0), (z1, sine1) in pairwise(knots):
+    end = crown.z + radius * flank
+    last = end if end < join - _LEAST_SPAN_MM else join
+    turned = (crown.z - last) / radius
+    base = max(begin, crown.z - 2.0 * radius * sine)
+    knots = [(begin, 0.0), (base, 0.0), (crown.z - radius * sine, sine), (last, turned), (join, turned)]
+    low, spans = 1.0 - crown.drop, []
+    z0, sine0 = knots[0]
+    for z1, sine1 in knots[1:]:
+        if z1 - z0 < _LEAST_SPAN_MM:
+            continue
         spans.append(_taper_span(body, z0, z1, low, sine0, sine1, height))
-        low = spans[-1].palmar[2]
-    slope = knots[-1][1] / math.sqrt(1.0 - knots[-1][1] ** 2) / height
-    if last < join:
-        spans.append(_taper_span(body, last, join, low, knots[-1][1], knots[-1][1], height))
-        low = spans[-1].palmar[2]
+        (z0, sine0), low = (z1, sine1), spans[-1].palmar[2]
+    slope = turned / math.sqrt(1.0 - turned**2) / height
     control = body.tip_control()
     whole = Span((join, body.tip.z, body.tip.z), (end_scale, control, 0.0), (0.0, 0.0, 0.0), body.tip.weight)
-    if crown.z + radius * flank > join:
-        near, whole = _cut(whole, whole.parameter_at(crown.z + radius * flank))
+    if end > join + _LEAST_SPAN_MM:
+        near, whole = _cut(whole, whole.parameter_at(end))
         middle = low + slope * (near.z[1] - near.z[0])
         slope = -crown.flank / height
         high = middle + slope * (near.z[2] - near.z[1])

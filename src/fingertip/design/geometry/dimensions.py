@@ -56,6 +56,8 @@ _MAX_CROWN_SINE = 0.7
 _MIN_BASE_HEIGHT_MM = 1.0
 """Minimum palmar height of the pad at its base, below a crown [mm]."""
 _CROWN_SLACK_MM = 1e-6
+_MIN_BEYOND_CROWN_MM = 1.0
+"""Length of the tip that is left beyond a crown's arc [mm]."""
 RAMP_SLOPE = 0.4
 """Slope of the ramp from the platform down to the flat [mm per mm], which the sensor's film follows. An assumption."""
 _RIM_POINTS = 64
@@ -108,9 +110,7 @@ class Dimensions:
     def crown(self) -> Crown | None:
         """Crown of the pad; None without one, or where it does not fit between the skin's proximal end and its tip."""
         skin, apex = self._design.skin, self.crown_apex_z
-        flank = CROWN_FLANK / math.hypot(1.0, CROWN_FLANK)
-        end = apex + flank * skin.crown_radius_mm
-        if skin.crown_radius_mm == 0.0 or not 0.0 < apex <= self.taper_end_z or end >= skin.length_mm:
+        if not 0.0 < skin.crown_radius_mm <= self.max_crown_radius or not 0.0 < apex <= self.taper_end_z:
             return None
         if skin.crown_drop_mm > self.max_crown_drop + _CROWN_SLACK_MM:
             return None
@@ -120,6 +120,12 @@ class Dimensions:
     @cached_property
     def crown_apex_z(self) -> float:
         return self.sensor_z - self._design.skin.crown_offset_mm
+
+    @cached_property
+    def max_crown_radius(self) -> float:
+        """Largest radius whose arc ends before the tip's apex."""
+        room = self._design.skin.length_mm - _MIN_BEYOND_CROWN_MM - self.crown_apex_z
+        return room * math.hypot(1.0, CROWN_FLANK) / CROWN_FLANK
 
     @cached_property
     def max_crown_drop(self) -> float:
@@ -142,7 +148,7 @@ class Dimensions:
             return None
         is_fork = hand.knuckle == "tongue"
         return Joint(
-            hand.axis_height_mm - self._design.skin.semi_axis_palmar_mm, -bone.base_length_mm,
+            hand.axis_height_mm - self.base_palmar_height, -bone.base_length_mm,
             hand.pin_diameter_mm / 2, hand.clearance_radius_mm, bone.joint_clearance_mm, is_fork,
             hand.width_mm / 2 + (bone.joint_clearance_mm if is_fork else -bone.joint_clearance_mm), hand.travel_deg,
         )  # fmt: skip
@@ -219,6 +225,21 @@ class Dimensions:
         return high - self._design.bone.platform_mm / RAMP_SLOPE, high
 
     @cached_property
+    def max_platform(self) -> float:
+        """Largest height of a platform whose ramp begins on the flat: past collar, solder relief and groove."""
+        bone, low = self._design.bone, 0.0
+        if self.fold is None:
+            low = max(low, self.tail_end_z + self.relief_half_length)
+        if bone.groove_depth_mm:
+            low = max(low, bone.groove_distance_mm + 2 * bone.groove_depth_mm + bone.groove_width_mm)
+        return max(0.0, RAMP_SLOPE * (self.ramp[1] - low))
+
+    @cached_property
+    def ramp_excess(self) -> float:
+        """Length by which the film along the ramp is longer than the ramp along z."""
+        return self._design.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
+
+    @cached_property
     def platform_radius(self) -> float:
         """Radius of the platform: that of the pocket and of the rim around it."""
         return self.sensor.head_diameter_mm / 2 + self._design.sensor.clearance_mm + self._design.bone.rim_mm
@@ -244,7 +265,7 @@ class Dimensions:
         """Depth of the palmar flat of the base, at y = -base_flat_depth.
 
         A straight tail runs on along the flat of the bone. A folded one leaves it at the collar: proximal to the collar
-        the base is stronger, as high as its cheeks beside the window and the joint keep a wall.
+        the base is stronger, as high as its cheeks beside the window and the joint keep a wall, and below the pad's base.
         """
         if self.fold is None:
             return self.flat_depth
@@ -252,7 +273,8 @@ class Dimensions:
         between = joint.half_width if joint and joint.is_fork else 0.0
         needed = max(self.tail_half_width, between) + self._design.bone.wall_mm
         deepest = bisect(lambda y: section.half_width_at(-y) >= needed, 0.0, section.palmar, halvings=40)[0]
-        return max(self.flat_depth, deepest)
+        beside_crown = self.base_palmar_height - self._design.skin.thickness_side_mm
+        return max(self.flat_depth, min(deepest, beside_crown))
 
     @cached_property
     def pocket_depth(self) -> float:
@@ -280,7 +302,7 @@ class Dimensions:
             self.pocket_depth - self.flat_depth, self.sensor_z, min(self._design.bone.collar_length_mm, _SEAL_MM),
             sensor.fold_radius_mm,
             SensorTail(
-                body.length_mm - body.head_diameter_mm / 2, body.thickness_mm, sensor.tab_length_mm,
+                body.length_mm - body.head_diameter_mm / 2 - self.ramp_excess, body.thickness_mm, sensor.tab_length_mm,
                 body.tab_pitch_mm + TAB_WIDTH_MM, sensor.crimp_height_mm, sensor.wire_diameter_mm,
             ),
         )  # fmt: skip
@@ -300,7 +322,7 @@ class Dimensions:
     @cached_property
     def tail_end_z(self) -> float:
         """End of a straight tail, with its solder tabs."""
-        return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm
+        return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + self.ramp_excess
 
     @cached_property
     def tail_passes_collar(self) -> bool:

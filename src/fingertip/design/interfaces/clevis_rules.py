@@ -71,7 +71,7 @@ def axis_within_base(design: DesignTables) -> Violation | None:
     joint = dims.joint
     if joint is None:
         return None
-    around, palmar = joint.pin_radius + design.bone.wall_mm, design.skin.semi_axis_palmar_mm
+    around, palmar = joint.pin_radius + design.bone.wall_mm, dims.base_palmar_height
     low, high = palmar - dims.base_flat_depth + around, palmar + dims.bone_outline.section.dorsal - around
     if low - SLACK <= height <= high + SLACK:
         return None
@@ -216,6 +216,7 @@ def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
         (joint.shoulder_z, -dims.base_flat_depth),
         (foot, -dims.collar.section.palmar),
         (0.0, -dims.base_palmar_height),
+        *([(dims.crown.z, -design.skin.semi_axis_palmar_mm)] if dims.crown else []),
     )
     palmar = -design.hand.axis_height_mm  # of the hand, from its axis
     # The shoulder's palmar corner in the frame of the bone.

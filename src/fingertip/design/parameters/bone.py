@@ -16,7 +16,7 @@ class Bone(ParameterTable):
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
     )  # fmt: skip
     palmar_fullness: float = quantity(
-        0.9422, "", (0.8, 0.998),
+        0.966, "", (0.8, 0.998),
         "Width of the bone at half its palmar height, before the flat is cut, relative to its full width.",
     )  # fmt: skip
     rim_mm: float = quantity(
@@ -24,7 +24,7 @@ class Bone(ParameterTable):
         "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
     )  # fmt: skip
     platform_mm: float = quantity(
-        0.0, "mm", (0, 10),
+        1.7, "mm", (0, 10),
         "Height of the platform under the sensor's head above the flat of the bone, down to which the tail runs.",
     )  # fmt: skip
     wall_mm: float = quantity(
@@ -96,7 +96,7 @@ class Hand(ParameterTable):
     )
     width_mm: float = quantity(6.5, "mm", (2, 30), "Width of the hand's tongue, or between the cheeks of its fork.")
     axis_height_mm: float = quantity(
-        7.0, "mm", (1, 60), "Height of the joint axis above the palmar side of the finger."
+        7.0, "mm", (1, 60), "Height of the joint axis above the palmar side of the finger, at the base of its pad."
     )
     pin_diameter_mm: float = quantity(2.0, "mm", (1, 8), "Diameter of the bore for the joint's pin.")
     clearance_radius_mm: float = quantity(

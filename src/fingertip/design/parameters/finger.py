@@ -51,7 +51,7 @@ class Skin(ParameterTable):
     """Outer shape of the silicone skin, and its thickness over the bone."""
 
     width_mm: float = quantity(17.0, "mm", (6, 60), "Full width at the proximal end.")
-    semi_axis_palmar_mm: float = quantity(6.0, "mm", (2, 40), "Height of the pad, measured from the parting plane.")
+    semi_axis_palmar_mm: float = quantity(7.4, "mm", (2, 40), "Height of the pad, measured from the parting plane.")
     semi_axis_dorsal_mm: float = quantity(
         7.0, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
     )
@@ -61,7 +61,7 @@ class Skin(ParameterTable):
         0.94, "", (0.4, 1), "Size of the cross-section where the tip begins, relative to the proximal end."
     )
     pulp_fullness: float = quantity(
-        0.8845, "", (0.77, 0.9925),
+        0.91, "", (0.77, 0.9925),
         "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
     )  # fmt: skip
     nail_fullness: float = quantity(
@@ -72,20 +72,20 @@ class Skin(ParameterTable):
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
     )  # fmt: skip
     crown_radius_mm: float = quantity(
-        0.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown."
+        10.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown."
     )
     crown_offset_mm: float = quantity(
-        1.0, "mm", (-10, 20), "Distance from the sensor's centre to the apex of the crown, towards the base."
+        0.9, "mm", (-10, 20), "Distance from the sensor's centre to the apex of the crown, towards the base."
     )
     crown_drop_mm: float = quantity(
-        2.1, "mm", (0, 20), "Height by which the pad at its base lies below the apex of the crown."
+        2.0, "mm", (0, 20), "Height by which the pad at its base lies below the apex of the crown."
     )
-    thickness_side_mm: float = quantity(2.0, "mm", (0.4, 15), "Skin thickness at the sides.")
+    thickness_side_mm: float = quantity(1.9, "mm", (0.4, 15), "Skin thickness at the sides.")
     thickness_palmar_mm: float = quantity(
         3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."
     )
     thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.")
-    thickness_tip_mm: float = quantity(2.5, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
+    thickness_tip_mm: float = quantity(2.8, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
     min_thickness_mm: float = quantity(
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )

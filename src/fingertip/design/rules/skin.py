@@ -101,16 +101,28 @@ def crown_within_pad(design: DesignTables) -> Limit | None:
     return Limit(design.dimensions.max_crown_drop, "is more than fits proximal to the crown's apex")
 
 
-@RULES.rule("skin.crown_radius_mm", crown_within_pad, taper_reaches_tip)
+@RULES.at_most("skin.crown_radius_mm", crown_on_taper)
+def crown_ends_before_tip(design: DesignTables) -> Limit | None:
+    """The arc of a crown ends before the apex of the tip."""
+    if design.skin.crown_radius_mm == 0.0:
+        return None
+    return Limit(design.dimensions.max_crown_radius, "is more than ends before the tip")
+
+
+@RULES.rule("skin.crown_radius_mm", crown_within_pad, crown_ends_before_tip)
 def crown_reaches_tip(design: DesignTables) -> Violation | None:
     """The crown does not slope down to the parting plane before the tip."""
     dims, radius = design.dimensions, design.skin.crown_radius_mm
-    if radius == 0.0 or (dims.crown and dims.outer.spans[-1].palmar[1] > _MIN_TIP_CONTROL):
+    if radius == 0.0 or dims.outer.spans[-1].palmar[1] > _MIN_TIP_CONTROL:
         return None
-    return Violation(f"{radius:g} mm slopes the pad down to the parting plane before the tip", ((0.0, 0.0),))
+    # A larger radius slopes down later.
+    return Violation(
+        f"{radius:g} mm slopes the pad down to the parting plane before the tip",
+        ((0.0, 0.0), (radius, dims.max_crown_radius)),
+    )
 
 
-@RULES.rule("skin.thickness_palmar_mm", tip_within_skin, crown_within_pad, crown_reaches_tip)
+@RULES.rule("skin.thickness_palmar_mm", tip_within_skin, crown_reaches_tip)
 def flat_within_bone(design: DesignTables) -> Violation | None:
     dims, platform = design.dimensions, design.bone.platform_mm
     height = design.skin.semi_axis_palmar_mm * dims.outer.palmar_scale_at(dims.sensor_z)
@@ -127,6 +139,12 @@ def flat_within_bone(design: DesignTables) -> Violation | None:
         ((minimum, maximum),),
         "with this pad and sensor position",
     )
+
+
+@RULES.at_most("bone.platform_mm", tip_within_skin)
+def ramp_on_flat(design: DesignTables) -> Limit | None:
+    """The ramp of the platform begins on the flat, where nothing else is cut into the bone."""
+    return Limit(design.dimensions.max_platform, "leaves no room for the ramp between platform and collar, or relief")
 
 
 @RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)
@@ -166,7 +184,7 @@ _SOUND_SECTIONS = (
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 
-@RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, slack=_THICKNESS_SLACK)
+@RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
     thinnest = min(
         min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm,

@@ -50,7 +50,7 @@ def bone_drawing(design: Design) -> PartDrawing:
         Length("overall length", OUTER, "front", "below", "z", low, (0.0, 0.0, tip.z)),
         *_base_sizes(design),
         *_pocket_sizes(design),
-        *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.flat_depth, pocket_end)),
+        *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.platform_depth, pocket_end)),
         *interface.sizes(design),
     ]
     if not dims.window_opens_into_gap:
@@ -63,15 +63,16 @@ def core_drawing(design: Design) -> PartDrawing:
     dims, inset, scale = design.dimensions, design.mold.sleeve_interference_mm, design.dimensions.shrinkage
     pilot, tip = _find_pilot(design, "core"), dims.bone_outline.tip
     assert tip
-    apex, flat = (tip.z - inset) * scale, -(dims.flat_depth - inset) * scale
+    apex, flat = (tip.z - inset) * scale, -(dims.platform_depth - inset) * scale
     low = dims.base_end_z
     sizes = [
         Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, apex), symmetric(0.2),
                f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
         *_base_sizes(design),
         Length("length of the base", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
-        Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, apex), (0.0, flat, dims.sensor_z),
-               is_reference=True),
+        Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, apex),
+               (0.0, flat, dims.sensor_z), is_reference=True),
+        *_platform_size(design, inset, scale),
         *_chaplet_sizes(design, pilot, "core", (0.0, flat, dims.sensor_z)),
     ]  # fmt: skip
     return PartDrawing("core", "Core", "palmar", _material(design), tuple(sizes), _pilot_axis(pilot))
@@ -129,7 +130,7 @@ def _base_sizes(design: Design) -> list[Size]:
 
 def _pocket_sizes(design: Design) -> list[Size]:
     dims, gap = design.dimensions, design.sensor.clearance_mm
-    flat, half = -dims.flat_depth, dims.tail_half_width
+    flat, half = -dims.platform_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
     begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
     opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
@@ -140,13 +141,32 @@ def _pocket_sizes(design: Design) -> list[Size]:
                clearance(2 * gap - design.printer.offset_mm),
                "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
                hidden_deg=((180.0 - opening, 180.0 + opening),)),
-        Length("width of the slot", INNER, "palmar", "left", "x", (half, flat, begin), (-half, flat, begin),
+        Length("width of the slot", INNER, "palmar", "left", "x", (half, -dims.flat_depth, begin),
+               (-half, -dims.flat_depth, begin),
                clearance(2 * gap - design.printer.offset_mm)),
-        Length("depth of the palmar flat", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
-               is_reference=True),
+        Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
+               (0.0, flat, z + head), is_reference=True),
+        *_platform_size(design),
         Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
                located(design, dims.pocket_depth),
                "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it"),
+    ]  # fmt: skip
+
+
+def _seat_name(design: Design) -> str:
+    return "platform" if design.bone.platform_mm else "palmar flat"
+
+
+def _platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> list[Size]:
+    """Size the platform above the flat that lies distal to it."""
+    dims = design.dimensions
+    if design.bone.platform_mm == 0.0:
+        return []
+    end = (dims.sensor_z + dims.platform_radius - inset) * scale
+    flat, top = (-(depth - inset) * scale for depth in (dims.flat_depth, dims.platform_depth))
+    return [
+        Length("height of the platform", STEP, "section", "right", "y", (0.0, flat, end), (0.0, top, end),
+               located(design, flat - top), "high: the skin over the sensor is thin; low: it is thick; print again")
     ]  # fmt: skip
 
 
@@ -182,7 +202,7 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: P
         Length("axis of the screw", BEFORE_FACE, "section", "above", "z",
                (0.0, design.dimensions.collar.section.dorsal, 0.0), (0.0, facet, z)),
         Length("height of the facet", STEP, "section", "left", "y", (0.0, 0.0, z), (0.0, facet, z), is_reference=True),
-        Length("palmar flat to facet", OUTER, "section", "right", "y", on_flat, (0.0, facet, z),
+        Length(f"{_seat_name(design)} to facet", OUTER, "section", "right", "y", on_flat, (0.0, facet, z),
                located(design, facet - on_flat[1]), f"thick: sand the facet; thin: lay film between {insert} and boss"),
         Length("pilot hole of the screw", FINISHED, "section", "above", "z", (0.0, facet, z - radius),
                (0.0, facet, z + radius), symmetric(bite), _PILOT, is_diameter=True),
@@ -203,20 +223,35 @@ def palmar_drawing(design: Design) -> PartDrawing:
     x, z = max(m.bolts)
     half, top = mold.nut_width_mm / 2, low + mold.nut_depth_mm
     dims, recess = design.dimensions, recess_half_width(design)
-    floor, deep = -dims.base_flat_depth - mold.fit_clearance_mm, dims.outer.section.palmar * dims.shrinkage
+    floor, deep = -dims.base_flat_depth - mold.fit_clearance_mm, dims.base_palmar_height * dims.shrinkage
+    at_end = " at the skin's end" if dims.crown else ""
     sizes = [
         *_common_sizes(design, "dorsal", low),
         *_key_sizes(design, "dorsal", mold.key_clearance_mm, "socket"),
         Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z),
                (recess, floor, m.proximal_z),
                located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
-        Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
+        Length(f"depth of the cavity{at_end}", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
+        *_crown_size(design),
         Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
                (x, low, z + half), nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
                "narrow: file it until the nut drops in; wide: glue the nut in"),
         Length("depth of the nut traps", STEP, "front", "right", "y", (x, low, z), (x, top, z)),
     ]  # fmt: skip
     return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", _MATERIAL, tuple(sizes), _mold_axes(design, low))
+
+
+def _crown_size(design: Design) -> list[Size]:
+    """Size the cavity at the apex of the crown, where it is deepest."""
+    dims, growth = design.dimensions, design.dimensions.shrinkage
+    if dims.crown is None:
+        return []
+    z = dims.crown.z * growth
+    return [
+        Length("depth of the cavity at the crown's apex", STEP, "section", "right", "y", (0.0, 0.0, z),
+               (0.0, -dims.outer.section.palmar * growth, z), None,
+               "shallow or deep: the skin over the sensor is thin or thick, print again")
+    ]  # fmt: skip
 
 
 def dorsal_drawing(design: Design) -> PartDrawing:

@@ -258,6 +258,6 @@ def pull_on(bench: Bench, data: Data) -> Scene:
         View.DORSAL,
         Label("wet inside", (0.0, 0.0, out)),
         Label("edge of the skin\nends here, on the collar", (0.0, bench.dims.collar.section.dorsal, 0.0)),
-        Label("keep sensor and slot dry", (0.0, -bench.dims.flat_depth, bench.dims.sensor_z)),
+        Label("keep sensor and slot dry", bench.head),
         Arrow((0.0, 12.0, out + 6.0), (0.0, 12.0, out - 10.0)),
     )

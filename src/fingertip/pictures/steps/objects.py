@@ -47,8 +47,8 @@ class Bench:
 
     @property
     def head(self) -> Point3:
-        """Middle of the sensor's head, on the palmar flat."""
-        return 0.0, -self.dims.flat_depth, self.dims.sensor_z
+        """Middle of the sensor's head, on the flat or its platform."""
+        return 0.0, -self.dims.platform_depth, self.dims.sensor_z
 
     @property
     def apart_mm(self) -> float:

@@ -172,13 +172,13 @@ def stick_lid(bench: Bench, data: Data) -> Scene:
 
 
 def cover_sensor(bench: Bench, data: Data) -> Scene:
-    (_, y, z) = bench.head
+    (_, y, z), flat = bench.head, -bench.dims.flat_depth
     return Scene(
         (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE)),
         View.PALMAR,
-        Label("one strip of\npolyimide tape,\nedges pressed down", (0.0, y, z / 2)),
+        Label("one strip of\npolyimide tape,\nedges pressed down", (0.0, flat, z / 2)),
         Label("over the head", (0.0, y, z + 1.0)),
-        Label("from the collar on", (0.0, y, 0.3)),
+        Label("from the collar on", (0.0, flat, 0.3)),
     )
 
 

@@ -150,6 +150,7 @@ def test_the_film_lies_in_its_slot_along_the_ramp(name: str) -> None:
     design, evaluator = Design.load(design_file(name)), MeshEvaluator(0.01)
     dims = design.dimensions
     film, solid = evaluator.manifold(sensor_body(design)), evaluator.manifold(bone(design))
+    assert evaluator.manifold(filled_bone(design)).genus() == 0, "no gap below ramp or platform"
     assert (film ^ solid).volume() < 1e-3
     over = film.trim_by_plane((0.0, 0.0, 1.0), max(0.5, dims.tail_end_z))
     recess = evaluator.manifold(sensor_recess(design)) ^ evaluator.manifold(filled_bone(design))

@@ -255,7 +255,7 @@ FIGURES = {
         "fit.slot_mm": 6.7,  # a tail of 6.4 mm and 0.15 mm on both sides
         "fit.seat_tape.from_mm": 2.0,  # below a collar of 2 mm
         "fit.seat_tape.to_mm": 7.5,  # 0.5 mm before the end of a recess of 8 mm
-        "fit.cover_tape.length_mm": [27.5, 28.0],  # 22.5 mm to the sensor, 3.96 of its pocket, 0.5 and 0.3 of rim
+        "fit.cover_tape.length_mm": [27.1, 27.6],  # 22.5 mm to the sensor, 3.96 of its pocket, 0.3 of rim, 0.33 of ramp
         "chaplet.hole_mm": 2.1,  # a screw M2 passes with 0.1 mm
         "chaplet.pilot_mm": 1.6,  # and cuts its thread into 0.8 of its diameter
         "chaplet.pilot_depth_mm": 4.7,  # two diameters, and 0.7 mm
@@ -268,11 +268,11 @@ FIGURES = {
         "fit.seat_tape.from_mm": 0.5,  # on a collar of 6 mm, 0.5 mm from both ends
         "fit.seat_tape.to_mm": 5.5,
         "bill.anchor pin of the tendon (spring steel wire).diameter_mm": 1.0,  # a hole of 1.2 mm and 0.2 mm of play
-        "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.0,  # the chord of the collar there
+        "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.3,  # the chord of the collar there
         "chaplet.length_mm": 12.0,  # M2 from 4 mm below the facet at 4.52 mm to less than the face at 12.9 mm
     },
     "fsr400 bone.interface=socket bone.base_length_mm=32": {
-        "bill.cross bolt (machine screw).crossed_mm": 13.0,  # a finger of 17 mm less 2 mm of skin on both sides
+        "bill.cross bolt (machine screw).crossed_mm": 13.2,  # a finger of 17 mm less 1.9 mm of skin on both sides
     },
     "fsr400 bone.interface=flange bone.base_length_mm=27": {
         "bill.flange bolt (machine screw).count": 2,  # in one row

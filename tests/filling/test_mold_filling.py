@@ -39,7 +39,7 @@ def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method:
     assert prediction.viscosity_pa_s == 35.0
     assert prediction.fill_s <= 30.0
     assert failed(f"mold.method={method}", name=name) == set()
-    assert all(vent.point_mm[1] > 0.0 for vent in place_vents(design)), "off the pad"
+    assert all(vent.point_mm[1] > 0.0 or vent.kind == "side" for vent in place_vents(design)), "off the pad"
 
 
 def test_ducts_follow_the_inlet() -> None:

@@ -20,6 +20,8 @@ from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.contact.surfaces import SurfaceProfile
 
+_STRAIGHT = 17.0 / 2, 6.0, 0.8845
+"""Half width [mm], palmar height [mm] and fullness of the article's pad."""
 YOUNG_PA = 1.0e6
 """Young's modulus of silicone of Shore hardness 40 A [Pa]. Published values range from 0.7 to 2.0 MPa."""
 POISSON = 0.5
@@ -43,9 +45,15 @@ class Pad:
 
     @classmethod
     def from_design(cls, design: Design, resonance_hz: float = RESONANCE_HZ) -> Pad:
-        """Build the pad of a design, with the curvature of its palmar conic arc: ``R = 2 w^2 a^2 / b``."""
-        a, b = design.skin.width_mm / 2, design.skin.semi_axis_palmar_mm
-        return cls(2 * weight_of_fullness(design.skin.pulp_fullness) ** 2 * a * a / b * 1e-3, resonance_hz)
+        """Build the pad of a design, with the curvature of its palmar conic arc: ``R = 2 w^2 a^2 / b``.
+
+        A crown is round both ways, and its sensor feels a part of the force only (`fingertip.pad`). Until the trials
+        know that, they keep the sphere of the article's straight pad for it.
+        """
+        a, b, fullness = design.skin.width_mm / 2, design.skin.semi_axis_palmar_mm, design.skin.pulp_fullness
+        if design.skin.crown_radius_mm:
+            a, b, fullness = _STRAIGHT
+        return cls(2 * weight_of_fullness(fullness) ** 2 * a * a / b * 1e-3, resonance_hz)
 
     @property
     def _modulus_pa(self) -> float:

@@ -69,7 +69,7 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
             inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
     filled = dict(inside)
     if "skin" in inside and design.mold.method == "overmold":
-        # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown is hollow at its base.
+        # Before it shrinks, the silicone fills the cavity, which beside the base of a crown lies within the skin.
         cast = scaled(inside["skin"], design.dimensions.shrinkage)
         filled["skin"] = difference(cast, mold_insert(design), *boss(design))
     halves = {name: solid for name, solid in parts.items() if name in HALVES}

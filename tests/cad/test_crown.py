@@ -171,7 +171,8 @@ def test_a_film_on_a_ramp_ends_where_its_length_says() -> None:
 
 LENGTHS = {
     "skin.crown_radius_mm": (0.0, 100.0), "skin.crown_offset_mm": (-10.0, 20.0), "skin.crown_drop_mm": (0.0, 20.0),
-    "bone.platform_mm": (0.0, 10.0), "skin.semi_axis_palmar_mm": (2.0, 40.0), "sensor.distance_from_tip_mm": (3.0, 60.0),
+    "bone.platform_mm": (0.0, 10.0), "skin.semi_axis_palmar_mm": (2.0, 40.0),
+    "sensor.distance_from_tip_mm": (3.0, 60.0),
     "skin.tip_length_mm": (2.0, 60.0),
 }  # fmt: skip
 

@@ -267,7 +267,7 @@ class Dimensions:
         """Depth of the palmar flat of the base, at y = -base_flat_depth.
 
         A straight tail runs on along the flat of the bone. A folded one leaves it at the collar: proximal to the collar
-        the base is stronger, as high as its cheeks beside window and joint keep a wall, and below the pad's base.
+        the base is stronger, as high as its cheeks beside the window and the joint keep a wall, within the collar.
         """
         if self.fold is None:
             return self.flat_depth

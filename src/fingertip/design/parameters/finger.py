@@ -85,7 +85,7 @@ class Skin(ParameterTable):
         3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."
     )
     thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.")
-    thickness_tip_mm: float = quantity(2.8, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
+    thickness_tip_mm: float = quantity(2.6, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
     min_thickness_mm: float = quantity(
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )

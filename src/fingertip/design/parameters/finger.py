@@ -51,7 +51,9 @@ class Skin(ParameterTable):
     """Outer shape of the silicone skin, and its thickness over the bone."""
 
     width_mm: float = quantity(17.0, "mm", (6, 60), "Full width at the proximal end.")
-    semi_axis_palmar_mm: float = quantity(7.4, "mm", (2, 40), "Height of the pad, measured from the parting plane.")
+    semi_axis_palmar_mm: float = quantity(
+        7.4, "mm", (2, 40), "Height of the pad, at the apex of a crown, from the parting plane."
+    )
     semi_axis_dorsal_mm: float = quantity(
         7.0, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
     )
@@ -82,8 +84,9 @@ class Skin(ParameterTable):
     )
     thickness_side_mm: float = quantity(1.9, "mm", (0.4, 15), "Skin thickness at the sides.")
     thickness_palmar_mm: float = quantity(
-        3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."
-    )
+        3.0, "mm", (0.4, 20),
+        "Skin thickness over the centre of the sensor, from its platform or flat to the pad's surface.",
+    )  # fmt: skip
     thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.")
     thickness_tip_mm: float = quantity(2.6, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
     min_thickness_mm: float = quantity(

@@ -36,7 +36,7 @@ SWEEP: dict[str, Any] = {
     "minimise": ["skin_volume_mm3", "delay_ms"],
     "scene": {"scene": "sliding_finger"},
     "axes": {
-        "skin.width_mm": {"low": 15.0, "high": 23.0},
+        "skin.width_mm": {"low": 15.0, "high": 19.0},
         "board.cutoff_hz": {"low": 20.0, "high": 130.0, "spacing": "logarithmic"},
         "board.series": ["E12", "E96"],
         "detector.window_samples": {"low": 20, "high": 90},

@@ -143,7 +143,8 @@ def test_the_rule_finds_the_thinnest_place_of_the_straight_part(name: str, platf
     )
     points = [point.thickness_mm for point in list_skin_points(design, dims)]
     found = interior.min_gap(beside, 5.0)
-    assert found == pytest.approx(min(min_skin_thickness(dims, 0.0), *points), abs=0.04)
+    least = min(min_skin_thickness(dims, 0.0), *points)
+    assert least - 0.03 < found < least + 0.1, "what the rules measure in sections is rather too thin than too thick"
     assert found > design.skin.min_thickness_mm
 
 

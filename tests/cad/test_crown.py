@@ -129,10 +129,13 @@ def test_both_kernels_and_an_integral_agree_in_volume(name: str) -> None:
     assert MeshEvaluator(0.002).manifold(SuperconicSolid(body)).volume() == pytest.approx(expected, rel=3e-4)
 
 
-@pytest.mark.parametrize("name", CROWNED)
-def test_the_rule_finds_the_thinnest_place_of_the_straight_part(name: str) -> None:
+@pytest.mark.every_case
+@pytest.mark.parametrize(("name", "platform_mm"), [*((name, None) for name in CROWNED), ("fsr400", 2.6)])
+def test_the_rule_finds_the_thinnest_place_of_the_straight_part(name: str, platform_mm: float | None) -> None:
     """Between the solids, the skin is no thinner than at the sections and points that the rules look at."""
     design, evaluator = Design.load(design_file(name)), MeshEvaluator(0.02)
+    if platform_mm:  # the thinnest place lies beside the ramp
+        design = design.with_values({"bone.platform_mm": platform_mm})
     dims, reach = design.dimensions, 99.0
     interior = evaluator.manifold(filled_bone(design)).trim_by_plane((0.0, 0.0, 1.0), 0.02)
     beside = evaluator.manifold(
@@ -140,7 +143,8 @@ def test_the_rule_finds_the_thinnest_place_of_the_straight_part(name: str) -> No
     )
     points = [point.thickness_mm for point in list_skin_points(design, dims)]
     found = interior.min_gap(beside, 5.0)
-    assert found == pytest.approx(min(min_skin_thickness(dims, 0.0), *points), abs=0.04)
+    least = min(min_skin_thickness(dims, 0.0), *points)
+    assert least - 0.03 < found < least + 0.1, "what the rules measure in sections is rather too thin than too thick"
     assert found > design.skin.min_thickness_mm
 
 
@@ -195,13 +199,17 @@ def test_any_crown_has_a_form_or_is_refused_in_words(values: dict[str, float], n
 
 
 @pytest.mark.parametrize(
-    ("change", "field"),
+    ("change", "field", "name"),
     [
-        ("skin.crown_radius_mm=60", "skin.crown_radius_mm"), ("skin.crown_radius_mm=1", "skin.crown_drop_mm"),
-        ("skin.crown_drop_mm=6", "skin.crown_drop_mm"), ("skin.crown_offset_mm=-8", "skin.crown_offset_mm"),
-        ("bone.platform_mm=6", "bone.platform_mm"), ("skin.crown_offset_mm=20", "skin.crown_offset_mm"),
+        ("skin.crown_radius_mm=60", "skin.crown_radius_mm", "fsr400"),
+        ("skin.crown_radius_mm=1", "skin.crown_drop_mm", "fsr400"),
+        ("skin.crown_drop_mm=6", "skin.crown_drop_mm", "fsr400"),
+        ("skin.crown_offset_mm=-8", "skin.crown_offset_mm", "fsr400"),
+        ("bone.platform_mm=1.4", "bone.platform_mm", "fsr402"),
+        ("bone.platform_mm=6", "bone.platform_mm", "fsr400"),
+        ("skin.crown_offset_mm=20", "skin.crown_offset_mm", "fsr400"),
     ],
 )  # fmt: skip
-def test_an_unsound_crown_is_refused_with_a_remedy_that_passes(change: str, field: str) -> None:
-    assert field in {issue.field for issue in refuse([change])}
-    check_remedies([change])
+def test_an_unsound_crown_is_refused_with_a_remedy_that_passes(change: str, field: str, name: str) -> None:
+    assert field in {issue.field for issue in refuse([change], name)}
+    check_remedies([change], name)

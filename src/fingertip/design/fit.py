@@ -30,8 +30,6 @@ FREE: Mapping[str, tuple[float, float]] = {
     "skin.thickness_palmar_mm": (2.0, 4.0),
     "skin.thickness_dorsal_mm": (0.8, 2.0),
     "skin.thickness_tip_mm": (1.4, 3.0),
-    "skin.crown_drop_mm": (1.0, 2.2),
-    "bone.platform_mm": (0.6, 2.2),
     "bone.base_length_mm": (8.0, 20.0),
     "bone.palmar_fullness": (0.92, 0.99),
     "bone.rim_mm": (0.3, 0.6),
@@ -88,8 +86,6 @@ def fit_design(
     quick, slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
     joined = tables.dimensions.joint is not None
     unused = {name for name in FREE if name.startswith("hand.") and not (joined and tables.value(name))}
-    if tables.skin.crown_radius_mm == 0.0:
-        unused |= {"skin.crown_drop_mm", "bone.platform_mm"}
     free = {name: ends for name, ends in FREE.items() if name not in given and name not in unused}
     begin = {name: float(tables.value(name)) for name in free}
 

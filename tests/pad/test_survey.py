@@ -42,6 +42,12 @@ def test_the_turn_on_is_where_the_share_gives_the_sensor_its_own_turn_on():
         assert force * share == pytest.approx(design.force_curve.turn_on_n, rel=0.01)
 
 
+@pytest.mark.parametrize("turn_on_n", [0.0, 5e-324, 1e-6])
+def test_a_sensor_that_is_on_at_once_turns_on_at_once(turn_on_n):
+    design = Design.load("fsr400", changes=["force_curve.curve=calibrated", f"force_curve.turn_on_n={turn_on_n}"])
+    assert 0.0 <= survey_pad(design).worst_turn_on_n < 1e-5
+
+
 def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
     checks = {check.name: check for check in check_pad(Design.load("article"))}
     assert all(check.passed for check in checks.values())

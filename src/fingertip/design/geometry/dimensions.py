@@ -15,7 +15,6 @@ from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
 from fingertip.design.geometry.conic import (
     ConicBody,
     CrossSection,
-    Crown,
     Tip,
     add_groove,
     inset_body,
@@ -32,6 +31,7 @@ from fingertip.design.geometry.features import (
     fold_tail,
     place_chaplet,
 )
+from fingertip.design.geometry.profile import Crown
 from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:

@@ -67,8 +67,9 @@ def _bends(dims: Dimensions) -> list[float]:
     """List the heights at which a crown, or the palmar side of the bone, bends over the skin's length [mm]."""
     knots = [span.z[0] for span in dims.outer.spans if dims.crown]
     if dims.platform_half_width_at(dims.sensor_z):
-        radius = dims.platform_radius
-        knots += [*dims.ramp, *(dims.sensor_z + share * radius for share in (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99))]
+        # Behind the sensor a ramp leads on; ahead of it the platform ends in a half circle, steepest at its end.
+        along_radius = (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99)
+        knots += [*dims.ramp, *(dims.sensor_z + share * dims.platform_radius for share in along_radius)]
     return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 
 

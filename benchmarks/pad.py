@@ -26,7 +26,7 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
 
 FORCES_N = (1.0, 5.0)
-_AROUND = (0.75, 0.9, 1.0, 1.1, 1.35)
+_AROUND = (0.5, 0.75, 1.0, 1.3, 1.7, 2.2, 3.0)
 """Forces about each one, between which the force at a depth is interpolated."""
 
 

@@ -59,9 +59,9 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
-    """35 mm of lever about the pin against 4.95 mm of the tendon, and two thirds of the stop."""
+    """35 mm of lever about the pin against 4.94 mm of the tendon, and two thirds of the stop."""
     design = load("adult_finger")
-    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(35.0 / 4.95)
+    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(35.0 / 4.94)
     stresses = {found.place: found for found in interface_of(design).local_stresses(design, 25.0)}
     section, joint = design.dimensions.bone_outline.section, design.dimensions.joint
     assert joint
@@ -69,7 +69,7 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     cheek = section.half_width_at(joint.axis_y + 1.0) - joint.half_width
     assert stresses["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (3.2 - 1.0)))
     assert not stresses["bearing of the anchor"].at_shock
-    force, anchor = 35.0 / 4.95, design.dimensions.anchor
+    force, anchor = 35.0 / 4.94, design.dimensions.anchor
     assert anchor
     assert stresses["bearing of the pin"].stress_per_n == pytest.approx((force + 1.0) / (2 * cheek * 2.0))
     window = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm

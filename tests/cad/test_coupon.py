@@ -150,11 +150,11 @@ def test_sensor_fits_its_pocket_with_its_clearance(name: str) -> None:
     design = load(name)
     dims, layout = design.dimensions, lay_out(design)
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    near = Box((-99.0, -99.0, dims.sensor_z - head - 1.0), (99.0, 99.0, 99.0))
+    near = Box((-99.0, -99.0, dims.sensor_z - head - 0.3), (99.0, 99.0, 99.0))
     y = layout.sensor.high[1] - 1.2 - head
     placed = Placed(
         intersection(sensor_body(design), near), -1,
-        (layout.sensor.centre[0], y - dims.sensor_z, layout.tile_mm - dims.flat_depth),
+        (layout.sensor.centre[0], y - dims.sensor_z, layout.tile_mm - dims.platform_depth),
     )  # fmt: skip
     expected = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm)
     assert gap_mm(placed, frame_with_fits(design)) == pytest.approx(expected, abs=0.005)

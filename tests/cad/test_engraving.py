@@ -65,7 +65,7 @@ def test_all_letters_differ_and_follow_each_other_at_a_constant_distance() -> No
 LARGE = ["name=a", "mold.engraving_height_mm=20"]
 
 
-@pytest.mark.parametrize("changes", [[], LARGE, ["skin.width_mm=30", *LARGE], ["name=thirteen_long"]], ids=str)
+@pytest.mark.parametrize("changes", [[], LARGE, ["skin.length_mm=50", *LARGE], ["name=thirteen_long"]], ids=str)
 def test_text_stays_on_the_block_and_clear_of_the_nut_traps(changes: list[str]) -> None:
     design, evaluator = Design.load(changes=changes), MeshEvaluator(0.02)
     m = design.mold_layout

@@ -178,7 +178,7 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5}
     found = strength_of(bone=flange)
     arm = 34.0 + 26.0
-    sideways = arm / 20.0 * (20.0 - 13.0) / 2 / (12.0 * 1.5**2 / 6)
+    sideways = arm / 20.0 * (20.0 - 13.2) / 2 / (12.0 * 1.5**2 / 6)
     upwards = arm / 6.0 * (12.0 - 5.5 - Design().dimensions.flat_depth) / 2 / (27.0 * 1.5**2 / 6)
     assert found.weakest.z_mm == -24.5
     assert found.weakest.stress_per_n == pytest.approx(math.hypot(sideways, upwards))

@@ -106,7 +106,8 @@ def test_no_chord_deviates_by_more_than_the_tolerance(weight: float, tolerance: 
 # round to the same grid point.
 SHORT_EDGE = [
     "skin.width_mm=15", "skin.semi_axis_palmar_mm=6.5", "skin.thickness_side_mm=1.2", "skin.min_thickness_mm=0.4",
-    "printer.surface_error_mm=0",
+    "printer.surface_error_mm=0", "skin.crown_radius_mm=0", "bone.platform_mm=0", "skin.pulp_fullness=0.8845",
+    "bone.palmar_fullness=0.9422", "skin.thickness_tip_mm=2.5", "mold.chaplet_from_tip_mm=10",
 ]  # fmt: skip
 
 
@@ -133,7 +134,10 @@ def test_triangle_without_area_is_removed_with_its_short_edge() -> None:
     """A design on which manifold3d leaves an edge of 15 nm that it does not collapse."""
     changes = [
         "bone.interface=post", "skin.tip_fullness=0.920", "skin.pulp_fullness=0.980", "skin.semi_axis_palmar_mm=6.700",
-        "bone.base_length_mm=11.30",
+        "bone.base_length_mm=11.30", "skin.crown_radius_mm=0", "bone.platform_mm=0",
+        "sensor.distance_from_tip_mm=9.5", "bone.palmar_fullness=0.96", "skin.thickness_side_mm=2.0",
+        "skin.thickness_palmar_mm=3.45", "skin.thickness_tip_mm=2.5", "mold.chaplet_from_tip_mm=8.0",
+        "hand.tendon_distance_mm=4.7",
     ]  # fmt: skip
     design = Design.load(design_file("youth_thumb"), changes=changes)
     mesh = MeshEvaluator(0.02).mesh(mold_palmar(design))

@@ -87,7 +87,7 @@ def test_pocket_pilot_hole_and_nut_traps_are_as_deep_as_what_they_hold() -> None
     (floor, _), (flat, _) = (probe(radius, design.dimensions.sensor_z) for radius in (3.94, 3.98))
     assert floor - flat == pytest.approx(0.43, abs=1e-3)
     # A screw of M2 in a pilot hole of 1.6 mm, 4.7 mm below the facet.
-    (_, end), (_, facet) = (probe(offset, 24.0) for offset in (0.78, 0.82))
+    (_, end), (_, facet) = (probe(offset, 34.0 - 10.3) for offset in (0.78, 0.82))
     assert facet - end == pytest.approx(4.7, abs=1e-3)
     lying = palmar.rotate((90.0, 0.0, 0.0))  # its outer face becomes the lowest
     trap, ceiling = (lying.slice(lying.bounding_box()[2] + depth).area() for depth in (2.58, 2.62))

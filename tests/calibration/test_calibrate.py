@@ -29,8 +29,6 @@ from tests.calibration.simulated import NOISE_MM, OFFSET_MM, SCALE, THINNEST_MM,
 from tests.conftest import some_of
 
 DESIGNS = sorted(list_bundled_files(DESIGN_KIND))
-NEEDS_KEEP = {"child_finger": "sensor.clearance_mm"}
-"""Bundled designs that 0.1 mm of offset makes impossible, and what lets them pass: its collar is full."""
 
 
 def calibration_of(
@@ -111,15 +109,18 @@ def test_calibrating_a_calibrated_design_changes_nothing_more() -> None:
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
 def test_calibrated_design_passes_all_rules(name: str) -> None:
     design = Design.load(name)
-    made = calibration_of(design)
-    if name not in NEEDS_KEEP:
-        calibrated = apply_calibration(design, made)
-        assert calibrated.printed_fit_mm == pytest.approx(design.printed_fit_mm, abs=1e-9)
-        return
-    with pytest.raises(DesignError, match=r"at most .*"):
+    calibrated = apply_calibration(design, calibration_of(design))
+    assert calibrated.printed_fit_mm == pytest.approx(design.printed_fit_mm, abs=1e-9)
+
+
+def test_a_parameter_that_must_be_kept_is_found() -> None:
+    """An offset of 0.15 mm widens the pocket of an FSR 402 beyond its flat."""
+    design = Design.load("fsr402")
+    made = calibration_of(design, offset_mm=0.15)
+    with pytest.raises(DesignError, match=r"at least .*"):
         apply_calibration(design, made)
-    assert find_kept(design, made, CLEARANCES) == NEEDS_KEEP[name]
-    apply_calibration(design, calibration_of(design, keep=(NEEDS_KEEP[name],)))
+    assert find_kept(design, made, CLEARANCES) == "sensor.clearance_mm"
+    apply_calibration(design, calibration_of(design, offset_mm=0.15, keep=("sensor.clearance_mm",)))
 
 
 @pytest.mark.full
@@ -127,8 +128,7 @@ def test_calibrated_design_passes_all_rules(name: str) -> None:
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
 def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
     design = Design.load(name, changes=[f"mold.method={method}"])
-    keep = (NEEDS_KEEP[name],) if name in NEEDS_KEEP else ()
-    calibrated = apply_calibration(design, calibration_of(design, keep=keep))
+    calibrated = apply_calibration(design, calibration_of(design))
     checks = verify(calibrated, parts_by_name(calibrated), ("stl",), MeshEvaluator(0.01)).checks
     assert [check for check in checks if not check.passed] == []
 

@@ -41,7 +41,7 @@ def fsr400(*changes: str) -> Design:
 
 
 def test_volumes_add_up_to_the_hollow_without_the_insert() -> None:
-    design, evaluator = fsr400("mold.fit_clearance_mm=0.2"), MeshEvaluator(0.02)
+    design, evaluator = fsr400("mold.fit_clearance_mm=0.07"), MeshEvaluator(0.02)
     hollow = intersection(mold.cast_hollow(design), mold.block(design))
     cast_mm3 = evaluator.manifold(difference(hollow, mold_insert(design))).volume()
     runners_mm3 = evaluator.manifold(
@@ -104,9 +104,9 @@ def pull(*changes: str) -> float:
 
 
 def test_groove_holds_as_a_stretched_ring() -> None:
-    """E e t / R over the width of a groove of 0.6 mm around a bone of 13 x 8.9 mm."""
+    """E e t / R over the width of a groove of 0.6 mm around a bone of 13.2 x 8 mm."""
     dims = Design().dimensions
-    radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
+    radius = (6.6 + (5.5 + dims.flat_depth) / 2) / 2
     expected = SILICONE.modulus_mpa.low * (0.6 / radius) * 1.5 / radius * math.tau * radius * 3.0
     assert pull() == pytest.approx(expected)
     assert pull("bone.groove_depth_mm=0") == 0.0
@@ -119,7 +119,7 @@ def test_sleeve_is_held_by_friction_along_its_length() -> None:
     )
     assert loose == 0.0
     dims = Design().dimensions
-    radius = (6.5 + (5.5 + dims.flat_depth) / 2) / 2
+    radius = (6.6 + (5.5 + dims.flat_depth) / 2) / 2
     force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * 1.5 * math.tau * dims.taper_end_z
     assert tight == pytest.approx(force)
 
@@ -151,9 +151,9 @@ def test_gauges_are_those_of_the_plug_and_two_wires_pass_the_channel() -> None:
 
 
 def test_loop_is_the_arc_over_the_joint_and_a_centimetre() -> None:
-    """The adult's joint turns by 55 degrees about an axis 6.4 mm below the back of the bone: an arc of 6.14 mm."""
+    """The adult's joint turns by 55 degrees about an axis 5.7 mm below the back of the bone: an arc of 5.46 mm."""
     assert size_wires(load("fsr400")).slack_mm == 10.0
-    assert size_wires(load("adult_finger")).slack_mm == pytest.approx(16.14, abs=0.01)
+    assert size_wires(load("adult_finger")).slack_mm == pytest.approx(15.46, abs=0.01)
 
 
 SH = PlugWire("JST SH", 28, 32, 0.4, 0.8, "")

@@ -33,6 +33,16 @@ TEMPLATES = ROOT / "src/fingertip/documents"
 DOCUMENTS = ("casting", "acceptance", "coupon", "firmware")
 
 MOLD_WITHOUT_CHAPLET = "mold.chaplet_diameter_mm=0 mold.fit_clearance_mm=0.01 printer.surface_error_mm=0"
+STRAIGHT = (
+    "skin.crown_radius_mm=0 bone.platform_mm=0 skin.semi_axis_palmar_mm=6 skin.pulp_fullness=0.8845 "
+    "bone.palmar_fullness=0.9422 skin.thickness_side_mm=2 skin.thickness_tip_mm=2.5 mold.chaplet_from_tip_mm=10"
+)
+STRAIGHT_FINGER = (
+    "skin.crown_radius_mm=0 bone.platform_mm=0 skin.semi_axis_palmar_mm=6.6 skin.pulp_fullness=0.8845 "
+    "bone.palmar_fullness=0.96 skin.thickness_side_mm=1.75 skin.thickness_tip_mm=2.5 skin.thickness_palmar_mm=3.4 "
+    "sensor.distance_from_tip_mm=9.5 hand.tendon_distance_mm=4.95"
+)
+"""The same fingers with a straight pad, whose tape and vents differ."""
 CALIBRATED_CURVE = (
     "force_curve.curve=calibrated force_curve.min_force_n=0.5 force_curve.max_force_n=3 force_curve.interval_factor=1.2"
 )
@@ -56,7 +66,8 @@ DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
         SILICONES["condensation_40a"], {},
     ),
     "folded_sleeve": (
-        "adult_finger", f"mold.method=sleeve {CALIBRATED_CURVE} {MOLD_WITHOUT_CHAPLET}", SILICONES["mold_star_30"], {},
+        "adult_finger", f"mold.method=sleeve {CALIBRATED_CURVE} {MOLD_WITHOUT_CHAPLET} {STRAIGHT_FINGER}",
+        SILICONES["mold_star_30"], {},
     ),
     "poured": (
         "fsr400",
@@ -70,7 +81,7 @@ DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
     ),
     "flange": (
         "fsr400", "bone.interface=flange bone.base_length_mm=27 mold.fit_clearance_mm=0.1 mold.seat_tape_mm=0 "
-        "printer.scale_percent=100.4 printer.offset_mm=0.06",
+        f"printer.scale_percent=100.4 printer.offset_mm=0.06 bone.groove_depth_mm=0.9 bone.wall_mm=0.8 {STRAIGHT}",
         SILICONES["addition_40a"], {"delays_s": (0.025, None)},
     ),
 }  # fmt: skip

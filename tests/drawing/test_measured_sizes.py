@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fingertip.cad.report import Build
@@ -35,13 +36,20 @@ class StepFeatures:
         self.circles: list[tuple[Point3, Point3, float]] = []
         self.vertices = [vertex.toTuple() for vertex in shape.Vertices()]
         self.curved: list[tuple[float, ...]] = []
-        """Bounding boxes of faces that are neither planes nor cylinders: a crown is deepest within one."""
+        """Bounds of points on faces that are neither planes nor cylinders: a crown is deepest within one."""
         for face in shape.Faces():
             adaptor = BRepAdaptor_Surface(face.wrapped)
             if face.geomType() not in ("PLANE", "CYLINDER"):
-                around = Bnd_Box()
-                BRepBndLib.AddOptimal_s(face.wrapped, around, False, False)
-                self.curved.append(around.Get())
+                us, vs = (
+                    np.linspace(*ends, 101)
+                    for ends in (
+                        (adaptor.FirstUParameter(), adaptor.LastUParameter()),
+                        (adaptor.FirstVParameter(), adaptor.LastVParameter()),
+                    )
+                )
+                places = [adaptor.Value(u, v) for u in us for v in vs]
+                points = np.array([(place.X(), place.Y(), place.Z()) for place in places])
+                self.curved.append((*points.min(axis=0), *points.max(axis=0)))
             if face.geomType() == "PLANE":
                 normal = adaptor.Plane().Axis().Direction()
                 place = adaptor.Plane().Location()

@@ -43,7 +43,7 @@ def test_sheets_of_a_calibrated_design_state_the_sizes_that_the_plain_design_int
                 assert size.tolerance == pytest.approx(plain[drawing.part][name].tolerance), name
     sizes = by_name(part_drawings(calibrated("fsr400"))[0])
     assert sizes["width of the base"].printed == pytest.approx(sizes["width of the base"].value + OFFSET_MM)
-    assert sizes["width of the base"].text() == "13.12 ±0.1"
+    assert sizes["width of the base"].text() == "13.32 ±0.1"
 
 
 @pytest.mark.every_case

@@ -39,7 +39,7 @@ def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method:
     assert prediction.viscosity_pa_s == 35.0
     assert prediction.fill_s <= 30.0
     assert failed(f"mold.method={method}", name=name) == set()
-    assert all(vent.point_mm[1] > 0.0 for vent in place_vents(design)), "off the pad"
+    assert all(vent.point_mm[1] > 0.0 or vent.kind == "side" for vent in place_vents(design)), "off the pad"
 
 
 def test_ducts_follow_the_inlet() -> None:
@@ -97,10 +97,14 @@ def test_air_without_a_vent_at_its_place_fails(monkeypatch: pytest.MonkeyPatch, 
 @pytest.mark.parametrize(
     ("name", "changes", "count"),
     [
-        ("child_thumb", ("skin.semi_axis_dorsal_mm=30.6",), 2),
+        (
+            "child_thumb",
+            ("skin.semi_axis_dorsal_mm=30.6", "printer.surface_error_mm=0", "skin.min_thickness_mm=0.55"),
+            1,
+        ),
         (
             "child_finger",
-            ("skin.semi_axis_dorsal_mm=28", "skin.length_mm=30", "skin.width_mm=31.2", "skin.thickness_tip_mm=4.17",
+            ("skin.semi_axis_dorsal_mm=28", "skin.length_mm=30", "skin.width_mm=31.2", "skin.thickness_tip_mm=4.1",
              "mold.chaplet_from_tip_mm=7.25", "skin.min_thickness_mm=0.55", "printer.surface_error_mm=0.02"),
             1,
         ),

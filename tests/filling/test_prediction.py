@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -74,7 +75,7 @@ def test_areas_and_thicknesses_are_those_of_the_design() -> None:
     design = load("fsr400")
     grid = build_skin_grid(design)
     dims, layer = design.dimensions, grid.layer
-    base = dims.outer.section.area() * dims.shrinkage**2
+    base = replace(dims.outer.section, palmar=dims.base_palmar_height).area() * dims.shrinkage**2
     assert grid.insert_area_mm2.sum(axis=0) == pytest.approx([0.0, 0.0, base], abs=0.005 * base)
     z = np.linspace(0.0, dims.outer.tip.z, 4001)
     silhouette = np.trapezoid([2 * dims.outer.half_width_at(0.0, float(h)) for h in z], z) * dims.shrinkage**2
@@ -113,7 +114,7 @@ def test_time_and_pressures_follow_from_the_resistances() -> None:
     assert found.force_for_time_n(found.fill_s, 12.06) == pytest.approx(30.0, rel=1e-9)
     assert found.force_for_time_n(2.0 * found.fill_s, 12.06) == pytest.approx(15.0, rel=1e-9)
     assert found.ducts_resistance == pytest.approx(sum(duct.resistance for duct in DUCTS))
-    assert found.ducts_resistance > 20.0 * found.cavity_integral / found.volume_mm3
+    assert found.ducts_resistance > 18.0 * found.cavity_integral / found.volume_mm3
     assert 0.0 < found.gate_pressure_pa < 0.15 * found.pressure_pa
     assert 0.0 <= found.ducts_s < float(np.nanmin(found.arrival_s)) + 1e-9
     assert float(np.nanmax(found.arrival_s)) == pytest.approx(found.fill_s)

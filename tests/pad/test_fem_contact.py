@@ -25,7 +25,7 @@ COARSE = MeshSize(1.5)
 
 @cache
 def pad(*changes: str) -> PadForm:
-    return replace(PadForm.of_design(Design.load(design_file("fsr400"), changes=changes)), young_mpa=1.0)
+    return replace(PadForm.of_design(Design.load(design_file("article"), changes=changes)), young_mpa=1.0)
 
 
 @cache

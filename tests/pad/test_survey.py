@@ -42,6 +42,12 @@ def test_the_turn_on_is_where_the_share_gives_the_sensor_its_own_turn_on():
         assert force * share == pytest.approx(design.force_curve.turn_on_n, rel=0.01)
 
 
+@pytest.mark.parametrize("turn_on_n", [0.0, 5e-324, 1e-6])
+def test_a_sensor_that_is_on_at_once_turns_on_at_once(turn_on_n):
+    design = Design.load("fsr400", changes=["force_curve.curve=calibrated", f"force_curve.turn_on_n={turn_on_n}"])
+    assert 0.0 <= survey_pad(design).worst_turn_on_n < 1e-5
+
+
 def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
     checks = {check.name: check for check in check_pad(Design.load("article"))}
     assert all(check.passed for check in checks.values())
@@ -70,3 +76,18 @@ def test_command_page_and_picture_show_the_survey():
     both = run_fingertip("picture", "article", "--pad", "--filling")
     assert both.returncode == 2
     assert "--filling" in both.stderr
+
+
+@pytest.mark.full
+def test_finite_elements_confirm_what_the_layer_model_promises():
+    """The figures that the form of the default design was chosen for, by the second model on two meshes."""
+    found = json.loads(run_fingertip("pad", "fsr400", "--refine", "--json").stdout)
+    by_tilt = {tilt: contact["share"] for tilt, contact in zip(TILTS_DEG, found["fem"], strict=True)}
+    grasp = [by_tilt[tilt] for tilt in (0.0, 2.0, 5.0, 10.0)]
+    assert min(grasp) >= 0.55
+    assert min(by_tilt[-5.0], by_tilt[15.0]) >= 0.40
+    assert by_tilt[20.0] >= 0.20
+    assert min(grasp) / max(grasp) >= 0.85
+    finer = [contact["share"] for contact in found["fem_refined"]]
+    assert finer == pytest.approx(list(by_tilt.values()), abs=0.015)
+    assert [row["share"] for row in found["tilts"]] == pytest.approx(list(by_tilt.values()), abs=0.06)

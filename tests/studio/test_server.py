@@ -40,7 +40,7 @@ def change(tables: dict[str, Any], **values: object) -> dict[str, Any]:
 
 
 def test_parts_are_those_of_the_changed_design(server: StudioServer, tables: dict[str, Any]) -> None:
-    wider = change(tables, skin__width_mm=20)
+    wider = change(tables, skin__width_mm=19)
     answer = post(server, "parts", wider).content
     design = Design.from_tables(wider)
     evaluator = MeshEvaluator(VIEW_TOLERANCE_MM)

@@ -71,7 +71,7 @@ def test_what_is_no_table_is_refused(name: str) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", ["board", "delay", "geometry", "map"])
+@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "params" / "sweeps").glob("*.toml")))
 def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / f"{name}.toml")
     assert plan.file.name == name

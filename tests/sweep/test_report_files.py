@@ -36,7 +36,7 @@ SWEEP: dict[str, Any] = {
     "minimise": ["skin_volume_mm3", "delay_ms"],
     "scene": {"scene": "sliding_finger"},
     "axes": {
-        "skin.width_mm": {"low": 15.0, "high": 23.0},
+        "skin.width_mm": {"low": 15.0, "high": 19.0},
         "board.cutoff_hz": {"low": 20.0, "high": 130.0, "spacing": "logarithmic"},
         "board.series": ["E12", "E96"],
         "detector.window_samples": {"low": 20, "high": 90},
@@ -80,7 +80,7 @@ def database(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SweepDatabase
         yield database
 
 
-GRID = {"skin.width_mm": [15.0, 16.0, 17.0, 18.0, 20.0], "board.cutoff_hz": {"low": 20.0, "high": 130.0, "steps": 6}}
+GRID = {"skin.width_mm": [15.0, 16.0, 17.0, 18.0, 19.0], "board.cutoff_hz": {"low": 20.0, "high": 130.0, "steps": 6}}
 NARROW = {**SWEEP["axes"], "skin.width_mm": {"low": 14.0, "high": 16.9}}
 SLOW = {**SWEEP["axes"], "board.cutoff_hz": {"low": 20.0, "high": 24.0}}
 CASES: dict[str, dict[str, Any]] = {

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from fingertip.cad.shapes.bone import TAPE_RIM_MM, tape_outline_mm
+from fingertip.cad.shapes.bone import tape_outline_mm, tape_rim_mm
 from fingertip.design import Design
 from fingertip.design.geometry.conic import add_groove
 from fingertip.design.geometry.seat import tape_span_mm
@@ -36,21 +36,25 @@ def cover_tape_data(design: Design) -> dict[str, Any]:
     trim = narrowest < width
     # The height at which flat or platform ends at the tip.
     dims, low, high = design.dimensions, design.dimensions.sensor_z, design.skin.length_mm
-    neck = 2.0 * (dims.tail_half_width + TAPE_RIM_MM) if design.bone.platform_mm else None
-    if neck:
+    rim, neck = tape_rim_mm(design), None
+    if design.bone.platform_mm:
+        neck = round(2.0 * (dims.tail_half_width + rim), 1)
         flat_end = _round_down(low + dims.platform_radius)
+        begin = _round_up(end + dims.ramp_excess)  # it is laid from the platform on, and cut at the collar
+        length_mm = [begin, round(begin + _RANGE_MM, 1)]
     else:
         flat_end = _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
+        length_mm = _tape_length_mm(end, flat_end)
     width_mm = [width, max(width, min(width + _RANGE_MM, _round_down((flat if trim else narrowest) - _EDGE_MM)))]
     return {
         "width_mm": [round(limit, 1) for limit in width_mm],
         "stock_mm": next((stock for stock in _STOCK_WIDTHS_MM if stock >= width - 1e-6), None),
-        "length_mm": [round(length + dims.ramp_excess, 1) for length in _tape_length_mm(end, flat_end)],
-        "overlap_mm": TAPE_RIM_MM,
-        "pocket_mm": round(2.0 * (half - TAPE_RIM_MM), 2),
+        "length_mm": length_mm,
+        "overlap_mm": round(rim, 2),
+        "pocket_mm": round(2.0 * (half - rim), 2),
         "flat_mm": round(narrowest, 1),
         "flat_end_mm": flat_end,
-        "neck_mm": round(neck, 1) if neck else None,
+        "neck_mm": neck,
         "trim": trim,
     }
 

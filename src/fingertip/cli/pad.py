@@ -26,9 +26,9 @@ _REFINED = 0.7
 def pad(
     console: Console,
     design: DesignArgument,
-    fem: Annotated[bool, typer.Option("--fem", help="Compute the same by finite elements, some 10 s.")] = False,
+    fem: Annotated[bool, typer.Option("--fem", help="Compute the same by finite elements, some 5 s.")] = False,
     refine: Annotated[
-        bool, typer.Option("--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 30 s.")
+        bool, typer.Option("--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 20 s.")
     ] = False,
     changes: SetOption = None,
 ) -> None:

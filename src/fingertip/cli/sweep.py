@@ -27,7 +27,7 @@ def sweep(
     console: Console,
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled sweep: board, delay, geometry or map."),
+        typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled sweep: board, delay, geometry, map or pad."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME.")

@@ -153,6 +153,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
             for reading in expect_readings(design)
         ],
         "still_s": _STILL_S,
+        "from_tip_mm": design.sensor.distance_from_tip_mm,
     }
 
 

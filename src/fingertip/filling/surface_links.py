@@ -214,8 +214,9 @@ def build_skin_grid(
             np.array([at(float(z)) for z in inner_z])[:, None]
             for at in (dims.platform_half_width_at, dims.flat_depth_at)
         )
-        raised = (inside[..., 1] <= -flat) & (np.abs(inside[..., 0]) <= half)
-        inside[..., 1] = np.where(raised, -(flat + deep - dims.flat_depth), inside[..., 1])
+        inset = dims.flat_depth - flat
+        raised = (inside[..., 1] <= -flat) & (np.abs(inside[..., 0]) <= half - inset)
+        inside[..., 1] = np.where(raised, inset - deep, inside[..., 1])
     inside, outside = scale * inside, shrinkage * outside
     layer = link_layer(inside, outside, has_pole=True, is_periodic=True, is_closed=is_closed)
     surfaces = [vector_areas(np.concatenate((surface, surface[:, :1]), axis=1)) for surface in (inside, outside)]

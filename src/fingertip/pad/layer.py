@@ -107,7 +107,7 @@ def find_contacts(
             layout, pressure = near.lay_out(2.0 * layout.reach_mm), None
         if contact.strain > max_strain:
             most = found[-1].force_n if found else force_n * (max_strain / contact.strain) ** 2
-            message = f"{force_n:g} N presses the pad to {contact.strain:.0%} of its thickness; at most {most:.2g} N."
+            message = f"{force_n:g} N presses the pad by {contact.strain:.0%} of its thickness; at most {most:.2g} N."
             raise TraceError(Issue("force_n", message))
         found.append(contact)
     return found

@@ -23,6 +23,8 @@ FORCE_N, FIRM_N = 1.0, 5.0
 """Force of the shares, and of the strain [N]."""
 _TURN_ON_STEPS = 4
 """Steps of the search for the turn-on, each of which takes the share at the force of the step before."""
+_LEAST_FORCE_N = 0.01
+"""Force below which the share is taken not to change: the contact is one cell of the grid [N]."""
 MAX_TURN_ON_N = 20.0
 """Force on the pad up to which a turn-on is searched [N]."""
 
@@ -105,6 +107,6 @@ def _find_turn_on(form: PadForm, tilt_deg: float, share: float) -> float:
         before, force = force, form.turn_on_n / share
         if abs(force - before) <= 0.01 * force:
             break
-        contact = _try(form, Pose(tilt_deg), force)
+        contact = _try(form, Pose(tilt_deg), max(force, _LEAST_FORCE_N))
         share = contact.share if contact else 0.0
     return force

@@ -15,7 +15,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection, Span
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.profile import Span
 from fingertip.design.geometry.solids import (
     Box,
     Cone,

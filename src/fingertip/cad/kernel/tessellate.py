@@ -16,7 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, Span, arc_point
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, arc_point
+from fingertip.design.geometry.profile import Control, Span, conic_point
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -65,9 +66,7 @@ def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
 
 
 @lru_cache(maxsize=1024)
-def _count_chords(
-    first: tuple[float, float, float], second: tuple[float, float, float], weight: float, tolerance: float
-) -> int:
+def _count_chords(first: Control, second: Control, weight: float, tolerance: float) -> int:
     """Count the chords that a conic arc between three control points, given by their coordinates, needs."""
     n = 2
     while (deviation := _chord_deviation(first, second, weight, n)) > tolerance:
@@ -75,16 +74,11 @@ def _count_chords(
     return n
 
 
-def _chord_deviation(
-    first: tuple[float, float, float], second: tuple[float, float, float], weight: float, n: int
-) -> float:
+def _chord_deviation(first: Control, second: Control, weight: float, n: int) -> float:
     """Measure the largest distance [mm] between the arc and any of its `n` chords."""
 
     def point(t: float) -> Point2:
-        u = 1.0 - t
-        side, middle, top = u * u, 2.0 * weight * u * t, t * t
-        d = side + middle + top
-        x, y = ((side * p[0] + middle * p[1] + top * p[2]) / d for p in (first, second))
+        x, y = conic_point(t, weight, first, second)
         return x, y
 
     worst, start = 0.0, point(0.0)

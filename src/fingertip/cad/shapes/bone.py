@@ -190,7 +190,12 @@ def tape_outline_mm(design: Design) -> tuple[float, float]:
     """Return half the width of the tape over the sensor, and the height z at which it ends [mm]."""
     dims = design.dimensions
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    return max(head, dims.tail_half_width) + TAPE_RIM_MM, dims.sensor_z + head + TAPE_RIM_MM
+    return max(head, dims.tail_half_width) + tape_rim_mm(design), dims.sensor_z + head + tape_rim_mm(design)
+
+
+def tape_rim_mm(design: Design) -> float:
+    """Return the width by which the tape reaches past the pocket: half the rim of a platform, which ends there [mm]."""
+    return min(TAPE_RIM_MM, design.bone.rim_mm / 2) if design.bone.platform_mm else TAPE_RIM_MM
 
 
 def tape(design: Design) -> Solid:
@@ -199,7 +204,7 @@ def tape(design: Design) -> Solid:
     if design.bone.platform_mm == 0.0:
         return flat_slab(design, -TAPE_MM, 0.0, half, -_INTO_COLLAR_MM, top)
     dims = design.dimensions
-    low, high, neck = dims.platform_depth + 2 * TAPE_MM, dims.flat_depth / 2, dims.tail_half_width + TAPE_RIM_MM
+    low, high, neck = dims.platform_depth + 2 * TAPE_MM, dims.flat_depth / 2, dims.tail_half_width + tape_rim_mm(design)
     disc = cylinder("y", (dims.sensor_z, 0.0), -low, -high, top - dims.sensor_z)
     outline = union(disc, Box((-neck, -low, -1.0), (neck, -high, dims.sensor_z)))
     return intersection(flat_slab(design, -TAPE_MM, _INTO_BONE_MM, half, -_INTO_COLLAR_MM, top), outline)

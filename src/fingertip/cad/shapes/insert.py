@@ -146,7 +146,7 @@ def _platform(design: Design, body: ConicBody, inset_mm: float) -> tuple[Solid, 
         return ()
     radius, half = dims.platform_radius - inset_mm, dims.neck_half_width - inset_mm
     disc = cylinder("y", (dims.sensor_z, 0.0), inset_mm - dims.platform_depth, 0.0, radius)
-    neck = flat_slab(design, inset_mm, dims.flat_depth, half, dims.ramp[0] - _NECK_OVERLAP_MM, dims.sensor_z)
+    neck = flat_slab(design, inset_mm, dims.platform_depth, half, dims.ramp[0] - _NECK_OVERLAP_MM, dims.sensor_z)
     return (intersection(SuperconicSolid(body), union(disc, neck)),)
 
 

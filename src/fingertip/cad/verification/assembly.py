@@ -46,6 +46,7 @@ from fingertip.design.geometry.solids import (
     union,
 )
 from fingertip.design.interfaces.clevis import eye_profile, knuckle, pin_bore, space
+from fingertip.filling.vents import place_vents
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -69,7 +70,7 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
             inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
     filled = dict(inside)
     if "skin" in inside and design.mold.method == "overmold":
-        # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown is hollow at its base.
+        # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown has a hollow base.
         cast = scaled(inside["skin"], design.dimensions.shrinkage)
         filled["skin"] = difference(cast, mold_insert(design), *boss(design))
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
@@ -189,7 +190,19 @@ def _cutout_volume_mm3(design: Design) -> float:
     pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
     letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
     engraved = d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
-    return len(m.bolts) * fastener + 2.0 * pry_slot + engraved + _screw_hole_volume_mm3(design)
+    pried = 2.0 * pry_slot - _vents_in_pry_slots_mm3(design)
+    return len(m.bolts) * fastener + pried + engraved + _screw_hole_volume_mm3(design)
+
+
+def _vents_in_pry_slots_mm3(design: Design) -> float:
+    """Compute the volume [mm3] that grooves of side vents share with the pry slots in which they end."""
+    d, m, total = design.mold, design.mold_layout, 0.0
+    for vent in place_vents(design):
+        if vent.kind == "side":
+            apart = abs(m.clear_side_z(vent.point_mm[2], vent.diameter_mm) - m.pry_z)
+            along = min(vent.diameter_mm, d.pry_width_mm, (vent.diameter_mm + d.pry_width_mm) / 2 - apart)
+            total += d.pry_depth_mm * max(0.0, along) * min(vent.diameter_mm / 2, d.pry_height_mm)
+    return total
 
 
 def _screw_hole_volume_mm3(design: Design) -> float:

@@ -11,6 +11,8 @@ from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, WIDE
 
 WANTED_SHARE, WANTED_EVENNESS = 0.4, 0.6
 """Least share of a force that should reach the sensor in a grasp, and over the largest one there. Assumptions."""
+_MAX_STRAIN = 1.0
+"""Indentation by the whole thickness, which no finger survives."""
 WANTED_TURN_ON_N, WANTED_STRAIN = 1.0, 0.3
 """Force on the pad at which the sensor should be on, and largest strain for which small strain is a fair model."""
 
@@ -21,25 +23,25 @@ def check_pad(design: Design) -> Iterator[Check]:
     grasp, wide = (f"{low:g} to {high:g} degrees" for low, high in (GRASP_DEG, WIDE_DEG))
     remedy = "a crown lets the pad touch over the sensor (skin.crown_radius_mm, see docs/pad.md)"
     yield _warn(
-        "pad.share", share, "", share < WANTED_SHARE,
+        "pad.share", share, 0.0, "", share < WANTED_SHARE,
         f"at tilts of {grasp} as little as {share:.0%} of {FORCE_N:g} N reaches the sensor; {remedy}.",
     )  # fmt: skip
     yield _warn(
-        "pad.evenness", survey.evenness, "", survey.evenness < WANTED_EVENNESS,
+        "pad.evenness", survey.evenness, 0.0, "", survey.evenness < WANTED_EVENNESS,
         f"the share that reaches the sensor changes by {1 / max(survey.evenness, 0.001):.3g} times over tilts of "
         f"{grasp}: a turn of the finger looks like a change of grip; {remedy}.",
     )  # fmt: skip
     never = turn_on == math.inf
     at = f"at no force up to {MAX_TURN_ON_N:g} N on the pad" if never else f"at {turn_on:.2g} N on the pad"
     yield _warn(
-        "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, "N", turn_on > WANTED_TURN_ON_N,
+        "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
         f"at some tilt of {wide} the sensor turns on {at}; {remedy}.",
     )  # fmt: skip
     yield _warn(
-        "pad.strain", survey.strain, "", survey.strain > WANTED_STRAIN,
+        "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,
         f"{FIRM_N:g} N presses the pad by {survey.strain:.0%} of its thickness: small strain is a poor model of it.",
     )  # fmt: skip
 
 
-def _warn(name: str, value: float, unit: str, is_wanting: bool, warning: str) -> Check:
-    return Check(name, value, 0.0, unit, "at least", warning if is_wanting else "")
+def _warn(name: str, value: float, limit: float, unit: str, is_wanting: bool, warning: str) -> Check:
+    return Check(name, value, limit, unit, "at most" if limit else "at least", warning if is_wanting else "")

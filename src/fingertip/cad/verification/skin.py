@@ -21,7 +21,8 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.insert import filled_bone, skin_interior
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, search_distance
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, Span
+from fingertip.design.geometry.conic import ConicBody
+from fingertip.design.geometry.profile import Span
 from fingertip.design.geometry.seat import Loss, Motion, worst
 from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR

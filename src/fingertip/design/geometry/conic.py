@@ -20,18 +20,15 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
+
+from fingertip.design.geometry.profile import Crown, Parameter, Span, lay_crown, straight_span
 
 if TYPE_CHECKING:
     from fingertip.design.parameters.bone import Bone
-    from fingertip.foundation.numerics import Array
 
 
 ELLIPSE = math.sqrt(0.5)
-
-
-Parameter = TypeVar("Parameter", float, "Array")
-"""Parameter of a curve, or many of them."""
 
 
 def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
@@ -126,55 +123,6 @@ class Tip:
 
 
 @dataclass(frozen=True)
-class Span:
-    """Piece of a body along z: a rational quadratic curve of height z, scale and palmar scale, with one weight.
-
-    The weights of both ends are one. A straight piece has its control point in the middle, and the weight one.
-    """
-
-    z: tuple[float, float, float]
-    scale: tuple[float, float, float]
-    palmar: tuple[float, float, float]
-    weight: float
-
-    @property
-    def is_straight(self) -> bool:
-        return self.weight == 1.0 and self.z[1] == 0.5 * (self.z[0] + self.z[2])
-
-    def evaluate(self, t: Parameter) -> tuple[Parameter, Parameter, Parameter]:
-        """Return height, scale and palmar scale at t in [0, 1]."""
-        u = 1.0 - t
-        side, middle, top = u * u, 2.0 * self.weight * u * t, t * t
-        d = side + middle + top
-        z, s, c = ((side * p[0] + middle * p[1] + top * p[2]) / d for p in (self.z, self.scale, self.palmar))
-        return z, s, c
-
-    def parameter_at(self, z: float) -> float:
-        """Return t at a height in the span; r = t / (1 - t) solves (z2 - z) r^2 + 2 w (z1 - z) r = z - z0."""
-        low, middle, high = z - self.z[0], self.weight * (self.z[1] - z), self.z[2] - z
-        root = math.sqrt(middle * middle + low * high)
-        if middle >= 0.0:
-            return low / (low + middle + root) if low > 0.0 else 0.0
-        return (root - middle) / (root - middle + high)
-
-
-@dataclass(frozen=True)
-class Crown:
-    """Profile of a pad along z: an arc about its apex, and another one that leads on to a lower, straight base.
-
-    Both arcs have the same radius. Towards the tip the arc ends where it has turned by `flank`.
-    """
-
-    z: float
-    """Height z of the apex [mm], where the palmar scale is 1."""
-    radius: float
-    drop: float
-    """Drop from the apex to the base, relative to the palmar height of the section."""
-    flank: float
-    """Slope at which the arc ends towards the tip [mm per mm]."""
-
-
-@dataclass(frozen=True)
 class ConicBody:
     """Section that is scaled along z and then closed, flat or by a tip."""
 
@@ -187,12 +135,18 @@ class ConicBody:
     @cached_property
     def spans(self) -> tuple[Span, ...]:
         """Pieces of the body along z, from its beginning to the tip's apex."""
-        spans = [_straight(low, high) for low, high in pairwise(self.stations)]
-        if self.tip:
-            z, s = self.stations[-1]
-            control = self.tip_control()
-            spans.append(Span((z, self.tip.z, self.tip.z), (s, control, 0.0), (s, control, 0.0), self.tip.weight))
-        return tuple(spans) if self.crown is None else _crown_spans(self, self.crown)
+        spans = tuple(straight_span(low, high) for low, high in pairwise(self.stations))
+        if self.crown:
+            (taper,) = spans
+            return lay_crown(self.crown, taper, self.tip_span, self.section.palmar)
+        return (*spans, self.tip_span) if self.tip else spans
+
+    @cached_property
+    def tip_span(self) -> Span:
+        """The tip's conic, from the last station to the apex, without a crown."""
+        assert self.tip is not None
+        (z, s), control, apex = self.stations[-1], self.tip_control(), self.tip.z
+        return Span((z, apex, apex), (s, control, 0.0), (s, control, 0.0), self.tip.weight)
 
     def palmar_scale_at(self, z: float) -> float:
         """Return the scale of the palmar height at height z [mm]; 0 outside the body."""
@@ -220,12 +174,8 @@ class ConicBody:
 
     def tip_point(self, t: Parameter) -> tuple[Parameter, Parameter]:
         """Return (z, scale) on the tip's conic, with t in [0, 1] from the last station to the apex."""
-        assert self.tip is not None
-        z1, s1 = self.stations[-1]
-        u, w = 1.0 - t, self.tip.weight
-        side, middle, top = u * u, 2.0 * w * u * t, t * t
-        d = side + middle + top
-        return (side * z1 + (middle + top) * self.tip.z) / d, (side * s1 + middle * self.tip_control()) / d
+        z, scale, _ = self.tip_span.evaluate(t)
+        return z, scale
 
     def scale_at(self, z: float) -> float:
         """Return the scale of the section at height z [mm]; 0 outside the body."""
@@ -248,99 +198,6 @@ class ConicBody:
     def dorsal_height_at(self, x: float, z: float) -> float:
         """Return the height y [mm] of the dorsal side at (x, z) [mm]; 0 outside it."""
         return self.section.dorsal_height_at(x, self.scale_at(z))
-
-
-def _straight(low: tuple[float, float], high: tuple[float, float]) -> Span:
-    (z0, s0), (z1, s1) = low, high
-    scale = (s0, 0.5 * (s0 + s1), s1)
-    return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
-
-
-_LEAST_SPAN_MM = 1e-3
-"""Length below which a piece of a crown is left out, and its neighbour takes its place [mm]."""
-
-
-def _crown_spans(body: ConicBody, crown: Crown) -> tuple[Span, ...]:
-    """Lay the palmar profile of a crown over the scale of a body with one taper and a tip.
-
-    On the taper the arcs are circles: height and palmar scale meet at the tangents' intersection, and the weight is the
-    cosine of half the angle. On the tip the weights are those of the scale's conic, cut at the end of the crown, so the
-    profile there only continues the tangents.
-    """
-    assert body.tip is not None
-    (begin, _), (join, end_scale) = body.stations
-    height, radius = body.section.palmar, crown.radius
-    sine = crown_sine(crown.drop * height, radius)
-    flank = crown.flank / math.hypot(1.0, crown.flank)
-    # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
-    end = crown.z + radius * flank
-    last = end if end < join - _LEAST_SPAN_MM else join
-    turned = (crown.z - last) / radius
-    base = max(begin, crown.z - 2.0 * radius * sine)
-    knots = [(begin, 0.0), (base, 0.0), (crown.z - radius * sine, sine), (last, turned), (join, turned)]
-    low, spans = 1.0 - crown.drop, []
-    z0, sine0 = knots[0]
-    for z1, sine1 in knots[1:]:
-        if z1 - z0 < _LEAST_SPAN_MM:
-            continue
-        spans.append(_taper_span(body, z0, z1, low, sine0, sine1, height))
-        (z0, sine0), low = (z1, sine1), spans[-1].palmar[2]
-    slope = turned / math.sqrt(1.0 - turned**2) / height
-    control = body.tip_control()
-    whole = Span((join, body.tip.z, body.tip.z), (end_scale, control, 0.0), (0.0, 0.0, 0.0), body.tip.weight)
-    if end > join + _LEAST_SPAN_MM:
-        near, whole = _cut(whole, whole.parameter_at(end))
-        middle = low + slope * (near.z[1] - near.z[0])
-        slope = -crown.flank / height
-        high = middle + slope * (near.z[2] - near.z[1])
-        spans.append(replace(near, palmar=(low, middle, high)))
-        low = high
-    spans.append(replace(whole, palmar=(low, low + slope * (whole.z[1] - whole.z[0]), 0.0)))
-    return tuple(spans)
-
-
-def crown_sine(drop: float, radius: float) -> float:
-    """Return the sine of the steepest slope between a crown and its base, of two arcs that drop by `drop` [mm]."""
-    cosine = 1.0 - drop / (2.0 * radius)
-    return math.sqrt(max(0.0, 1.0 - cosine * cosine))
-
-
-def _taper_span(
-    body: ConicBody, z0: float, z1: float, palmar: float, sine0: float, sine1: float, height: float
-) -> Span:
-    """Lay a straight line or an arc of a circle over the taper, from a palmar scale and the sines of both slopes."""
-    cosines = [math.sqrt(1.0 - sine * sine) for sine in (sine0, sine1)]
-    slopes = [sine / cosine / height for sine, cosine in zip((sine0, sine1), cosines, strict=True)]
-    if sine0 == sine1:
-        middle, weight = 0.5 * (z0 + z1), 1.0
-    else:
-        # Tangents from both ends are equally long, r tan(angle / 2), and meet there.
-        turn = cosines[0] * cosines[1] + sine0 * sine1  # cosine of the angle
-        weight = math.sqrt(0.5 * (1.0 + turn))
-        length = (z1 - z0) / (cosines[0] + cosines[1])
-        middle = z0 + length * cosines[0]
-    scale = tuple(body.scale_at(z) for z in (z0, middle, z1))
-    rise = slopes[0] * (middle - z0), slopes[1] * (z1 - middle)
-    return Span(
-        (z0, middle, z1), (scale[0], scale[1], scale[2]), (palmar, palmar + rise[0], palmar + rise[0] + rise[1]), weight
-    )
-
-
-def _cut(span: Span, t: float) -> tuple[Span, Span]:
-    """Cut a span at parameter t (de Casteljau's algorithm in homogeneous coordinates); palmar scales are left out."""
-    w = span.weight
-    first, last = 1.0 - t + t * w, (1.0 - t) * w + t  # weights of the control points of both pieces
-    middle = (1.0 - t) * first + t * last
-    pieces: list[list[tuple[float, float, float]]] = [[], []]
-    for a, b, c in (span.z, span.scale):
-        left, right = ((1.0 - t) * a + t * w * b) / first, ((1.0 - t) * w * b + t * c) / last
-        point = ((1.0 - t) * first * left + t * last * right) / middle
-        pieces[0].append((a, left, point))
-        pieces[1].append((point, right, c))
-    none, root = (0.0, 0.0, 0.0), math.sqrt(middle)
-    return (
-        Span(pieces[0][0], pieces[0][1], none, first / root), Span(pieces[1][0], pieces[1][1], none, last / root),
-    )  # fmt: skip
 
 
 TANGENT_STEP_MM = 0.05

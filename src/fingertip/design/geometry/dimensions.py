@@ -15,7 +15,6 @@ from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
 from fingertip.design.geometry.conic import (
     ConicBody,
     CrossSection,
-    Crown,
     Tip,
     add_groove,
     inset_body,
@@ -32,6 +31,7 @@ from fingertip.design.geometry.features import (
     fold_tail,
     place_chaplet,
 )
+from fingertip.design.geometry.profile import Crown
 from fingertip.foundation.numerics import bisect
 
 if TYPE_CHECKING:
@@ -56,6 +56,8 @@ _MAX_CROWN_SINE = 0.7
 _MIN_BASE_HEIGHT_MM = 1.0
 """Minimum palmar height of the pad at its base, below a crown [mm]."""
 _CROWN_SLACK_MM = 1e-6
+_MIN_COLLAR_STEP_MM = 0.4
+"""Least step from the base of a bone below a crown to its collar [mm], which the mold's recess follows."""
 _MIN_BEYOND_CROWN_MM = 1.0
 """Length of the tip that is left beyond a crown's arc [mm]."""
 RAMP_SLOPE = 0.4
@@ -265,7 +267,7 @@ class Dimensions:
         """Depth of the palmar flat of the base, at y = -base_flat_depth.
 
         A straight tail runs on along the flat of the bone. A folded one leaves it at the collar: proximal to the collar
-        the base is stronger, as high as its cheeks beside the window and the joint keep a wall, and below the pad's base.
+        the base is stronger, as high as its cheeks beside the window and the joint keep a wall, within the collar.
         """
         if self.fold is None:
             return self.flat_depth
@@ -273,8 +275,16 @@ class Dimensions:
         between = joint.half_width if joint and joint.is_fork else 0.0
         needed = max(self.tail_half_width, between) + self._design.bone.wall_mm
         deepest = bisect(lambda y: section.half_width_at(-y) >= needed, 0.0, section.palmar, halvings=40)[0]
-        beside_crown = self.base_palmar_height - self._design.skin.thickness_side_mm
-        return max(self.flat_depth, min(deepest, beside_crown))
+        if self.crown:
+            # The pad's base is lower than the bone's outline: the corners of the base stay within the collar.
+            deepest = min(deepest, self.base_palmar_height - self._design.skin.thickness_side_mm)
+            within = bisect(lambda y: self.collar_step_at(y) >= _MIN_COLLAR_STEP_MM, 0.0, deepest, halvings=40)[0]
+            deepest = min(deepest, within)
+        return max(self.flat_depth, deepest)
+
+    def collar_step_at(self, depth: float) -> float:
+        """Return the step from the base's outline out to the collar's at a depth below the parting plane [mm]."""
+        return self.collar.section.half_width_at(-depth) - self.bone_outline.section.half_width_at(-depth)
 
     @cached_property
     def pocket_depth(self) -> float:

@@ -53,27 +53,38 @@ def min_skin_thickness(dims: Dimensions, inset_mm: float) -> float:
     the arcs of a crown and the ramp of a platform, which bring sections of their own. The tip is left to the check of
     the solids, which covers all three dimensions.
     """
-    heights = {z for z, _ in dims.bone_outline.stations if z >= 0.0} | {z for z in _bends(dims) if z < dims.taper_end_z}
-    return min(sample.thickness_mm for z in sorted(heights) for sample in skin_thicknesses(dims, z, inset_mm))
+    palmar_alone = [z for z in _bends(dims) if z < dims.taper_end_z]
+    both = [z for z, _ in dims.bone_outline.stations if z >= 0.0]
+    sections: dict[float, Sequence[bool]] = {z: (False,) for z in palmar_alone} | {z: (True, False) for z in both}
+    return min(
+        sample.thickness_mm
+        for z, sides in sections.items()
+        for sample in skin_thicknesses(dims, z, inset_mm, sides=sides)
+    )
 
 
 def _bends(dims: Dimensions) -> list[float]:
     """List the heights at which a crown, or the palmar side of the bone, bends over the skin's length [mm]."""
     knots = [span.z[0] for span in dims.outer.spans if dims.crown]
     if dims.platform_half_width_at(dims.sensor_z):
-        radius = dims.platform_radius
-        knots += [*dims.ramp, *(dims.sensor_z + share * radius for share in (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99))]
+        # Behind the sensor a ramp leads on; ahead of it the platform ends in a half circle, steepest at its end.
+        along_radius = (-0.7, 0.0, 0.4, 0.7, 0.9, 0.99)
+        knots += [*dims.ramp, *(dims.sensor_z + share * dims.platform_radius for share in along_radius)]
     return sorted({z for z in knots if 0.0 < z < dims.outer.spans[-1].z[2]})
 
 
 def skin_thicknesses(
-    dims: Dimensions, z: float, inset_mm: float, points: int = _OUTLINE_POINTS, chords: int = _OUTLINE_CHORDS
-) -> Iterator[ThicknessSample]:
-    """Sample the silicone over the bone's outline at height z [mm], cut at the palmar flat; one side, x >= 0."""
+    dims: Dimensions, z: float, inset_mm: float, points: int = _OUTLINE_POINTS, chords: int = _OUTLINE_CHORDS,
+    sides: Sequence[bool] = (True, False),
+) -> Iterator[ThicknessSample]:  # fmt: skip
+    """Sample the silicone over the bone's outline at height z [mm], cut at the palmar flat; one side, x >= 0.
+
+    `sides` are those to sample: dorsal (True) and palmar (False).
+    """
     outer, outer_scale, palmar_scale = dims.outer.section, dims.outer.scale_at(z), dims.outer.palmar_scale_at(z)
     inner, inner_scale = dims.bone_outline.section, dims.bone_outline.scale_at(z)
     width, flat = inner.half_width - inset_mm, dims.flat_depth - inset_mm
-    for dorsal in (True, False):
+    for dorsal in sides:
         height = (inner.dorsal if dorsal else inner.palmar) - inset_mm
         weight = inner.dorsal_weight if dorsal else inner.palmar_weight
         rise = outer_scale if dorsal else palmar_scale
@@ -247,13 +258,16 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     inset = sleeve_inset_mm(design)
     points = []
     tip = (join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))
-    for z in (0.0, *_bends(dims), join, *tip):
+    # A crown and a platform bend the palmar side alone.
+    sections: dict[float, Sequence[bool]] = dict.fromkeys(_bends(dims), (False,))
+    sections |= dict.fromkeys((0.0, join, *tip), (True, False))
+    for z, sides in sorted(sections.items()):
         # The rates at which both sides of the outer surface narrow, relative to their size there [1/mm].
         dorsal, palmar = (
             (1.0 - scale_at(z + _STEP_MM) / scale_at(z)) / _STEP_MM
             for scale_at in (dims.outer.scale_at, dims.outer.palmar_scale_at)
         )
-        for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS):
+        for sample in skin_thicknesses(dims, z, inset, _POINTS, _SURFACE_CHORDS, sides):
             slope = sample.support_mm * (palmar if sample.bone_y < 0.0 else dorsal)
             cosine = 1.0 / math.hypot(1.0, slope)
             normal = (sample.x * cosine, sample.y * cosine, slope * cosine)

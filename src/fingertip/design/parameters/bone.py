@@ -16,7 +16,7 @@ class Bone(ParameterTable):
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
     )  # fmt: skip
     palmar_fullness: float = quantity(
-        0.956, "", (0.8, 0.998),
+        0.966, "", (0.8, 0.998),
         "Width of the bone at half its palmar height, before the flat is cut, relative to its full width.",
     )  # fmt: skip
     rim_mm: float = quantity(
@@ -24,7 +24,7 @@ class Bone(ParameterTable):
         "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
     )  # fmt: skip
     platform_mm: float = quantity(
-        1.6, "mm", (0, 10),
+        1.7, "mm", (0, 10),
         "Height of the platform under the sensor's head above the flat of the bone, down to which the tail runs.",
     )  # fmt: skip
     wall_mm: float = quantity(

@@ -51,7 +51,9 @@ class Skin(ParameterTable):
     """Outer shape of the silicone skin, and its thickness over the bone."""
 
     width_mm: float = quantity(17.0, "mm", (6, 60), "Full width at the proximal end.")
-    semi_axis_palmar_mm: float = quantity(7.1, "mm", (2, 40), "Height of the pad, measured from the parting plane.")
+    semi_axis_palmar_mm: float = quantity(
+        7.4, "mm", (2, 40), "Height of the pad, at the apex of a crown, from the parting plane."
+    )
     semi_axis_dorsal_mm: float = quantity(
         7.0, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
     )
@@ -61,7 +63,7 @@ class Skin(ParameterTable):
         0.94, "", (0.4, 1), "Size of the cross-section where the tip begins, relative to the proximal end."
     )
     pulp_fullness: float = quantity(
-        0.897, "", (0.77, 0.9925),
+        0.91, "", (0.77, 0.9925),
         "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
     )  # fmt: skip
     nail_fullness: float = quantity(
@@ -82,10 +84,11 @@ class Skin(ParameterTable):
     )
     thickness_side_mm: float = quantity(1.9, "mm", (0.4, 15), "Skin thickness at the sides.")
     thickness_palmar_mm: float = quantity(
-        3.0, "mm", (0.4, 20), "Skin thickness over the centre of the sensor, from the bone's flat to the pad's surface."
-    )
+        3.0, "mm", (0.4, 20),
+        "Skin thickness over the centre of the sensor, from its platform or flat to the pad's surface.",
+    )  # fmt: skip
     thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.")
-    thickness_tip_mm: float = quantity(3.0, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
+    thickness_tip_mm: float = quantity(2.6, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
     min_thickness_mm: float = quantity(
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )

@@ -42,7 +42,7 @@ class Mold(ParameterTable):
         "Diameter of the chaplet, the boss on the dorsal half that carries the bone near its tip; 0: none.",
     )  # fmt: skip
     chaplet_from_tip_mm: float = quantity(
-        10.0, "mm", (1, 100), "Distance of the chaplet from the tip of the skin, along the finger."
+        10.3, "mm", (1, 100), "Distance of the chaplet from the tip of the skin, along the finger."
     )
     chaplet_screw: Literal["M1.6", "M2", "M2.5", "M3"] = choice(
         "M2", "Screw that holds the bone on the chaplet; it cuts its own thread in the bone."

@@ -68,6 +68,9 @@ def collar_carries_skin(design: DesignTables) -> Limit | None:
     )
     passage = dims.flat_depth - dims.pocket_depth + dims.passage_height
     below = dims.base_palmar_height - passage - design.bone.wall_mm
+    if dims.crown:  # the pad's base is lower than the bone's outline
+        steps = (dims.collar_step_at(dims.base_flat_depth * i / _DIRECTIONS) for i in range(_DIRECTIONS + 1))
+        sides = min(sides, design.bone.collar_inset_mm + min(steps) - _MIN_COLLAR_HEIGHT)
     maximum = min(sides, below) if dims.tail_passes_collar else sides
     what = "the collar's height" if maximum == sides else "the collar below the tail's passage"
     return Limit(maximum, f"leaves too little of {what}")

@@ -106,7 +106,7 @@ def crown_ends_before_tip(design: DesignTables) -> Limit | None:
     """The arc of a crown ends before the apex of the tip."""
     if design.skin.crown_radius_mm == 0.0:
         return None
-    return Limit(design.dimensions.max_crown_radius, "is more than ends before the tip")
+    return Limit(design.dimensions.max_crown_radius, "runs past the tip")
 
 
 @RULES.rule("skin.crown_radius_mm", crown_within_pad, crown_ends_before_tip)

@@ -1,0 +1,166 @@
+"""Profiles along z: pieces of rational quadratic curves, and the crown of a pad laid over a taper and a tip.
+
+All quantities of a body along z, its scale and the scale of its palmar height, share the parameter and the weight of a
+piece. That is why NURBS represent the surface exactly.
+
+Reference: L. Piegl and W. Tiller, The NURBS Book, 2nd ed., section 7.3 (the quadratic rational Bezier arc).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from fingertip.foundation.numerics import Array
+
+Parameter = TypeVar("Parameter", float, "Array")
+"""Parameter of a curve, or many of them."""
+
+Control = tuple[float, float, float]
+"""One coordinate of the three control points of a curve."""
+
+
+def conic_point(t: Parameter, weight: float, *coordinates: Control) -> tuple[Parameter, ...]:
+    """Return the point at t in [0, 1] of a rational quadratic curve whose ends have the weight one."""
+    u = 1.0 - t
+    side, middle, top = u * u, 2.0 * weight * u * t, t * t
+    d = side + middle + top
+    return tuple((side * p[0] + middle * p[1] + top * p[2]) / d for p in coordinates)
+
+
+@dataclass(frozen=True)
+class Span:
+    """Piece of a body along z: a rational quadratic curve of height z, scale and palmar scale, with one weight.
+
+    The weights of both ends are one. A straight piece has its control point in the middle, and the weight one.
+    """
+
+    z: Control
+    scale: Control
+    palmar: Control
+    weight: float
+
+    @property
+    def is_straight(self) -> bool:
+        return self.weight == 1.0 and self.z[1] == 0.5 * (self.z[0] + self.z[2])
+
+    def evaluate(self, t: Parameter) -> tuple[Parameter, Parameter, Parameter]:
+        """Return height, scale and palmar scale at t in [0, 1]."""
+        z, scale, palmar = conic_point(t, self.weight, self.z, self.scale, self.palmar)
+        return z, scale, palmar
+
+    def parameter_at(self, z: float) -> float:
+        """Return t at a height in the span; r = t / (1 - t) solves (z2 - z) r^2 + 2 w (z1 - z) r = z - z0."""
+        low, middle, high = z - self.z[0], self.weight * (self.z[1] - z), self.z[2] - z
+        root = math.sqrt(middle * middle + low * high)
+        if middle >= 0.0:
+            return low / (low + middle + root) if low > 0.0 else 0.0
+        return (root - middle) / (root - middle + high)
+
+
+@dataclass(frozen=True)
+class Crown:
+    """Profile of a pad along z: an arc about its apex, and another one that leads on to a lower, straight base.
+
+    Both arcs have the same radius. Towards the tip the arc ends where it has turned by `flank`.
+    """
+
+    z: float
+    """Height z of the apex [mm], where the palmar scale is 1."""
+    radius: float
+    drop: float
+    """Drop from the apex to the base, relative to the palmar height of the section."""
+    flank: float
+    """Slope at which the arc ends towards the tip [mm per mm]."""
+
+
+def straight_span(low: tuple[float, float], high: tuple[float, float]) -> Span:
+    """Return the straight piece between two heights z and scales."""
+    (z0, s0), (z1, s1) = low, high
+    scale = (s0, 0.5 * (s0 + s1), s1)
+    return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
+
+
+_LEAST_SPAN_MM = 1e-3
+"""Length below which a piece of a crown is left out, and its neighbour takes its place [mm]."""
+
+
+def lay_crown(crown: Crown, taper: Span, tip: Span, height: float) -> tuple[Span, ...]:
+    """Lay the palmar profile of a crown over the scale of a body with one taper and a tip; `height` is the palmar one.
+
+    On the taper the arcs are circles: height and palmar scale meet at the tangents' intersection, and the weight is the
+    cosine of half the angle. On the tip the weights are those of the scale's conic, cut at the end of the crown, so the
+    profile there only continues the tangents.
+    """
+    begin, _, join = taper.z
+    radius = crown.radius
+    sine = crown_sine(crown.drop * height, radius)
+    flank = crown.flank / math.hypot(1.0, crown.flank)
+    # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
+    end = crown.z + radius * flank
+    last = end if end < join - _LEAST_SPAN_MM else join
+    turned = (crown.z - last) / radius
+    base = max(begin, crown.z - 2.0 * radius * sine)
+    knots = [(begin, 0.0), (base, 0.0), (crown.z - radius * sine, sine), (last, turned), (join, turned)]
+    low, spans = 1.0 - crown.drop, []
+    z0, sine0 = knots[0]
+    for z1, sine1 in knots[1:]:
+        if z1 - z0 < _LEAST_SPAN_MM:
+            continue
+        spans.append(_taper_span(taper, z0, z1, low, sine0, sine1, height))
+        (z0, sine0), low = (z1, sine1), spans[-1].palmar[2]
+    slope = turned / math.sqrt(1.0 - turned**2) / height
+    if end > join + _LEAST_SPAN_MM:
+        near, tip = _cut(tip, tip.parameter_at(end))
+        middle = low + slope * (near.z[1] - near.z[0])
+        slope = -crown.flank / height
+        high = middle + slope * (near.z[2] - near.z[1])
+        spans.append(replace(near, palmar=(low, middle, high)))
+        low = high
+    spans.append(replace(tip, palmar=(low, low + slope * (tip.z[1] - tip.z[0]), 0.0)))
+    return tuple(spans)
+
+
+def crown_sine(drop: float, radius: float) -> float:
+    """Return the sine of the steepest slope between a crown and its base, of two arcs that drop by `drop` [mm]."""
+    cosine = 1.0 - drop / (2.0 * radius)
+    return math.sqrt(max(0.0, 1.0 - cosine * cosine))
+
+
+def _taper_span(taper: Span, z0: float, z1: float, palmar: float, sine0: float, sine1: float, height: float) -> Span:
+    """Lay a straight line or an arc of a circle over the taper, from a palmar scale and the sines of both slopes."""
+    cosines = [math.sqrt(1.0 - sine * sine) for sine in (sine0, sine1)]
+    slopes = [sine / cosine / height for sine, cosine in zip((sine0, sine1), cosines, strict=True)]
+    if sine0 == sine1:
+        middle, weight = 0.5 * (z0 + z1), 1.0
+    else:
+        # Tangents from both ends are equally long, r tan(angle / 2), and meet there.
+        turn = cosines[0] * cosines[1] + sine0 * sine1  # cosine of the angle
+        weight = math.sqrt(0.5 * (1.0 + turn))
+        length = (z1 - z0) / (cosines[0] + cosines[1])
+        middle = z0 + length * cosines[0]
+    (begin, _, end), (low, _, high) = taper.z, taper.scale
+    scale = tuple(low + (high - low) * (z - begin) / (end - begin) for z in (z0, middle, z1))
+    rise = slopes[0] * (middle - z0), slopes[1] * (z1 - middle)
+    return Span(
+        (z0, middle, z1), (scale[0], scale[1], scale[2]), (palmar, palmar + rise[0], palmar + rise[0] + rise[1]), weight
+    )
+
+
+def _cut(span: Span, t: float) -> tuple[Span, Span]:
+    """Cut a span at parameter t (de Casteljau's algorithm in homogeneous coordinates); palmar scales are left out."""
+    w = span.weight
+    first, last = 1.0 - t + t * w, (1.0 - t) * w + t  # weights of the control points of both pieces
+    middle = (1.0 - t) * first + t * last
+    pieces: list[list[Control]] = [[], []]
+    for a, b, c in (span.z, span.scale):
+        left, right = ((1.0 - t) * a + t * w * b) / first, ((1.0 - t) * w * b + t * c) / last
+        point = ((1.0 - t) * first * left + t * last * right) / middle
+        pieces[0].append((a, left, point))
+        pieces[1].append((point, right, c))
+    none, root = (0.0, 0.0, 0.0), math.sqrt(middle)
+    return (
+        Span(pieces[0][0], pieces[0][1], none, first / root), Span(pieces[1][0], pieces[1][1], none, last / root),
+    )  # fmt: skip

@@ -24,7 +24,7 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.version import __version__
-from fingertip.pad.response import DAMPING_RATIO, Pad
+from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount, drag
@@ -69,8 +69,8 @@ class ContactProblem:
         """Problem over some seconds, with the pad of the default design."""
         pad = Pad.from_design(Design())
         k = pad.tangential_stiffness_n_per_m(_LOAD_N)
-        mount = Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
-        return cls(*make_input(seconds), mount, NormalContact(pad.resonance_hz(_LOAD_N), DAMPING_RATIO))
+        mount = Mount(pad.backing.mass_kg, k, 2 * Backing.damping_ratio * math.sqrt(k * pad.backing.mass_kg))
+        return cls(*make_input(seconds), mount, NormalContact(pad.resonance_hz(_LOAD_N), Backing.damping_ratio))
 
     def forces_n(self, position_m: Array, normal_n: Array) -> Array:
         """Force of the mount's spring, then normal force [N]: what errors are measured on."""

@@ -11,7 +11,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.pad.response import DAMPING_RATIO, Pad
+from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
 from fingertip.sim.contact.coupled_loop import bristle_rate, normal_rate
@@ -23,7 +23,7 @@ from tests.oracles.steady_friction import steady_coefficient
 FORCE_N = 0.8
 PAD = Pad.from_design(Design())
 STIFFNESS = PAD.tangential_stiffness_n_per_m(FORCE_N)
-MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * PAD.mass_kg))
+MOUNT = Mount(PAD.backing.mass_kg, STIFFNESS, 2 * Backing.damping_ratio * math.sqrt(STIFFNESS * PAD.backing.mass_kg))
 FRICTION = Friction(0.6, 0.48)
 NORMAL = NormalContact(90.0, 0.15)
 RATE_HZ = 2000.0
@@ -106,7 +106,7 @@ def test_fixed_steps_of_a_trial_agree():
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
-@pytest.mark.parametrize("mass_kg", [PAD.mass_kg, LIGHT_KG])
+@pytest.mark.parametrize("mass_kg", [PAD.backing.mass_kg, LIGHT_KG])
 @pytest.mark.parametrize(
     "stiff", [{"sigma0": 1e8}, {"stribeck_m_s": 1e-5}, {"sigma0": 1e8, "stribeck_m_s": 1e-5}, {"sigma0": 1.0}], ids=str
 )

@@ -91,7 +91,7 @@ def move_object(
     time = np.arange(length + 1) * step_s
     pin_x = np.full(length + 1, -1.0) if pin is None else pin(time)[0]
     pin_v = np.zeros(length + 1) if pin is None else pin(time)[1]
-    mount = np.array([PAD.mass_kg, 6000.0, 2.0] * count)
+    mount = np.array([PAD.backing.mass_kg, 6000.0, 2.0] * count)
     flat = np.repeat(np.array(loads, dtype=float), length + 1)
     shear, over_object, bristle = (np.zeros(count * length) for _ in range(3))
     moved, pushed = np.zeros(length), np.zeros(length)
@@ -128,7 +128,7 @@ def rates(t, y, loads, mass, weight):
     Xp, Vp = (float(q[0]) for q in pin_motion(np.array([t])))
     d = Xp - X
     push = max(0.0, 2000.0 * d * (1 + 5.0 * (Vp - V))) if d > 0 else 0.0
-    dv = (-6000.0 * x - 2.0 * v - loads * mu) / PAD.mass_kg
+    dv = (-6000.0 * x - 2.0 * v - loads * mu) / PAD.backing.mass_kg
     dV = (weight * min(t / 0.05, 1.0) + push + float(loads @ mu)) / mass
     return np.concatenate((v, dv, ds, [V, dV]))
 

@@ -13,7 +13,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.pad.response import DAMPING_RATIO, Pad
+from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s, drag
 from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
@@ -24,7 +24,7 @@ FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
 PAD = Pad.from_design(Design())
 STIFFNESS = PAD.tangential_stiffness_n_per_m(FORCE_N)
-MOUNT = Mount(PAD.mass_kg, STIFFNESS, 2 * DAMPING_RATIO * math.sqrt(STIFFNESS * PAD.mass_kg))
+MOUNT = Mount(PAD.backing.mass_kg, STIFFNESS, 2 * Backing.damping_ratio * math.sqrt(STIFFNESS * PAD.backing.mass_kg))
 
 
 def pull(
@@ -104,7 +104,7 @@ def test_step_too_long_for_the_bristles_is_refused_with_a_step_that_passes(sigma
 def random_contact(rng: random.Random) -> tuple[Friction, Mount, float, float]:
     k, mass_kg = 10 ** rng.uniform(2.5, 4), 10 ** rng.uniform(-4, -2)
     friction = Friction(0.6, 0.48, 10 ** rng.uniform(-3, -1.3), 10 ** rng.uniform(4, 8))
-    mount = Mount(mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * mass_kg))
+    mount = Mount(mass_kg, k, 2 * Backing.damping_ratio * math.sqrt(k * mass_kg))
     return friction, mount, 10 ** rng.uniform(-0.7, 0.6), rng.choice([0.01, 0.04, 0.08])
 
 
@@ -144,7 +144,10 @@ def test_chunks_give_the_bits_of_the_whole():
 @pytest.mark.parametrize("ratio", [1, 2, 3])
 def test_friction_is_passive_while_load_and_velocity_both_move(ratio):
     """With the mean deflection as state, as usual, friction would drive the pad at twice the frequency in the load."""
-    h, mount = 1e-4, Mount(0.01, 1e5, 2 * DAMPING_RATIO * math.sqrt(1e5 * 0.01))  # so stiff that the pad follows
+    h, mount = (
+        1e-4,
+        Mount(0.01, 1e5, 2 * Backing.damping_ratio * math.sqrt(1e5 * 0.01)),
+    )  # so stiff that the pad follows
     angle = 2 * math.pi * 10 * np.arange(10_000) * h
     for phase in (0.0, 1.0, 2.0, 3.0):
         load = FORCE_N * (1 + 0.8 * np.sin(ratio * angle + phase))

@@ -13,7 +13,7 @@ from fingertip.design import Design
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
-from fingertip.pad.response import HAND_N_PER_M, REFERENCE_POSE, Pad
+from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
 from fingertip.sim.contact.surfaces import generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, high_pass
 from fingertip.sim.runs.timeline import LIFT_M, TrapezoidalMove, build_timeline
@@ -62,9 +62,11 @@ def test_stiffness_is_the_layer_s_at_1_n_with_hertz_power_and_mindlin_s_ratio():
     assert PAD.normal_stiffness_n_per_m(1.0) == pytest.approx(k, rel=1e-4)
     assert PAD.normal_stiffness_n_per_m(8.0) == pytest.approx(2 * k, rel=1e-4)
     assert PAD.tangential_stiffness_n_per_m(1.0) == pytest.approx(2 / 3 * k, rel=1e-4)
-    assert PAD.resonance_hz(1.0) == pytest.approx(math.sqrt(k / PAD.mass_kg) / 2 / math.pi, rel=1e-4)
-    depth = PAD.depth_m(1.0) - 1.0 / HAND_N_PER_M
-    assert (PAD.depth_m(1.01) - PAD.depth_m(0.99) - 0.02 / HAND_N_PER_M) / 0.02 == pytest.approx(1 / k, rel=1e-3)
+    assert PAD.resonance_hz(1.0) == pytest.approx(math.sqrt(k / PAD.backing.mass_kg) / 2 / math.pi, rel=1e-4)
+    depth = PAD.depth_m(1.0) - 1.0 / Backing.stiffness_n_per_m
+    assert (PAD.depth_m(1.01) - PAD.depth_m(0.99) - 0.02 / Backing.stiffness_n_per_m) / 0.02 == pytest.approx(
+        1 / k, rel=1e-3
+    )
     assert depth == pytest.approx(1.5 / k, rel=1e-4)
 
 
@@ -89,7 +91,7 @@ def test_resonance_matches_closed_form(frequency):
 
 
 def test_hand_follows_slow_waves_only():
-    assert PAD.hand_hz == pytest.approx(math.sqrt(90 / PAD.mass_kg) / (2 * math.pi))
+    assert PAD.backing.resonance_hz == pytest.approx(math.sqrt(90 / PAD.backing.mass_kg) / (2 * math.pi))
     time = np.arange(160_000) * 1.25e-4
     for frequency in (0.5, 10.0, 90.0):
         out = high_pass(np.sin(2 * math.pi * frequency * time), 1.25e-4, 10.0, np.zeros(2))[80_000:]

@@ -21,6 +21,7 @@ from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
+from fingertip.sim.runs.files import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 
 FIRST_SEED = 200_000
@@ -135,6 +136,8 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
         if rng.random() < 0.35:
             slide = scene.slide.model_copy(update={"acceleration_m_s2": float(rng.uniform(0.5, 8.0))})
             scene = scene.model_copy(update={"slide": slide})
+        if rng.random() < 0.5:
+            scene = scene.model_copy(update={"pose": GRASP_POSE})
         yield "slip", scene
     for cause, (scene, share) in NEGATIVE_SCENES.items():
         if cause not in UNDECIDABLE:
@@ -145,7 +148,10 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
         hold = {"mode": "grasp", "min_force_n": 0.5 if grows else 1.3, "max_force_n": 1.5 if grows else 2.5}
         by_n = float(rng.uniform(0.2, 1.5)) if grows else -float(rng.uniform(0.2, 1.2))
         rise_s = math.exp(rng.uniform(math.log(0.015), math.log(0.2)))
-        yield "grip change", SceneFile(scene="grip_change", hold=hold, load_change={"by_n": by_n, "rise_s": rise_s})
+        yield (
+            "grip change",
+            SceneFile(scene="grip_change", pose=GRASP_POSE, hold=hold, load_change={"by_n": by_n, "rise_s": rise_s}),
+        )
     for _ in range(events // 2):
         hold = {
             "mode": "grasp",
@@ -154,7 +160,7 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
             "close_s": float(rng.uniform(0.04, 0.25)),
             "release": bool(rng.random() < 0.5),
         }
-        yield "fast closing", SceneFile(scene="fast_closing", hold=hold)
+        yield "fast closing", SceneFile(scene="fast_closing", pose=GRASP_POSE, hold=hold)
     for _ in range(events // 3):
         tap = {
             "force_n": math.exp(rng.uniform(math.log(0.2), math.log(3.0))),
@@ -162,4 +168,4 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
             "count": 3,
         }
         hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
-        yield "tap", SceneFile(scene="taps", hold=hold, tap=tap)
+        yield "tap", SceneFile(scene="taps", pose=GRASP_POSE, hold=hold, tap=tap)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -23,22 +23,34 @@ from fingertip.pad.pose import Pose
 REFERENCE_POSE = Pose(tilt_deg=2.0)
 """Pose of the article's protocol, and of a finger on which weights are put. An assumption: where a straight pad feels
 most. The article does not state it."""
-HAND_N_PER_M = 90.0
-"""Stiffness of the hand behind the finger [N/m]: 2 cm of target positions gave 0.2 to 2 N (article, III.C)."""
-MOVING_MASS_KG = 0.035
-"""Mass of hand or robot arm that moves with the finger [kg]. Assumption: on the pad of fsr400 it resonates at some
-90 Hz at 1 N, below the 100 Hz of the article's figure 2."""
-DAMPING_RATIO = 0.15
-"""Damping ratio of the pad in both directions. Assumption: soft silicone has a loss factor of 0.1 to 0.4."""
 _MINDLIN = 2.0 / 3.0
 """Stiffness along the surface over that across it, ``2 (1 - nu) / (2 - nu)``, of incompressible rubber."""
 _FORCES_N = (0.05, 0.1, 0.25, 0.5, 0.9, 1.1, 2.0, 4.0, 8.0)
 """Forces of the contacts from which the share is fitted. The two about 1 N give the stiffness."""
 _DEGREE = 3
-_DIGITS = 9
-"""Decimals of the fitted coefficients: processors differ in those beyond."""
+_DIGITS = 6
+"""Significant digits of what is fitted, and decimals of its coefficients: processors differ in digits far beyond."""
 _LEAST_REFERENCE = 0.02
 """Least share in the reference pose to which a share is related."""
+
+
+@dataclass(frozen=True)
+class Backing:
+    """What holds the finger: a mass that moves with it, on a spring, and the damping of the pad between."""
+
+    mass_kg: float = 0.035
+    """Mass of hand or robot arm that moves with the finger. Assumption: on the pad of fsr400 it resonates at some 90 Hz
+    at 1 N, below the 100 Hz of the article's figure 2."""
+    stiffness_n_per_m: float = 90.0
+    """Stiffness of the hand: 2 cm of target positions gave 0.2 to 2 N (article, III.C)."""
+    damping_ratio: float = 0.15
+    """Damping ratio of the mass on the pad, in both directions. Assumption: soft silicone has a loss factor of 0.1 to
+    0.4."""
+
+    @property
+    def resonance_hz(self) -> float:
+        """Resonance of the mass on the hand's spring [Hz]. The hand follows slower motion."""
+        return math.sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * math.pi)
 
 
 @dataclass(frozen=True)
@@ -55,12 +67,12 @@ class Pad:
     """The same of the part of a force along the surface, towards the tip, that presses on the sensor."""
     reference_share: float
     """Share of 1 N in the reference pose."""
-    mass_kg: float = MOVING_MASS_KG
+    backing: Backing = Backing()
 
     @classmethod
-    def from_design(cls, design: Design, pose: Pose = REFERENCE_POSE, mass_kg: float = MOVING_MASS_KG) -> Pad:
+    def from_design(cls, design: Design, pose: Pose = REFERENCE_POSE, backing: Backing = Backing()) -> Pad:
         """Build the pad of a design in a pose. Raises TraceError."""
-        return _respond(PadForm.of_design(design), pose, mass_kg)
+        return replace(_respond(PadForm.of_design(design), pose), backing=backing)
 
     def normal_stiffness_n_per_m(self, force_n: float) -> float:
         """Normal stiffness [N/m]; it grows with the cube root of the force."""
@@ -71,16 +83,11 @@ class Pad:
 
     def resonance_hz(self, force_n: float) -> float:
         """Normal resonance at a holding force [Hz]. It grows with the sixth root of the force."""
-        return math.sqrt(self.normal_stiffness_n_per_m(force_n) / self.mass_kg) / (2 * math.pi)
-
-    @property
-    def hand_hz(self) -> float:
-        """Resonance of the mass on the compliant hand [Hz]. The hand follows slower motion."""
-        return math.sqrt(HAND_N_PER_M / self.mass_kg) / (2 * math.pi)
+        return math.sqrt(self.normal_stiffness_n_per_m(force_n) / self.backing.mass_kg) / (2 * math.pi)
 
     def depth_m(self, force_n: float) -> float:
         """Travel of the hand beyond the touch for a force [m]: deflection of the hand plus indentation."""
-        return force_n / HAND_N_PER_M + self.hertz_m_per_n23 * math.cbrt(force_n) ** 2
+        return force_n / self.backing.stiffness_n_per_m + self.hertz_m_per_n23 * math.cbrt(force_n) ** 2
 
     def force_n(self, depth_m: Array) -> Array:
         """Quasi-static normal force [N]: the inverse of the method `depth_m`, exactly 0 where the depth is not above 0.
@@ -89,7 +96,7 @@ class Pad:
         a convex function, so it decreases monotonically. A depth mostly stays for long, and each is solved once.
         """
         changes = np.flatnonzero(np.diff(depth_m, prepend=np.nan) != 0.0)
-        k, c = HAND_N_PER_M, self.hertz_m_per_n23
+        k, c = self.backing.stiffness_n_per_m, self.hertz_m_per_n23
         depth = np.maximum(depth_m[changes], 0.0)
         n = np.sqrt(depth / c)
         for _ in range(12):
@@ -128,7 +135,7 @@ def _evaluate(coefficients: Sequence[float], x: Array) -> Array:
 
 
 @lru_cache(maxsize=1024)
-def _respond(form: PadForm, pose: Pose, mass_kg: float) -> Pad:
+def _respond(form: PadForm, pose: Pose) -> Pad:
     contacts = find_contacts(form, pose, _FORCES_N, math.inf)
     root = np.sqrt(np.sqrt(np.array(_FORCES_N)))
 
@@ -138,10 +145,10 @@ def _respond(form: PadForm, pose: Pose, mass_kg: float) -> Pad:
 
     low, high = (contact for contact in contacts if 0.8 < contact.force_n < 1.2)
     stiffness = 1e3 * (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)
+    area_m2 = 0.5e-6 * (low.area_mm2 + high.area_mm2)
     share = fit([contact.share for contact in contacts])
-    reference = sum(share) if pose == REFERENCE_POSE else _respond(form, REFERENCE_POSE, mass_kg).reference_share
-    area = 0.5e-6 * (low.area_mm2 + high.area_mm2)
+    reference = sum(share) if pose == REFERENCE_POSE else _respond(form, REFERENCE_POSE).reference_share
     return Pad(
-        float(f"{stiffness:.6g}"), area, share, fit([contact.shear_share for contact in contacts]),
-        max(_LEAST_REFERENCE, reference), mass_kg,
+        float(f"{stiffness:.{_DIGITS}g}"), float(f"{area_m2:.{_DIGITS}g}"), share,
+        fit([contact.shear_share for contact in contacts]), max(_LEAST_REFERENCE, reference),
     )  # fmt: skip

@@ -19,6 +19,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import GripController, GripSettings
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.runs.files import GRASP_POSE
 from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
@@ -219,7 +220,7 @@ def grip_change(design: Design, seed: int, min_rise_s: float = 0.02, max_rise_s:
     grows = bool(rng.random() < 0.5)
     hold = {"mode": "grasp", "min_force_n": 0.5 if grows else 1.3, "max_force_n": 1.5 if grows else 2.5}
     change = {"by_n": 1.0 if grows else -1.0, "rise_s": float(rng.uniform(min_rise_s, max_rise_s))}
-    scene = SceneFile(scene="grip_change", hold=hold, load_change=change)
+    scene = SceneFile(scene="grip_change", pose=GRASP_POSE, hold=hold, load_change=change)
     return simulate_scene(design, scene, seed, "grip change")
 
 
@@ -227,7 +228,7 @@ def fast_closing(design: Design, seed: int, min_close_s: float = 0.05, max_close
     """Simulate a grasp that closes within a random time."""
     close_s = float(np.random.default_rng(seed).uniform(min_close_s, max_close_s))
     hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0, "close_s": close_s, "release": False}
-    return simulate_scene(design, SceneFile(scene="fast_closing", hold=hold), seed, "fast closing")
+    return simulate_scene(design, SceneFile(scene="fast_closing", pose=GRASP_POSE, hold=hold), seed, "fast closing")
 
 
 def taps(design: Design, seed: int, min_force_n: float = 0.3, max_force_n: float = 2.0) -> LabelledSignal:
@@ -236,7 +237,7 @@ def taps(design: Design, seed: int, min_force_n: float = 0.3, max_force_n: float
     force_n, rise_s = float(rng.uniform(min_force_n, max_force_n)), float(rng.uniform(0.002, 0.01))
     tap = {"force_n": force_n, "rise_s": rise_s, "count": 3}
     hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
-    return simulate_scene(design, SceneFile(scene="taps", hold=hold, tap=tap), seed, "tap")
+    return simulate_scene(design, SceneFile(scene="taps", pose=GRASP_POSE, hold=hold, tap=tap), seed, "tap")
 
 
 class SteppedGrip(GripController):

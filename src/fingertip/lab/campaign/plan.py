@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.sim import SceneFile
+from fingertip.sim.runs.files import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)
@@ -34,23 +35,40 @@ NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
     "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),
     "release": (SceneFile(scene="release", hold={"min_s": 1.0}), 0.2),
     "load change": (
-        SceneFile(scene="load_change", hold={**_GRASP, "max_force_n": 1.5}, load_change={"by_n": 1.0, "rise_s": 0.15}),
+        SceneFile(
+            scene="load_change",
+            pose=GRASP_POSE,
+            hold={**_GRASP, "max_force_n": 1.5},
+            load_change={"by_n": 1.0, "rise_s": 0.15},
+        ),
         0.2,
     ),
     "drift": (
         SceneFile(
-            scene="drift", hold={**_GRASP, "min_s": 20.0}, drift={"share_per_decade": 0.05, "volt_per_s": 0.0005}
+            scene="drift",
+            pose=GRASP_POSE,
+            hold={**_GRASP, "min_s": 20.0},
+            drift={"share_per_decade": 0.05, "volt_per_s": 0.0005},
         ),
         0.1,
     ),
-    "motor": (SceneFile(scene="motor_vibration", hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}), 0.1),
+    "motor": (
+        SceneFile(scene="motor_vibration", pose=GRASP_POSE, hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}),
+        0.1,
+    ),
     "hard tap": (
         SceneFile(
-            scene="hard_tap", hold={**_GRASP, "min_force_n": 1.0}, tap={"force_n": 2.0, "rise_s": 0.004, "count": 3}
+            scene="hard_tap",
+            pose=GRASP_POSE,
+            hold={**_GRASP, "min_force_n": 1.0},
+            tap={"force_n": 2.0, "rise_s": 0.004, "count": 3},
         ),
         0.1,
     ),
-    "cable": (SceneFile(scene="cable_touch", hold=_GRASP, cable={"step_v": 0.02, "hum_v": 0.005}), 0.05),
+    "cable": (
+        SceneFile(scene="cable_touch", pose=GRASP_POSE, hold=_GRASP, cable={"step_v": 0.02, "hum_v": 0.005}),
+        0.05,
+    ),
 }
 """Cause of alarms -> scene of ``params/scenes`` without slip, and its fraction of the time without slip."""
 REPORTED_SEPARATELY = ("hard tap", "motor", "cable")

@@ -190,7 +190,7 @@ def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spe
     with compiled():
         for label, resonance_hz in RESONANCES_HZ.items():
             pad = Pad.from_design(design)
-            mass_kg = pad.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
+            mass_kg = pad.backing.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
             contact = slide.contact.model_copy(update={"mass_kg": mass_kg})
             scene = slide.model_copy(update={"contact": contact, "outputs": ["voltage_v", "slip"]})
             total = np.zeros(count // 2 + 1)

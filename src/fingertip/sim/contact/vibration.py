@@ -58,7 +58,7 @@ class ProfileForce:
     def __init__(self, pad: Pad, profile: SurfaceProfile, step_s: float) -> None:
         self._stiffness_at_1n = pad.normal_stiffness_n_per_m(1.0)
         self._profile, self._step_s = profile, step_s
-        self._hand_hz = pad.hand_hz
+        self._hand_hz = pad.backing.resonance_hz
         self._state: Array | None = None
 
     def process(self, load_n: Array, path_m: Array) -> Array:

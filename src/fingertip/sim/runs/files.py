@@ -23,7 +23,7 @@ from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.pose import ObjectShape, Pose
-from fingertip.pad.response import MOVING_MASS_KG, REFERENCE_POSE, Pad
+from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
 from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
     PathTables,
@@ -44,8 +44,12 @@ class Contact(ParameterTable):
     )
     length_m: float = assumption(0.1, "m", (Above(0), 1), "Length of the surface.")
     mass_kg: float = assumption(
-        MOVING_MASS_KG, "kg", (0.001, 2), "Mass of hand or robot arm that moves with the finger; some 90 Hz at 1 N."
+        Backing.mass_kg, "kg", (0.001, 2), "Mass of hand or robot arm that moves with the finger; some 90 Hz at 1 N."
     )
+    hand_n_per_m: float = quantity(
+        Backing.stiffness_n_per_m, "N/m", (10, 2000), "Stiffness of hand or arm (article: 2 cm for 0.2 to 2 N)."
+    )
+    damping_ratio: float = assumption(Backing.damping_ratio, "", (0.02, 0.8), "Damping ratio of this mass on the pad.")
     bristles: Literal["plain", "elasto_plastic"] = choice(
         "plain", "LuGre friction as published, or without its creep below breakaway."
     )
@@ -106,6 +110,8 @@ class ScenePose(ParameterTable):
         return Pose(tilt, roll, self.object, self.radius_mm if is_round else 0.0, place)
 
 
+GRASP_POSE = ScenePose(tilt_deg=5.0, tilt_spread_deg=10.0, roll_spread_deg=10.0)
+"""Poses in which a grasp meets its object. Assumption: the range in which the pad of fsr400 feels."""
 _MIN_SPEED_M_S = 0.005
 
 
@@ -190,7 +196,8 @@ class SceneFile(PathTables, _SceneTables):
 
     def draw_pad(self, design: Design, seed: int) -> Pad:
         """Draw the pose, and build the pad of a design in it. Raises TraceError."""
-        return Pad.from_design(design, self.pose.draw(random.Random(f"{seed}:pose")), self.contact.mass_kg)
+        contact, pose = self.contact, self.pose.draw(random.Random(f"{seed}:pose"))
+        return Pad.from_design(design, pose, Backing(contact.mass_kg, contact.hand_n_per_m, contact.damping_ratio))
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.pad.response import HAND_N_PER_M, Pad
+from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.files import Hand, ManipulationFile
@@ -204,7 +204,7 @@ class Motors:
         h, hand = self.step_s, self.hand
         _follow(
             (hand.lag_s, hand.rate_m_s, 2 * math.pi * hand.motor_hz, hand.motor_n), h,
-            (HAND_N_PER_M, self.pad.hertz_m_per_n23), count, length, self.reach_m, goal.ravel(),
+            (self.pad.backing.stiffness_n_per_m, self.pad.hertz_m_per_n23), count, length, self.reach_m, goal.ravel(),
             self.closing_m, self._phase, self._shaking, self._moved, self._root, closing, force, vibration, jump,
         )  # fmt: skip
         return MotorMotion(*(row.reshape(goal.shape) for row in (closing, force, vibration, jump)))

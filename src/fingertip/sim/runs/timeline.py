@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingertip.foundation.numerics import Array
-from fingertip.pad.response import DAMPING_RATIO, HAND_N_PER_M, Pad
+from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.surfaces import SurfaceProfile
@@ -174,7 +174,8 @@ _TOLERANCE_N = 1e-6
 
 def mount_pad(pad: Pad, force_n: float) -> Mount:
     k = pad.tangential_stiffness_n_per_m(force_n)
-    return Mount(pad.mass_kg, k, 2 * DAMPING_RATIO * math.sqrt(k * pad.mass_kg))
+    behind = pad.backing
+    return Mount(behind.mass_kg, k, 2 * behind.damping_ratio * math.sqrt(k * behind.mass_kg))
 
 
 class SteppedPad:
@@ -221,8 +222,8 @@ class CoupledPad:
         plain = replace(friction, elastic=0.0)
         self._first = DraggedPad(plain, mount, grid.step_s)
         self._profile = ProfileForce(pad, profile, grid.step_s)
-        hand_ratio = HAND_N_PER_M / pad.normal_stiffness_n_per_m(held_n)
-        normal = coupled.NormalContact(pad.resonance_hz(held_n), DAMPING_RATIO, hand_ratio)
+        hand_ratio = pad.backing.stiffness_n_per_m / pad.normal_stiffness_n_per_m(held_n)
+        normal = coupled.NormalContact(pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio)
         self._contact = coupled.CoupledContact(friction, mount, normal, grid.step_s, max_load_n, _TOLERANCE_N)
         self._meter = meter
 

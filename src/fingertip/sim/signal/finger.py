@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.pad.response import DAMPING_RATIO, Pad
+from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.surfaces import Surface, SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
@@ -212,7 +212,9 @@ class _Contact:
         if setup.surface:
             with meter.stage("profile", 1):
                 self._profile = ProfileForce(setup.pad, setup.make_profile(), grid.step_s)
-        self._resonance = ContactResonance(grid.step_s, setup.pad.resonance_hz(setup.held_n), DAMPING_RATIO)
+        self._resonance = ContactResonance(
+            grid.step_s, setup.pad.resonance_hz(setup.held_n), setup.pad.backing.damping_ratio
+        )
 
     def process(self, drive: FingerDrive) -> Array:
         force = drive.load_n

@@ -204,7 +204,7 @@ def test_average_over_the_patch_is_the_pressure_weighted_mean():
     """Against a sum over the disc, and by how much it lowers the vibration of a slide."""
     pad = Pad.from_design(Design())
     radius = pad.patch_radius_m(1.0)
-    assert radius == pytest.approx(2.05e-3, abs=0.01e-3)
+    assert radius == pytest.approx(1.79e-3, abs=0.01e-3)  # a disc as large as the layer model's contact
     x, y = np.meshgrid(np.linspace(-1, 1, 801), np.linspace(-1, 1, 801))
     weight = np.sqrt(np.clip(1 - x * x - y * y, 0.0, None))
     for wavelength in (0.2e-3, 0.8e-3, 3e-3, 50e-3):
@@ -216,7 +216,7 @@ def test_average_over_the_patch_is_the_pressure_weighted_mean():
         contact = scene.contact.model_copy(update={"patch_average": average})
         found = run_scene(Design(), scene.model_copy(update={"contact": contact}), 1).columns
         spread.append(found["force_n"][found["slip"]][200:1000].std())
-    assert 15 < spread[0] / spread[1] < 60
+    assert 10 < spread[0] / spread[1] < 60
 
 
 def test_stick_slip_lets_the_pad_stop_during_a_slide():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
@@ -59,8 +60,10 @@ def test_bridge_of_the_design_gives_nearly_the_voltages_of_the_article():
     for bridge in ("board", "article"):
         scene = SceneFile(hold={"min_force_n": 0.8, "max_force_n": 0.8, "release": False}, sensing={"bridge": bridge})
         voltages[bridge] = run_scene(DESIGN, scene).columns["voltage_v"][-200:].mean()
-    assert voltages["article"] == pytest.approx(4.0, abs=1e-3)
-    assert voltages["board"] == pytest.approx(4.0, abs=0.02)
+    assert voltages["article"] == pytest.approx(4.0, abs=0.01)  # the pose of its curve has the share of 1 N
+    sensed_n = Pad.from_design(DESIGN).sensed_n(np.array([0.8]))
+    assert voltages["board"] == pytest.approx(compute_bridge_v(DESIGN, sensed_n)[0], abs=1e-3)
+    assert compute_bridge_v(DESIGN, np.array([0.8]))[0] == pytest.approx(4.0, abs=0.02)  # a bare sensor
     other = run_scene(
         article_design(board={"series": "E12"}), scene.model_copy(update={"sensing": load_scene("contact").sensing})
     )
@@ -263,4 +266,4 @@ def test_drawn_force_lies_in_the_range_of_the_article():
 @pytest.mark.parametrize("rate", [1000.0, 3000.0, 10000.0])
 def test_onset_does_not_depend_on_the_sampling_rate(rate):
     trace = simulate(article_design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
-    assert trace.time_s[trace.slip][0] == pytest.approx(1.8831, abs=0.003)
+    assert trace.time_s[trace.slip][0] == pytest.approx(1.874, abs=0.003)

@@ -38,6 +38,7 @@ def test_presses_drive_the_filter_as_far_down_as_stated(press: SimulatedTouch) -
 
 def test_knock_drives_the_filter_as_far_down_as_stated() -> None:
     held = {"hold.min_force_n": 1.0, "hold.max_force_n": 1.0}
+    held |= {"pose.tilt_deg": 2.0, "pose.tilt_spread_deg": 0.0, "pose.roll_spread_deg": 0.0}
     _, volts = simulate_filtered_v("hard_tap", **held, **{"tap.force_n": KNOCK.force_n, "tap.rise_s": KNOCK.rise_s})
     assert volts.min() == pytest.approx(KNOCK.min_filtered_v, abs=0.06)
     assert volts.min() < -board_values(ARTICLE).voltage_limits.filter_trough_v

@@ -123,7 +123,7 @@ def test_a_finer_step_changes_little() -> None:
     found = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 4)
     assert set(found.errors) == set(SIGNALS)
     assert 0.0 < found.errors["force_n"] < 1e-4
-    assert found.errors["voltage_v"] < 2 * 20 / 65536
+    assert found.errors["voltage_v"] <= 1.001 * Design().detector.adc_step_v  # a rounding that falls to the other side
     assert 0.0 < found.errors["envelope_v"] < 2e-3
     assert found.shifts_samples["fast"] <= 1.0
     same = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 1)

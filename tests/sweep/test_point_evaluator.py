@@ -303,7 +303,7 @@ def test_an_error_of_a_point_is_its_reason(monkeypatch: pytest.MonkeyPatch) -> N
 def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = count_group_calls(monkeypatch)
     errors = [name for name in OUTPUTS if name.startswith("simulation.")]
-    axes = {"scene.contact.resonance_hz": [90.0]}
+    axes = {"scene.contact.mass_kg": [0.035]}
     plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
     PointEvaluator(plan).evaluate(0, plan.point(0))
     assert (calls["detection"], calls["simulation"]) == (1, 0)
@@ -322,14 +322,17 @@ def list_outputs(group: str) -> list[str]:
     return [output.name for output in OUTPUTS.values() if output.group == group]
 
 
-@pytest.mark.parametrize("group", ["lengths", "board", "noise", "skin", "bone", "mold", "thickness", "casting"])
+@pytest.mark.parametrize(
+    "group", ["lengths", "board", "noise", "pad", "simulation", "skin", "bone", "mold", "thickness", "casting"]
+)
 def test_output_group_reads_only_its_declared_tables(group: str) -> None:
     base = Design()
-    plan = make_plan(outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]})
+    scene = {"scene": SHORT_SLIDE} if group == "simulation" else {}
+    plan = make_plan(outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]}, **scene)
 
     def compute_outputs(design: Design) -> dict[str, float]:
         evaluator = CachedEvaluator(COARSE_MM)
-        return compute.GROUP_FUNCTIONS[group](PointContext(design, None, plan.file, lambda: evaluator))
+        return compute.GROUP_FUNCTIONS[group](PointContext(design, plan.scene, plan.file, lambda: evaluator))
 
     first = compute_outputs(base)
     assert set(first) == set(list_outputs(group))

@@ -20,8 +20,8 @@ MOLD = CLOSED_MOLD | {"printer"}
 PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
 and limits, the loads and the silicone decide on the checks."""
-SIMULATION = FINGER | {"board", "detector", "mold", "force_curve"}
-"""Tables that a simulation can depend on; the pad's shape is derived together with the mold's lengths."""
+SIMULATION = FINGER | {"board", "detector", "mold", "force_curve", "silicone"}
+"""Tables that a simulation can depend on; the pad's form is derived together with the mold's lengths."""
 
 
 @dataclass(frozen=True)

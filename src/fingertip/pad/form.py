@@ -21,6 +21,26 @@ beside it: a tenth of a degree of tilt does more."""
 
 
 @dataclass(frozen=True)
+class Insert:
+    """Stiff disc on the sensor within the skin; with a cap it is a mushroom, and the disc its stem."""
+
+    radius_mm: float
+    height_mm: float
+    cap_radius_mm: float
+    cap_height_mm: float
+    young_mpa: float
+    poisson: float = 0.38
+
+    @property
+    def steps(self) -> tuple[tuple[float, float], ...]:
+        """Radius of each part, and the height above the sensor at which it ends [mm], from below."""
+        stem = (self.radius_mm, self.height_mm)
+        if not self.cap_height_mm:
+            return (stem,)
+        return stem, (self.cap_radius_mm, self.height_mm + self.cap_height_mm)
+
+
+@dataclass(frozen=True)
 class PadForm:
     """Shapes of skin and bone, the place of the sensor, and the modulus. Forms with equal values are equal."""
 
@@ -43,6 +63,7 @@ class PadForm:
     """Proximal end z of the collar, which is rigid, and its palmar height [mm]."""
     young_mpa: float
     poisson: float = POISSON
+    insert: Insert | None = None
 
     @classmethod
     def of_design(cls, design: Design) -> PadForm:

@@ -108,7 +108,15 @@ class PadModel:
         is_fixed[self._lower] = True
         is_fixed[nodes[:, Z] <= 0.0, Z] = True
         is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
-        return Body(self._mesh, self.form.young_mpa, self.form.poisson, is_fixed)
+        stiff, silicone = self.form.insert, np.ones(len(self._mesh.wedges), bool)
+        young, poisson = self.form.young_mpa * silicone, self.form.poisson * silicone
+        if stiff:
+            arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)[self._triangles]
+            # Layers of the mesh are those of the insert, from below, and the skin over it.
+            for layer, (radius, _) in enumerate(stiff.steps):
+                inside = layer * len(arm) + np.flatnonzero((arm <= radius * (1.0 + 1e-9)).all(axis=1))
+                young[inside], poisson[inside] = stiff.young_mpa, stiff.poisson
+        return Body(self._mesh, young, poisson, is_fixed)
 
     @cached_property
     def _weights(self) -> Array:

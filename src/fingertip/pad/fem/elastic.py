@@ -64,15 +64,20 @@ def _gradients(nodes: Array, local: Array) -> tuple[Array, Array]:
     return local @ np.linalg.inv(jacobian), np.linalg.det(jacobian)
 
 
-def stiffness(mesh: WedgeMesh, young_mpa: float, poisson: float) -> Any:
-    """Assemble the stiffness [N/mm] as a sparse matrix with three rows for each node."""
+def stiffness(mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array) -> Any:
+    """Assemble the stiffness [N/mm] as a sparse matrix with three rows for each node.
+
+    Modulus and Poisson's ratio are those of all wedges, or of each.
+    """
     from scipy.sparse import coo_array, csr_array  # noqa: PLC0415
 
-    shear, bulk = 0.5 * young_mpa / (1 + poisson), young_mpa / (3 * (1 - 2 * poisson))
+    young, ratio = (np.broadcast_to(value, len(mesh.wedges))[:, None, None] for value in (young_mpa, poisson))
+    shears, bulks = 0.5 * young / (1 + ratio), young / (3 * (1 - 2 * ratio))
     size, unit = mesh.nodes.size, np.eye(3)
     total = csr_array((size, size))
     for start in range(0, len(mesh.wedges), _CHUNK):
-        part = mesh.wedges[start : start + _CHUNK]
+        chunk = slice(start, start + _CHUNK)
+        part, shear, bulk = mesh.wedges[chunk], shears[chunk], bulks[chunk]
         gradient, determinant = _gradients(mesh.nodes[part], _INSIDE)
         volume, flat = determinant * _INSIDE_WEIGHTS, gradient.reshape(len(part), 18, 54)
         pairs = (flat.transpose(0, 2, 1) @ (volume[..., None] * flat)).reshape(-1, 18, 3, 18, 3)
@@ -126,7 +131,7 @@ class Surface:
 class Body:
     """Elastic body, some of whose displacements are fixed, with its factorised stiffness."""
 
-    def __init__(self, mesh: WedgeMesh, young_mpa: float, poisson: float, is_fixed: NDArray[np.bool_]) -> None:
+    def __init__(self, mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array, is_fixed: NDArray[np.bool_]) -> None:
         """Factorise the stiffness. `is_fixed` has a flag for each axis of each node."""
         from scipy.sparse.linalg import splu  # noqa: PLC0415
 

@@ -10,6 +10,7 @@ Nodes have the axes x, z and palmar height, in this order [mm]. The skin ends at
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,7 @@ from fingertip.foundation.numerics import Array
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fingertip.pad.form import PadForm
+    from fingertip.pad.form import Insert, PadForm
 
 X, Z, PALM = range(3)
 """Axes of nodes and displacements."""
@@ -60,7 +61,7 @@ class WedgeMesh:
 
 
 def quadratic_plan(
-    corners: Array, triangles: NDArray[np.int64], centre_z: float = 0.0, radius: float = -1.0
+    corners: Array, triangles: NDArray[np.int64], centre_z: float = 0.0, radii: Sequence[float] = ()
 ) -> tuple[Array, NDArray[np.int64]]:
     """Add the middles of triangles' edges. Those of edges on a circle about (0, `centre_z`) move onto it."""
     turns_left = _doubled_areas(corners, triangles) > 0.0
@@ -69,15 +70,18 @@ def quadratic_plan(
     unique, index = np.unique(edges, axis=0, return_inverse=True)
     arms = corners[unique] - np.array([0.0, centre_z])
     middle = arms.mean(axis=1)
-    on = (np.abs(np.linalg.norm(arms, axis=2) - radius) < 1e-9).all(axis=1)
-    middle[on] *= radius / np.linalg.norm(middle[on], axis=1, keepdims=True)
+    for radius in radii:
+        on = (np.abs(np.linalg.norm(arms, axis=2) - radius) < 1e-9).all(axis=1)
+        middle[on] *= radius / np.linalg.norm(middle[on], axis=1, keepdims=True)
     points = np.concatenate([corners, middle + np.array([0.0, centre_z])])
     return points, np.hstack([triangles, len(corners) + index.reshape(-1, 3)])
 
 
-def extrude(points: Array, triangles: NDArray[np.int64], bottom: Array, surface: Array, layers: int) -> WedgeMesh:
-    """Fill the space between two heights of a plan's points with layers of wedges."""
-    height = bottom + np.linspace(0.0, 1.0, 2 * layers + 1)[:, None] * (surface - bottom)
+def extrude(points: Array, triangles: NDArray[np.int64], faces: Array) -> WedgeMesh:
+    """Fill the space between heights of a plan's points, from the bottom up, with a layer of wedges each."""
+    layers = len(faces) - 1
+    height = np.empty((2 * layers + 1, len(points)))
+    height[::2], height[1::2] = faces, 0.5 * (faces[:-1] + faces[1:])
     nodes = np.dstack([np.broadcast_to(points, (*height.shape, 2)), height]).reshape(-1, 3)
     levels = [triangles + level * len(points) for level in range(2 * layers + 1)]
     wedges = np.concatenate([np.hstack(levels[i : i + 3]) for i in range(0, 2 * layers, 2)])
@@ -92,7 +96,7 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
         mirrored = np.where(away, len(corners) - 1 + np.cumsum(away), np.arange(len(corners)))
         corners = np.concatenate([corners, corners[away] * (-1.0, 1.0)])
         triangles = np.concatenate([triangles, mirrored[triangles]])
-    points, t = quadratic_plan(corners, triangles, form.sensor_z_mm, form.active_radius_mm)
+    points, t = quadratic_plan(corners, triangles, form.sensor_z_mm, _circles(form))
     x, z = points.T
     surface, bone = form.skin_mm(x, z), form.bone_mm(x, z)
     thin = int(np.argmin(surface - bone))
@@ -102,7 +106,26 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
     bottom = np.maximum(bone, 0.0)
     # Where the bone has a kink within an element, a curved lower face would bulge: its middles lie between its corners.
     bottom[t[:, 3:]] = 0.5 * (bottom[t[:, :3]] + bottom[t[:, [1, 2, 0]]])
-    return extrude(points, t, bottom, surface, size.layers), np.asarray(np.isfinite(bone[t]).all(axis=1))
+    faces = bottom + np.linspace(0.0, 1.0, size.layers + 1)[:, None] * (surface - bottom)
+    if form.insert:
+        faces = _faces_of_insert(form, form.insert, np.hypot(x, z - form.sensor_z_mm), bottom, surface)
+    return extrude(points, t, faces), np.asarray(np.isfinite(bone[t]).all(axis=1))
+
+
+def _circles(form: PadForm) -> list[float]:
+    """Radii around the sensor on which edges lie: that of the active area, and those of an insert."""
+    return sorted({form.active_radius_mm, *(radius for radius, _ in (form.insert.steps if form.insert else ()))})
+
+
+def _faces_of_insert(form: PadForm, insert: Insert, arm: Array, bottom: Array, surface: Array) -> Array:
+    """Heights of the faces of the layers: an insert's within its radius, and the same part of the skin beside it."""
+    over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm
+    widest = max(radius for radius, _ in insert.steps) * (1.0 + 1e-9)
+    levels = [
+        np.where(arm <= widest, form.platform_mm + top, bottom + top / over * (surface - bottom))
+        for _, top in insert.steps
+    ]
+    return np.stack([bottom, *levels, surface])
 
 
 def _outline(form: PadForm) -> Array:
@@ -132,19 +155,23 @@ def _triangulate_half(form: PadForm, size: MeshSize, copies: float) -> tuple[Arr
     """Triangulate the half x >= 0 of the plan. Its edges lie on the circle of the active area and on x = 0."""
     from scipy.spatial import Delaunay  # noqa: PLC0415
 
-    edge, centre, radius = size.edge_mm, form.sensor_z_mm, form.active_radius_mm
+    edge, centre, radius = size.edge_mm, form.sensor_z_mm, _circles(form)[-1]
     outline = _outline(form)
     width, length = outline[0, 0], outline[-1, 1]
     _check_memory(size, copies * float(np.trapezoid(outline[:, 0], outline[:, 1])))
     straight = [[0, 0], [width, 0]], [[0, 0], [0, centre - radius]], [[0, centre + radius], [0, length]]
     lines = [outline, *(np.array(ends) for ends in straight)]
-    rings = max(2, round(radius / edge))
+    circles, last = [], 0.0
+    for circle in _circles(form):
+        parts = max(2 if not last else 1, round((circle - last) / edge))
+        circles += [last + (circle - last) * part / parts for part in range(1, parts + 1)]
+        last = circle
     nailed = [_resample(line, edge) for line in lines] + [np.array([[0.0, centre]])]
-    for ring in range(1, rings + 1):
-        angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, round(math.pi * ring) + 1)
+    for circle in circles:
+        angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, round(math.pi * circle / circles[0]) + 1)
         arc = np.column_stack([np.cos(angle), np.sin(angle)])
         arc[[0, -1], 0] = 0.0
-        nailed.append(radius * (ring / rings) * arc + np.array([0.0, centre]))
+        nailed.append(circle * arc + np.array([0.0, centre]))
     fixed = np.concatenate(nailed)
     fixed = fixed[np.unique(np.round(fixed / (1e-6 * edge)), axis=0, return_index=True)[1]]
     row = 0.5 * math.sqrt(3.0) * edge

@@ -91,6 +91,14 @@ def seat_tape_data(design: Design) -> dict[str, Any] | None:
     }
 
 
+def sensor_insert_data(design: Design) -> dict[str, Any] | None:
+    """Size what is stuck on the sensor's tape; None without an insert."""
+    if (insert := design.dimensions.insert) is None:
+        return None
+    stem = 2.0 * insert.parts[0][0]
+    return {"kind": design.sensor.insert, "diameter_mm": round(stem, 2), "height_mm": round(insert.height, 2)}
+
+
 def flat_width_mm(design: Design, z: float) -> float:
     """Width of the bone's palmar flat at a height z [mm], where a retention groove narrows it too."""
     dims = design.dimensions

@@ -13,31 +13,12 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
+from fingertip.design.geometry.features import SensorInsert
 from fingertip.foundation.numerics import Array
 
 POISSON = 0.49
 """Poisson's ratio of silicone. Between 0.49 and 0.4999 the share of the sensor changes by 0.001 at the centre and 0.01
 beside it: a tenth of a degree of tilt does more."""
-
-
-@dataclass(frozen=True)
-class Insert:
-    """Stiff disc on the sensor within the skin; with a cap it is a mushroom, and the disc its stem."""
-
-    radius_mm: float
-    height_mm: float
-    cap_radius_mm: float
-    cap_height_mm: float
-    young_mpa: float
-    poisson: float = 0.38
-
-    @property
-    def steps(self) -> tuple[tuple[float, float], ...]:
-        """Radius of each part, and the height above the sensor at which it ends [mm], from below."""
-        stem = (self.radius_mm, self.height_mm)
-        if not self.cap_height_mm:
-            return (stem,)
-        return stem, (self.cap_radius_mm, self.height_mm + self.cap_height_mm)
 
 
 @dataclass(frozen=True)
@@ -63,7 +44,7 @@ class PadForm:
     """Proximal end z of the collar, which is rigid, and its palmar height [mm]."""
     young_mpa: float
     poisson: float = POISSON
-    insert: Insert | None = None
+    insert: SensorInsert | None = None
 
     @classmethod
     def of_design(cls, design: Design) -> PadForm:
@@ -73,6 +54,7 @@ class PadForm:
             dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,
             dims.sensor.active_diameter_mm / 2, design.force_curve.turn_on_n,
             (-design.bone.collar_length_mm, dims.collar.section.palmar), math.sqrt(modulus.low * modulus.high),
+            insert=dims.insert,
         )  # fmt: skip
 
     @property

@@ -52,7 +52,7 @@ class Item:
 
 def list_items(design: Design, files: Mapping[str, bytes]) -> tuple[Item, ...]:
     """List what the 3D view of exported files shows."""
-    parts = parts_by_name(design)
+    parts = {name: part for name, part in parts_by_name(design).items() if not part.is_tool}
     meshes = {name: stl.from_bytes(files[f"{name}.stl"]) for name in parts}
     scales = {name: print_scale(design, part) for name, part in parts.items()}
     return place_items(design, meshes, scales, MeshEvaluator(_TOLERANCE_MM).mesh)
@@ -105,6 +105,7 @@ def _find_offsets(sizes: Mapping[str, Any]) -> dict[str, tuple[Offset, Offset]]:
         "lid": ((0.0, 0.0, 0.0), (0.0, _GAP_MM, -pull / 2)),
         "joint_pin": ((0.0, 0.0, 0.0), (pull / 2, 0.0, -pull / 2)),
         "sensor": ((0.0, 0.0, 0.0), (0.0, -_GAP_MM, -pull / 2)),
+        "sensor_insert": ((0.0, 0.0, 0.0), (0.0, -2 * _GAP_MM, -pull / 2)),
     }
 
 

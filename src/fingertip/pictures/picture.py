@@ -143,6 +143,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
     }
     if "lid" in parts:
         shift["lid"] = (0.0, 2.0 + gap, -size["skin"][2] * 0.55)
+    if "sensor_insert" in parts:
+        shift["sensor_insert"] = (0.0, 2.0 - 2 * gap, shift["sensor"][2])
     if "core" in parts:
         shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
     return [

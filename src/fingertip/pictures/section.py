@@ -66,7 +66,9 @@ class Section:
 def list_sections(design: Design, evaluator: MeshEvaluator) -> list[Section]:
     """List the sections of a design: of the closed mold, and of the bone where it does not lie in it."""
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
-    finger = {name: solids[name] for name in ("bone", "lid") if name in solids} | {"sensor": sensor_body(design)}
+    finger = {name: solids[name] for name in ("bone", "lid", "sensor_insert") if name in solids} | {
+        "sensor": sensor_body(design)
+    }
     mold = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin")}
     ways, of_mold, of_bone = _list_ways(design), list(_list_mold_features(design)), list(_list_bone_features(design))
     title = "longitudinal section of the closed mold; dashed: in front of or behind the plane of the section"

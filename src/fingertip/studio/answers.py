@@ -85,7 +85,8 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
     meshes = {}
     for name, part in parts_by_name(design).items():
         still_wanted()
-        meshes[name] = _make_mesh(part.solid(design))
+        if not part.is_tool:
+            meshes[name] = _make_mesh(part.solid(design))
     still_wanted()
     return place_items(design, meshes, dict.fromkeys(meshes, 1.0), _make_mesh)
 

@@ -131,7 +131,8 @@ def build(
             progress("starting the B-rep kernel in a second process")
             solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
             bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
-            job = StepJob(design.name, solids, brep_balance_solids(design, names), bought)
+            tools = tuple(name for name in names if PARTS[name].is_tool)
+            job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
             process = stack.enter_context(StepProcess(job))
         verified = verify(design, names, file_formats, evaluator, progress)
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength

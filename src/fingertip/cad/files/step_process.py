@@ -41,6 +41,8 @@ class StepJob:
     """Name and solid of what is not written, and of which only the volume is computed."""
     hardware: tuple[tuple[str, Solid, tuple[float, float, float]], ...] = ()
     """Name, solid and colour of what only the assembly holds."""
+    tools: tuple[str, ...] = ()
+    """Names of parts that the assembly leaves out."""
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,7 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
         all_solids = solids + [
             (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
         ]
+        all_solids = [solid for solid in all_solids if solid[0] not in job.tools]
         write_status(folder, "writing the assembly")
         from fingertip.cad.files import step_writer  # noqa: PLC0415
 

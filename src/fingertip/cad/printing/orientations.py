@@ -44,6 +44,9 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),
         "mold_dorsal": Orientation(-90.0, "the outer face, parting plane up", needs_supports=False),
     }
+    if design.dimensions.insert:
+        orientations["sensor_insert"] = Orientation(90.0, "the face away from the sensor", needs_supports=False)
+        orientations["insert_jig"] = Orientation(90.0, "the face around the hole", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
     if design.mold.method == "sleeve":
@@ -106,6 +109,8 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
             "anything else above the collar",
         ),
     }
+    for tool in ("sensor_insert", "insert_jig"):
+        every[tool] = Supports((), "nowhere: nothing overhangs", "any face")
     if lies := orientations.get("lid"):
         every["lid"] = _lid(design, lies)
     return {name: every[name] for name in orientations}

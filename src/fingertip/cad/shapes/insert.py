@@ -103,6 +103,10 @@ def head_y(design: Design) -> float:
 
 _NECK_OVERLAP_MM = 0.5
 """Length by which the ramp's solid begins below the flat, proximal to the ramp [mm]."""
+_SKIRT, _JIG_WALL_MM = 0.7, 1.6
+"""Part of the platform's height that the jig of an insert reaches down around it, and its wall [mm]."""
+_INTO_BONE_MM = 0.2
+"""Depth to which an insert reaches into the filled bone, so that no faces coincide [mm]."""
 _STEP_IN_COLLAR_MM = 0.3
 """Depth of the step between both flats in the collar, which rules keep longer than this [mm]."""
 _BASE_OVERLAP_MM = 0.4
@@ -114,6 +118,33 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
     """Build the bone without hollows; its surfaces but the collar's lie `inset_mm` inside the bone's."""
     body = add_groove(design.bone, inset_body(design.dimensions.bone_outline, inset_mm))
     return union(_cut_facets(design, body, inset_mm), collar(design))
+
+
+def sensor_insert(design: Design, into_bone_mm: float = 0.0) -> tuple[Solid, ...]:
+    """Build the insert on the sensor, down to its film or into the bone; none without one."""
+    dims = design.dimensions
+    if dims.insert is None:
+        return ()
+    film, centre, parts = -dims.platform_depth, (dims.sensor_z, 0.0), dims.insert.parts
+    lows = (film + into_bone_mm, *(film - top for _, top in parts))  # the stem reaches through the cap
+    solids = [
+        cylinder("y", centre, film - dims.insert.height, low, r) for (r, _), low in zip(parts, lows, strict=False)
+    ]
+    return (union(*solids),)
+
+
+def insert_jig(design: Design) -> Solid:
+    """Build the ring that is slipped over the platform to centre an insert, with room for the tail."""
+    dims, gap = design.dimensions, design.sensor.clearance_mm
+    assert dims.insert
+    film, centre, radius = -dims.platform_depth, (dims.sensor_z, 0.0), dims.platform_radius + gap
+    top, skirt = film - dims.insert.height, film + _SKIRT * design.bone.platform_mm
+    around = cylinder("y", centre, top, skirt, radius + _JIG_WALL_MM)
+    neck = dims.neck_half_width + gap
+    tail = Box((-neck, film, dims.sensor_z - 2 * radius), (neck, skirt + _INTO_HOLLOW_MM, dims.sensor_z))
+    over = cylinder("y", centre, film, skirt + _INTO_HOLLOW_MM, radius)
+    hole = cylinder("y", centre, top - _INTO_HOLLOW_MM, film + _INTO_HOLLOW_MM, dims.insert.radius + gap)
+    return difference(around, over, tail, hole)
 
 
 def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
@@ -207,11 +238,13 @@ def sleeve_core(design: Design) -> Solid:
 
 def mold_insert(design: Design) -> Solid:
     """Build the body that lies in the closed mold while the silicone cures, with its hollows filled."""
-    return sleeve_core(design) if design.mold.method == "sleeve" else filled_bone(design)
+    return sleeve_core(design) if design.mold.method == "sleeve" else skin_interior(design)
 
 
 def skin_interior(design: Design) -> Solid:
-    return filled_bone(design, sleeve_inset_mm(design))
+    """Build what the skin lies on: the bone, inset for a sleeve, with an insert on its sensor."""
+    bone = filled_bone(design, sleeve_inset_mm(design))
+    return union(bone, *sensor_insert(design, _INTO_BONE_MM)) if design.dimensions.insert else bone
 
 
 def skin(design: Design) -> Solid:

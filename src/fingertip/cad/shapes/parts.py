@@ -32,6 +32,8 @@ class Part:
     is_printed: bool
     exists_in: Callable[[Design], bool] = lambda design: True
     """Function that tells whether a design has this part."""
+    is_tool: bool = False
+    """True for what helps to assemble the finger, and lies nowhere in it or in its mold."""
 
     @property
     def note(self) -> str:
@@ -60,6 +62,14 @@ PARTS: dict[str, Part] = {
         Part(
             "core", insert.core, lambda design: 0, (0.70, 0.78, 0.62), True,
             exists_in=lambda design: design.mold.method == "sleeve",
+        ),
+        Part(
+            "sensor_insert", lambda design: insert.sensor_insert(design)[0], lambda design: 0, (0.36, 0.55, 0.42), True,
+            exists_in=lambda design: design.dimensions.insert is not None,
+        ),
+        Part(
+            "insert_jig", insert.insert_jig, lambda design: 1, (0.55, 0.70, 0.58), True,
+            exists_in=lambda design: design.dimensions.insert is not None, is_tool=True,
         ),
     )
 }  # fmt: skip

@@ -59,6 +59,7 @@ _BREP_VOLUME_ERROR = 2e-6
 
 
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
+    parts = {name: solid for name, solid in parts.items() if not PARTS[name].is_tool}
     if "skin" in parts:
         yield check_zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}

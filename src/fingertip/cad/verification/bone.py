@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 
-_CLOSED = {"bone", "lid", "skin"}
+_CLOSED = {"bone", "lid", "skin", "sensor_insert"}
 """Parts that enclose the sensor."""
 _AREA_TOLERANCE_MM2 = 0.01
 """Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the vertex grid."""

@@ -25,6 +25,7 @@ from fingertip.design.geometry.features import (
     SLIDING_MM,
     Chaplet,
     Joint,
+    SensorInsert,
     SensorTail,
     TailFold,
     TendonAnchor,
@@ -214,6 +215,15 @@ class Dimensions:
         """Depth of the plane around the sensor's head, at y = -platform_depth: the flat's, or that of a platform."""
         skin = self._design.skin
         return skin.semi_axis_palmar_mm * self.outer.palmar_scale_at(self.sensor_z) - skin.thickness_palmar_mm
+
+    @cached_property
+    def insert(self) -> SensorInsert | None:
+        sensor = self._design.sensor
+        if sensor.insert == "none":
+            return None
+        stem = (sensor.insert_diameter_mm / 2, sensor.insert_height_mm)
+        cap = (sensor.insert_cap_diameter_mm / 2, stem[1] + sensor.insert_cap_height_mm)
+        return SensorInsert((stem, cap) if sensor.insert == "mushroom" else (stem,))
 
     @cached_property
     def flat_depth(self) -> float:

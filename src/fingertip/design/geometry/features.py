@@ -49,6 +49,22 @@ SCREW_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50)
 
 
 @dataclass(frozen=True)
+class SensorInsert:
+    """Stiff disc on the sensor within the skin; with a cap it is a mushroom, and the disc its stem [mm]."""
+
+    parts: tuple[tuple[float, float], ...]
+    """Radius of each part, and the height above the sensor at which it ends, from below."""
+
+    @property
+    def radius(self) -> float:
+        return max(radius for radius, _ in self.parts)
+
+    @property
+    def height(self) -> float:
+        return self.parts[-1][1]
+
+
+@dataclass(frozen=True)
 class Chaplet:
     """Boss, facet and screw [mm]. The axis is parallel to y, in the middle plane."""
 

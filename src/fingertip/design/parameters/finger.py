@@ -35,6 +35,14 @@ class Sensor(ParameterTable):
     adhesive_thickness_mm: float = quantity(
         0.13, "mm", (0, 0.5), "Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified)"
     )
+    insert: Literal["none", "disc", "mushroom"] = choice(
+        "none",
+        "Stiff print between sensor and silicone: a disc, or a mushroom, whose cap gathers force from around it.",
+    )
+    insert_diameter_mm: float = quantity(4.5, "mm", (1, 20), "Diameter of the disc, or of the mushroom's stem.")
+    insert_height_mm: float = quantity(1.5, "mm", (0.4, 8), "Height of the disc, or of the mushroom's stem: 0.8.")
+    insert_cap_diameter_mm: float = quantity(6.0, "mm", (1, 40), "Diameter of the mushroom's cap.")
+    insert_cap_height_mm: float = quantity(0.6, "mm", (0.4, 8), "Height of the mushroom's cap.")
 
 
 class CustomSensor(ParameterTable):

@@ -39,6 +39,8 @@ _MIN_FLAT_CUT = 0.2
 """Minimum height that the flat cuts off the bone's palmar half [mm]."""
 _BEHIND_SENSOR = 1.0
 """Minimum distance of the sensor's head from the skin's proximal end [mm]."""
+_JIG_PLATFORM = 0.5
+"""Minimum height of a platform around which the jig of an insert is slipped [mm]."""
 _BEND_MARGIN = 0.3
 """Minimum radius of the channel's inner wall at its bend [mm]."""
 _MIN_TIP_CONTROL = 0.05
@@ -80,6 +82,46 @@ def taper_reaches_tip(design: DesignTables) -> Violation | None:
 def sensor_within_skin(design: DesignTables) -> Limit | None:
     length, head = design.skin.length_mm, design.dimensions.sensor.head_diameter_mm
     return Limit(length - head / 2 - _BEHIND_SENSOR, f"puts the sensor's head outside the skin of {length:g} mm")
+
+
+@RULES.rule("sensor.insert")
+def insert_has_its_place(design: DesignTables) -> Violation | None:
+    """An insert stands on a platform, by which its jig is centred, and silicone is cast around it."""
+    if design.sensor.insert == "none" or (design.mold.method == "overmold" and design.bone.platform_mm):
+        return None
+    lacking = (
+        "a bone with a platform (bone.platform_mm)" if design.mold.method == "overmold" else "mold.method=overmold"
+    )
+    return Violation(f"{design.sensor.insert} needs {lacking}")
+
+
+@RULES.at_most("sensor.insert_diameter_mm")
+def insert_within_active_area(design: DesignTables) -> Limit | None:
+    """The insert stands on the active area only, as Interlink advises for its sensors."""
+    if design.sensor.insert == "none":
+        return None
+    return Limit(design.dimensions.sensor.active_diameter_mm, "is wider than the sensor's active area")
+
+
+@RULES.at_least("sensor.insert_cap_diameter_mm")
+def cap_covers_stem(design: DesignTables) -> Limit | None:
+    if design.sensor.insert != "mushroom":
+        return None
+    return Limit(design.sensor.insert_diameter_mm, "is narrower than its stem")
+
+
+@RULES.at_most("sensor.insert_height_mm")
+def skin_covers_insert(design: DesignTables) -> Limit | None:
+    """The skin keeps its minimum thickness over the edge of an insert."""
+    dims = design.dimensions
+    if dims.insert is None:
+        return None
+    r = dims.insert.radius
+    rim = ((0.0, -r), (r, 0.0), (0.0, r))
+    over = min(dims.outer.palmar_height_at(x, dims.sensor_z + z) for x, z in rim) - dims.platform_depth
+    cap = dims.insert.height - design.sensor.insert_height_mm
+    where = f"leaves less than skin.min_thickness_mm={design.skin.min_thickness_mm:g} of silicone over its edge"
+    return Limit(over - cap - design.skin.min_thickness_mm, where)
 
 
 @RULES.rule("skin.crown_offset_mm", tip_within_skin)

@@ -17,7 +17,13 @@ from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.mold import PUSH_S
-from fingertip.casting.consumables import cover_tape_data, seat_tape_data, uses_adhesive, uses_primer
+from fingertip.casting.consumables import (
+    cover_tape_data,
+    seat_tape_data,
+    sensor_insert_data,
+    uses_adhesive,
+    uses_primer,
+)
 from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
@@ -182,6 +188,7 @@ def _fit_data(design: Design) -> dict[str, Any]:
     losses = design.losses
     return {
         "cover_tape": cover_tape_data(design),
+        "sensor_insert": sensor_insert_data(design),
         "seat_tape": seat_tape_data(design),
         "slot_mm": round(2 * design.dimensions.tail_half_width - design.printer.offset_mm, 2),
         "paper_mm": _PAPER_MM,

@@ -37,6 +37,7 @@ from fingertip.sim import (
     article_manipulations,
     run_manipulation,
 )
+from fingertip.sim.signal.bridge import reads_whole_finger
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type, select_inputs
@@ -92,7 +93,8 @@ class GripController:
         self.decisions: list[GripDecision] = []
         self._pad = Pad.from_design(design)
         self._detectors = [make_detector(settings.detector, design) for _ in range(fingers)]
-        volts = compute_bridge_v(design, _TABLE_N)
+        # The hand knows what part of a grip's force its sensors feel.
+        volts = compute_bridge_v(design, self._pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board")))
         self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
         self._history: deque[tuple[float, Array]] = deque()
         self._last_growth_s = -math.inf

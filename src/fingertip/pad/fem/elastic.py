@@ -131,7 +131,9 @@ class Surface:
 class Body:
     """Elastic body, some of whose displacements are fixed, with its factorised stiffness."""
 
-    def __init__(self, mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array, is_fixed: NDArray[np.bool_]) -> None:
+    def __init__(
+        self, mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array, is_fixed: NDArray[np.bool_]
+    ) -> None:
         """Factorise the stiffness. `is_fixed` has a flag for each axis of each node."""
         from scipy.sparse.linalg import splu  # noqa: PLC0415
 

@@ -22,7 +22,8 @@ from fingertip.foundation.numerics import Array
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fingertip.pad.form import Insert, PadForm
+    from fingertip.design.geometry.features import SensorInsert
+    from fingertip.pad.form import PadForm
 
 X, Z, PALM = range(3)
 """Axes of nodes and displacements."""
@@ -114,16 +115,16 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
 
 def _circles(form: PadForm) -> list[float]:
     """Radii around the sensor on which edges lie: that of the active area, and those of an insert."""
-    return sorted({form.active_radius_mm, *(radius for radius, _ in (form.insert.steps if form.insert else ()))})
+    return sorted({form.active_radius_mm, *(radius for radius, _ in (form.insert.parts if form.insert else ()))})
 
 
-def _faces_of_insert(form: PadForm, insert: Insert, arm: Array, bottom: Array, surface: Array) -> Array:
+def _faces_of_insert(form: PadForm, insert: SensorInsert, arm: Array, bottom: Array, surface: Array) -> Array:
     """Heights of the faces of the layers: an insert's within its radius, and the same part of the skin beside it."""
     over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm
-    widest = max(radius for radius, _ in insert.steps) * (1.0 + 1e-9)
+    widest = insert.radius * (1.0 + 1e-9)
     levels = [
         np.where(arm <= widest, form.platform_mm + top, bottom + top / over * (surface - bottom))
-        for _, top in insert.steps
+        for _, top in insert.parts
     ]
     return np.stack([bottom, *levels, surface])
 

@@ -22,6 +22,8 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "mold_palmar": part_sizes.palmar_drawing,
     "mold_dorsal": part_sizes.dorsal_drawing,
     "core": part_sizes.core_drawing,
+    "sensor_insert": part_sizes.insert_drawing,
+    "insert_jig": part_sizes.jig_drawing,
 }
 
 

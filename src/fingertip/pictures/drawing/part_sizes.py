@@ -102,6 +102,43 @@ def lid_drawing(design: Design) -> PartDrawing:
     return PartDrawing("lid", "Lid", "palmar", _material(design), sizes)
 
 
+def insert_drawing(design: Design) -> PartDrawing:
+    dims, z = design.dimensions, design.dimensions.sensor_z
+    assert dims.insert
+    film, (stem, *caps) = -dims.platform_depth, dims.insert.parts
+    foot = (0.0, film, z - stem[0])
+    sizes: list[Size] = [
+        Length(f"diameter of the {'stem' if caps else 'disc'}", OUTER, "section", "below", "z", foot,
+               (0.0, film, z + stem[0]), symmetric(0.1), "wide: sand it, or it presses beside the active area",
+               is_diameter=True),
+        Length("height", OUTER, "section", "right", "y", foot, (0.0, film - dims.insert.height, z), symmetric(0.1),
+               "high: sand it, or the skin over it is thin"),
+    ]  # fmt: skip
+    for radius, top in caps:
+        edge = (0.0, film - top, z - radius)
+        sizes += [
+            Length("diameter of the cap", OUTER, "section", "above", "z", edge, (0.0, film - top, z + radius),
+                   is_diameter=True),
+            Length("height of the cap", OUTER, "section", "left", "y", edge, (0.0, film - stem[1], z - radius)),
+        ]  # fmt: skip
+    return PartDrawing("sensor_insert", "Insert on the sensor", "palmar", _MATERIAL, tuple(sizes))
+
+
+def jig_drawing(design: Design) -> PartDrawing:
+    dims, gap, z = design.dimensions, design.sensor.clearance_mm, design.dimensions.sensor_z
+    assert dims.insert
+    film, hole, inside = -dims.platform_depth, dims.insert.radius + gap, dims.platform_radius + gap
+    top = (0.0, film - dims.insert.height, z)
+    sizes = (
+        Circle("hole of the insert", INNER, "palmar", "y", top, hole, clearance(2 * gap - 2 * design.printer.offset_mm),
+               "file it until the insert drops through"),
+        Length("inside, over the platform", INNER, "section", "above", "z", (0.0, film, z), (0.0, film, z + inside),
+               None, "file it until it slips over the platform", is_reference=True),
+        Length("height over the platform", STEP, "section", "right", "y", top, (0.0, film, z + inside)),
+    )  # fmt: skip
+    return PartDrawing("insert_jig", "Jig of the insert", "palmar", _MATERIAL, sizes)
+
+
 def _material(design: Design) -> str:
     return PRINT_MATERIALS[design.strength.print_material].label
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.insert import cavity, filled_bone
+from fingertip.cad.shapes.insert import cavity, filled_bone, sensor_insert
 from fingertip.cad.shapes.mold import block, runners, vents
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
@@ -81,7 +81,10 @@ class Bench:
 
     def in_mold(self, *, cut: bool = False) -> list[Shown]:
         """Show bone with its sensor, or core, as it lies in the mold."""
-        return [self.part("core", cut=cut)] if self.insert == "core" else self.assembled_bone(cut=cut)
+        if self.insert == "core":
+            return [self.part("core", cut=cut)]
+        stiff = [self.part("sensor_insert", cut=cut)] if self.dims.insert else []
+        return [*self.assembled_bone(cut=cut), *stiff]
 
     def bolts(
         self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False
@@ -102,7 +105,8 @@ class Bench:
 
     def casting(self, *, cut: bool = False) -> Shown:
         cast = intersection(union(cavity(self.design), *runners(self.design)), block(self.design))
-        return self.solid(difference(cast, PARTS[self.insert].solid(self.design)), Paint.SILICONE, cut=cut)
+        inside = (PARTS[self.insert].solid(self.design), *sensor_insert(self.design))
+        return self.solid(difference(cast, *inside), Paint.SILICONE, cut=cut)
 
     def vents(self) -> list[Shown]:
         """Show the silicone in the vents, whole where the casting is cut open."""

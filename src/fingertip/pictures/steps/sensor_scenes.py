@@ -182,6 +182,21 @@ def cover_sensor(bench: Bench, data: Data) -> Scene:
     )
 
 
+def place_insert(bench: Bench, data: Data) -> Scene:
+    """Show the jig around the platform, and the insert above its hole."""
+    (_, y, z), kind = bench.head, data["fit"]["sensor_insert"]["kind"]
+    above = y - given(bench.dims.insert).height - _LIFT_MM / 2
+    shown = (bench.solid(tape(bench.design), Paint.TAPE), bench.part("insert_jig"))
+    return Scene(
+        (*bench.assembled_bone(), *shown, bench.part("sensor_insert", (0.0, -_LIFT_MM, 0.0))),
+        View.PALMAR,
+        Label(f"{kind}, double-sided\nfilm towards the tape", (0.0, y - _LIFT_MM, z)),
+        Label("jig over the platform,\nopen towards the tail", (0.0, y - 1.0, z + bench.dims.platform_radius)),
+        Label("tape over the sensor", (0.0, -bench.dims.flat_depth, z / 3)),
+        Arrow((0.0, above, z), (0.0, above + _LIFT_MM / 3, z)),
+    )
+
+
 def seal_passage(bench: Bench, data: Data) -> Scene:
     """Show the seal in the passage of the tail, near the collar, cut open."""
     dims = bench.dims

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from fingertip.design import Design
+from fingertip.pad.contacts import map_shares
 from fingertip.pad.form import PadForm
-from fingertip.pad.layer import map_shares
 from fingertip.pad.survey import FORCE_N, GRASP_DEG, TILTS_DEG, survey_pad
 from fingertip.page.html import Markup, element, join
 from fingertip.page.svg import Axis, Frame, figure_svg, line, number, text

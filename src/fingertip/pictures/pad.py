@@ -9,8 +9,9 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.plot_style import RED, REFERENCE, SERIES, TEXT_COLOUR, new_figure, style_axes, to_png
+from fingertip.pad.contacts import find_contacts, map_shares
 from fingertip.pad.form import PadForm
-from fingertip.pad.layer import Contact, find_contacts, map_shares
+from fingertip.pad.layer import Contact
 from fingertip.pad.pose import Pose
 from fingertip.pad.survey import survey_pad
 

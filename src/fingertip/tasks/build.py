@@ -45,6 +45,7 @@ from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_in
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.progress import Work
+from fingertip.pad.survey import survey_pad
 
 
 def build(
@@ -115,6 +116,8 @@ def build(
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+    if design.dimensions.insert and "skin" in names:
+        extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
     writer = parts_writer(design, folder, force)
@@ -134,6 +137,9 @@ def build(
             tools = tuple(name for name in names if PARTS[name].is_tool)
             job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
             process = stack.enter_context(StepProcess(job))
+        if design.dimensions.insert and "skin" in names:
+            progress("pressing the pad with its insert by finite elements: one or two minutes, once for each form")
+            survey_pad(design)
         verified = verify(design, names, file_formats, evaluator, progress)
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         all_built = names == [*known]

@@ -87,11 +87,10 @@ def sensor_within_skin(design: DesignTables) -> Limit | None:
 @RULES.rule("sensor.insert")
 def insert_has_its_place(design: DesignTables) -> Violation | None:
     """An insert stands on a platform, by which its jig is centred, and silicone is cast around it."""
-    if design.sensor.insert == "none" or (design.mold.method == "overmold" and design.bone.platform_mm):
+    is_cast, is_high = design.mold.method == "overmold", design.bone.platform_mm >= _JIG_PLATFORM
+    if design.sensor.insert == "none" or (is_cast and is_high):
         return None
-    lacking = (
-        "a bone with a platform (bone.platform_mm)" if design.mold.method == "overmold" else "mold.method=overmold"
-    )
+    lacking = f"a platform of at least bone.platform_mm={_JIG_PLATFORM:g}" if is_cast else "mold.method=overmold"
     return Violation(f"{design.sensor.insert} needs {lacking}")
 
 

@@ -58,10 +58,13 @@ class PadContact:
     """
 
     share: float
+    shear_share: float
+    """Load on the active area over a force along the surface, towards the tip, which is spread as the pressure is."""
     force_n: float
     depth_mm: float
     stiffness_n_per_mm: float
     centre_mm: tuple[float, float]
+    area_mm2: float
     peak_mpa: float
     strain: float
     bond_shear_mpa: float
@@ -160,11 +163,26 @@ class PadModel:
         points = np.einsum("qa,eai->eqi", triangle_shapes(steps)[0], self.top.points[self._triangles])
         return np.asarray(points.reshape(-1, 3))
 
+    def sense(self, tractions: Array) -> float:
+        """Load on the active area [N] under tractions of the surface."""
+        return -self.copies * float((self.top.trace @ tractions * self._weights).sum())
+
+    def map_shares(self, step_mm: float) -> tuple[Array, Array, Array]:
+        """Map the share of a force on a small place on a grid: x and distance distal to the sensor, and the share."""
+        from scipy.interpolate import griddata  # noqa: PLC0415
+
+        x, dz = self.top.points[:, X], self.top.points[:, Z] - self.form.sensor_z_mm
+        reach = step_mm * math.ceil((self.form.active_radius_mm + 9.0) / step_mm)
+        line = np.arange(-reach, reach + step_mm / 2, step_mm)
+        at = np.meshgrid(np.abs(line), line, indexing="ij")
+        shares = griddata((x, dz), self._weights[:, PALM], tuple(at), fill_value=0.0)
+        return line, line, np.round(shares, 3)
+
     def respond(self, tractions: Array) -> tuple[float, float, float, float]:
         """Load on the active area [N], and largest strain, shear and tension at the bond, under surface tractions."""
         load = np.zeros((*self._mesh.nodes.shape, 1))
-        load[self._upper, :, 0] = forces = self.top.trace @ tractions
-        sensed, moved = -self.copies * float((forces * self._weights).sum()), self._body.move(load)[:, :, 0]
+        load[self._upper, :, 0] = self.top.trace @ tractions
+        sensed, moved = self.sense(tractions), self._body.move(load)[:, :, 0]
         forces = self._body.support(moved)[self._lower]
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
@@ -199,7 +217,7 @@ class Patch:
         self._gap = model.top.trace.T @ (gap / self._into[:, PALM]) * self._into[:, PALM]
         self._active = self._travel <= self._reach
 
-    def press(self, force_n: float) -> PadContact:
+    def press(self, force_n: float, max_strain: float = MAX_STRAIN) -> PadContact:
         """Press with a force, larger than the one before. Raises TraceError beyond small strains."""
         model = self._model
         while True:
@@ -218,14 +236,17 @@ class Patch:
         tractions = np.zeros_like(self._into)
         tractions[nodes] = -pressure[:, None] * into
         sensed, strain, shear, tension = model.respond(tractions)
-        if strain > MAX_STRAIN:
-            raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains")
+        if strain > max_strain:
+            raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {max_strain:g} of small strains")
         flow = pressure * self._weight[nodes]
+        along = np.zeros_like(tractions)
+        along[nodes, Z] = pressure
+        spread = model.copies * model.area[nodes]
         x, z = flow @ model.top.points[nodes][:, [X, Z]] / flow.sum()
         return PadContact(
-            sensed / force_n, force_n, depth, model.copies / slope,
+            sensed / force_n, model.sense(along) / float(spread @ pressure), force_n, depth, model.copies / slope,
             (0.0 if model.copies > 1.0 else float(x), float(z) - model.form.sensor_z_mm),
-            float(pressure.max()), strain, shear, tension,
+            float(spread[pressure > 0.0].sum()), float(pressure.max()), strain, shear, tension,
         )  # fmt: skip
 
 

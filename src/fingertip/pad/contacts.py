@@ -1,0 +1,151 @@
+"""Contacts of a pad: by the layer model, or with an insert from a table of finite elements.
+
+The layer model does not hold around a stiff insert: its force is off by factors. So a plate is pressed on such a pad by
+finite elements over tilt, roll and force, and smooth functions of them are fitted. That takes one or two minutes; the
+result is kept in the user's cache folder, under a name made of the form and of this module's settings.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.polynomial.legendre import legval2d, legvander2d
+
+from fingertip.foundation import extras
+from fingertip.foundation.errors import Issue, OutputError, TraceError
+from fingertip.foundation.files import write_file
+from fingertip.foundation.numerics import Array
+from fingertip.pad import layer
+from fingertip.pad.form import PadForm
+from fingertip.pad.layer import GRID_MM, MAX_STRAIN, Contact
+from fingertip.pad.pose import Pose
+
+TILTS_DEG, ROLLED_TILTS_DEG, ROLL_DEG = (-5.0, 0.0, 2.0, 5.0, 10.0, 15.0, 20.0), (0.0, 10.0, 20.0), 10.0
+"""Poses of the table: without roll, and rolled."""
+FORCES_N = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
+_DEGREES, _ROLLED_DEGREES = (4, 3), (2, 1)
+"""Degrees of the polynomials over tilt and logarithm of the force, and of the change that a roll brings."""
+_DIGITS = 6
+"""Decimals of their coefficients: processors differ in digits far beyond."""
+_VERSION = 1
+"""Counts changes of the finite elements that change a table."""
+
+
+def find_contacts(
+    form: PadForm, pose: Pose, forces_n: Sequence[float], max_strain: float = MAX_STRAIN
+) -> list[Contact]:
+    """Find the contact at each of some growing forces. Raises TraceError, and MissingLibraryError with an insert."""
+    if form.insert is None:
+        return layer.find_contacts(form, pose, forces_n, max_strain)
+    least, most, roll = TILTS_DEG[0], TILTS_DEG[-1], abs(pose.roll_deg)
+    if pose.object != "plate" or not least <= pose.tilt_deg <= most or roll > 2 * ROLL_DEG:
+        known = f"plates, tilts of {least:g} to {most:g} and rolls of up to {2 * ROLL_DEG:g} degrees"
+        raise TraceError(Issue("pose", f"is not known with an insert; choose one of: {known}."))
+    table = _read_table(form)
+    force = np.array(forces_n)
+    s, u = _scale(np.full_like(force, pose.tilt_deg), np.clip(force, FORCES_N[0], FORCES_N[-1]))
+    change = legval2d(s, u, table.rolled) * (roll / ROLL_DEG) ** 2
+    share, shear, depth, area = legval2d(s, u, table.straight)
+    # Depth and area go on as powers of the force beyond the table, the shares stay.
+    beyond = np.log(force / np.clip(force, FORCES_N[0], FORCES_N[-1]))
+    share, shear = share * np.exp(change[0]), shear * np.exp(change[0])
+    depth, area = np.exp(depth + change[1] + 0.6 * beyond), np.exp(area + change[2] + 0.7 * beyond)
+    over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm - form.insert.height
+    found = [
+        Contact(float(f), float(a), float(b), float(d), float(e), math.nan, (0.0, math.nan), over)
+        for f, a, b, d, e in zip(force, share, shear, depth, area, strict=True)
+    ]
+    if found[-1].strain > max_strain:
+        message = f"{forces_n[-1]:g} N presses the skin over the insert by {found[-1].strain:.0%} of its thickness."
+        raise TraceError(Issue("force_n", message))
+    return found
+
+
+def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
+    """Map the share of a force on a small place: x and distance distal to the sensor [mm], and the share at both."""
+    if form.insert is None:
+        return layer.map_shares(form)
+    table = _read_table(form)
+    return table.x_mm, table.dz_mm, table.shares
+
+
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """Coefficients of the polynomials, and the share of a force by its place."""
+
+    straight: Array
+    rolled: Array
+    x_mm: Array
+    dz_mm: Array
+    shares: Array
+
+    def to_dict(self) -> dict[str, Any]:
+        return {name: values.tolist() for name, values in vars(self).items()}
+
+
+def _scale(tilt_deg: Array, force_n: Array) -> tuple[Array, Array]:
+    """Map tilt and logarithm of the force to the range -1 to 1 of the polynomials."""
+    middle, half = (TILTS_DEG[0] + TILTS_DEG[-1]) / 2, (TILTS_DEG[-1] - TILTS_DEG[0]) / 2
+    low, high = math.log(FORCES_N[0]), math.log(FORCES_N[-1])
+    return (tilt_deg - middle) / half, (2 * np.log(force_n) - low - high) / (high - low)
+
+
+@lru_cache(maxsize=64)
+def _read_table(form: PadForm) -> _Table:
+    """Read the table of a form from the cache, or compute and keep it."""
+    settings = repr((_VERSION, TILTS_DEG, ROLLED_TILTS_DEG, ROLL_DEG, FORCES_N, _DEGREES, _ROLLED_DEGREES, form))
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fingertip" / "pads"
+    path = folder / f"{hashlib.sha256(settings.encode()).hexdigest()[:32]}.json"
+    with suppress(OSError, ValueError, KeyError):
+        return _Table(**{name: np.array(values) for name, values in json.loads(path.read_text("utf-8")).items()})
+    table = _compute_table(form)
+    with suppress(OutputError):  # a folder that cannot be written costs the time again
+        write_file(path, json.dumps(table.to_dict()).encode())
+    return table
+
+
+def _compute_table(form: PadForm) -> _Table:
+    """Press a plate on the pad in all poses with all forces, and fit the polynomials."""
+    extras.require("sensor.insert", "scipy")
+    from fingertip.pad.fem.contact import PadModel, Patch  # noqa: PLC0415
+    from fingertip.pad.fem.mesh import MeshSize  # noqa: PLC0415
+
+    def press(model: PadModel, pose: Pose) -> Array:
+        patch, rows = Patch(model, pose), list[list[float]]()
+        for force in FORCES_N:
+            try:
+                c = patch.press(force, math.inf)
+            except TraceError:  # where the plate comes to lie on the collar, the table goes on as before
+                if len(rows) < 3:
+                    raise
+                rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3))])
+            else:
+                rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2)])
+        return np.array(rows)
+
+    half = PadModel(form, MeshSize(), is_half=True)
+    straight = np.array([press(half, Pose(tilt)) for tilt in TILTS_DEG])
+    fitted = _fit(TILTS_DEG, straight, _DEGREES)
+    whole = PadModel(form, MeshSize(), is_half=False)
+    at_rest = straight[[TILTS_DEG.index(tilt) for tilt in ROLLED_TILTS_DEG]]
+    rolled = np.array([press(whole, Pose(tilt, ROLL_DEG)) for tilt in ROLLED_TILTS_DEG])
+    share = np.log(np.maximum(rolled[..., 0], 1e-3) / np.maximum(at_rest[..., 0], 1e-3))
+    change = np.stack([share, rolled[..., 2] - at_rest[..., 2], rolled[..., 3] - at_rest[..., 3]], axis=2)
+    return _Table(fitted, _fit(ROLLED_TILTS_DEG, change, _ROLLED_DEGREES), *half.map_shares(GRID_MM))
+
+
+def _fit(tilts_deg: Sequence[float], values: Array, degrees: tuple[int, int]) -> Array:
+    """Fit values of shape (tilts, forces, quantities) by polynomials of both; coefficients have the quantity last."""
+    s, u = _scale(*(grid.ravel() for grid in np.meshgrid(tilts_deg, FORCES_N, indexing="ij")))
+    found = np.linalg.lstsq(legvander2d(s, u, degrees), values.reshape(len(s), -1), rcond=None)[0]
+    return np.asarray(np.round(found.reshape(degrees[0] + 1, degrees[1] + 1, -1), _DIGITS))

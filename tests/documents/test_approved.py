@@ -76,7 +76,8 @@ DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
         HASTY, {"volumes": SMALL, "delays_s": ()},
     ),
     "socket": (
-        "fsr400", "name=A_very-long_name_with-forty_characters_1 bone.interface=socket bone.base_length_mm=32",
+        "fsr400", "name=A_very-long_name_with-forty_characters_1 bone.interface=socket bone.base_length_mm=32 "
+        "sensor.insert=mushroom sensor.insert_height_mm=0.8",
         WEIGHED, {"volumes": SMALL, "delays_s": (0.025, 0.01)},
     ),
     "flange": (

@@ -22,7 +22,7 @@ def block(x: Array, z: Array, height: Array, layers: int) -> WedgeMesh:
     second = np.where(even, np.stack([a, c, d], axis=1), np.stack([b, c, d], axis=1))
     points, triangles = quadratic_plan(corners, np.concatenate([first, second]))
     top = np.interp(points[:, 0], x, height) if len(height) == len(x) else np.full(len(points), height[0])
-    return extrude(points, triangles, np.zeros(len(points)), top, layers)
+    return extrude(points, triangles, np.linspace(0.0, 1.0, layers + 1)[:, None] * top)
 
 
 def unmoved(mesh: WedgeMesh) -> Array:

@@ -18,6 +18,7 @@ from fingertip.lab.campaign.closed_loop import (
 )
 from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
+from fingertip.pad.response import Pad
 from fingertip.sim import Observation
 from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v
@@ -41,7 +42,8 @@ def run_controller(controller: GripController, volts: np.ndarray, closing_m=None
 def make_voltage(seconds: float, force_n=1.0, burst=None) -> np.ndarray:
     t = np.arange(round(2000 * seconds)) / 2000
     force = np.full(len(t), force_n) if np.ndim(force_n) == 0 else force_n
-    volts = compute_bridge_v(DESIGN, force) + np.random.default_rng(2).normal(0, input_noise_v(DESIGN), len(t))
+    sensed = Pad.from_design(DESIGN).sensed_n(force)
+    volts = compute_bridge_v(DESIGN, sensed) + np.random.default_rng(2).normal(0, input_noise_v(DESIGN), len(t))
     start, stop = burst or (9.0, 9.0)
     return volts + 0.01 * np.sin(2 * np.pi * 90 * t) * ((t >= start) & (t < stop))
 

@@ -14,13 +14,21 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.numerics import Array
-from fingertip.pad.fem.contact import PadContact, PadModel, Patch, find_patch, solve
-from fingertip.pad.fem.mesh import PALM, MeshSize
+from fingertip.pad.fem.contact import PadContact, PadModel, Patch, find_patch
+from fingertip.pad.fem.mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
+from fingertip.pad.touch import PALM
 from tests.conftest import design_file
 
 COARSE = MeshSize(1.5)
+
+
+def solve(form: PadForm, poses: list[Pose], forces_n: list[float], mesh: MeshSize) -> list[PadContact]:
+    """Press the pad on the object of each pose with growing forces; without roll, half of it."""
+    model = PadModel(form, mesh, is_half=all(pose.roll_deg == 0.0 for pose in poses))
+    patches = [Patch(model, pose) for pose in poses]
+    return [patch.press(force) for patch in patches for force in forces_n]
 
 
 @cache
@@ -44,6 +52,7 @@ class Slab:
     poisson: float = 0.4999
     base_slope: float = 0.0
     collar: tuple[float, float] = (0.0, -math.inf)
+    insert: None = None
 
     @property
     def sensor_z_mm(self) -> float:

@@ -9,7 +9,8 @@ import pytest
 
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem.elastic import Body, Surface, stiffness
-from fingertip.pad.fem.mesh import PALM, WedgeMesh, X, Z, extrude, quadratic_plan
+from fingertip.pad.fem.mesh import WedgeMesh, extrude, quadratic_plan
+from fingertip.pad.touch import PALM, X, Z
 
 
 def block(x: Array, z: Array, height: Array, layers: int) -> WedgeMesh:

@@ -122,7 +122,7 @@ def test_what_cannot_be_is_refused():
     for pose, field in (
         (Pose(place_mm=90.0, object="cylinder", radius_mm=5.0), "place_mm"),
         (Pose(-30.0), "tilt_deg"),
-        (Pose(roll_deg=85.0), "roll_deg"),
+        (Pose(roll_deg=85.0), "roll of 85 degrees"),
     ):
         with pytest.raises(TraceError, match=field):
             find_contacts(STRAIGHT, pose, (1.0,))

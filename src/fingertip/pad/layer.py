@@ -26,6 +26,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
+from fingertip.pad.touch import Touch
 
 GRID_MM = 0.25
 _FIRST_REACH_MM, _MAX_REACH_MM = 0.8, 6.4
@@ -44,8 +45,6 @@ _FREE_SIDES = 0.94
 at 1 N, by finite elements (benchmarks/pad.py)."""
 MAX_STRAIN = 0.5
 """Largest indentation over the thickness of the layer: beyond it, small strain says nothing. An assumption."""
-_BESIDE = 0.95
-"""Part of the half width of the skin beyond which an object touches its side."""
 
 
 @dataclass(frozen=True)
@@ -149,38 +148,14 @@ class _Approach:
         low, high = (math.ceil(z / GRID_MM) for z in (-form.sensor_z_mm, length - form.sensor_z_mm))
         dz = GRID_MM * np.arange(low, high + 1, dtype=np.float64)
         xs, zs = np.meshgrid(x, dz, indexing="ij")
-        # Tilt counts from the pad's own line, which a straight pad's taper inclines.
-        surface = form.skin_mm(xs, zs + form.sensor_z_mm) + form.base_slope * zs
-        facing = pose.object_mm(xs, zs)
-        near = np.where(
-            np.isfinite(facing) & np.isfinite(surface), surface - np.where(np.isfinite(facing), facing, 0.0), -math.inf
-        )
-        i, j = np.unravel_index(int(near.argmax()), near.shape)
-        if not np.isfinite(near[i, j]):
-            raise TraceError(
-                Issue("pose.place_mm", f"{pose.place_mm:g} mm puts the object beside the pad; at 0 it touches it.")
-            )
-        cls._refuse(form, pose, float(x[i]), float(dz[j]), float(near[i, j]))
-        at = np.array([[x[i]]]), np.array([[dz[j] + form.sensor_z_mm]])
-        thickness = float(form.skin_mm(*at)[0, 0]) - max(float(form.bone_mm(*at)[0, 0]), 0.0)
-        return cls(form, x, dz, near[i, j] - near, thickness)
-
-    @staticmethod
-    def _refuse(form: PadForm, pose: Pose, x: float, dz: float, near: float) -> None:
-        """Refuse a pose in which the object touches the side or the end of the pad, or the collar first."""
-        z = dz + form.sensor_z_mm
-        half = form.outer.section.half_width * form.outer.scale_at(z)
-        if abs(x) > _BESIDE * half:
-            raise TraceError(
-                Issue("pose.roll_deg", f"{pose.roll_deg:g} degrees touches the side of the finger; choose 0.")
-            )
-        if pose.object == "plate":
-            end, height = form.collar
-            at_collar = np.array([[0.0]]), np.array([[end - form.sensor_z_mm]])
-            if height + form.base_slope * at_collar[1][0, 0] - pose.object_mm(*at_collar)[0, 0] > near:
-                raise TraceError(
-                    Issue("pose.tilt_deg", f"{pose.tilt_deg:g} degrees touches the bone's collar first; choose 0.")
-                )
+        surface = form.skin_mm(xs, zs + form.sensor_z_mm)
+        on_skin = np.isfinite(surface)
+        points = np.column_stack([xs[on_skin], zs[on_skin] + form.sensor_z_mm, surface[on_skin]])
+        touch, (at_x, at_z, height) = Touch.of_pose(form, pose, points)
+        gap = np.full(xs.shape, math.inf)
+        gap[on_skin] = touch.clear_mm(points)
+        thickness = float(height - max(form.bone_mm(at_x[None], at_z[None])[0], 0.0))
+        return cls(form, x, dz, gap, thickness)
 
     def lay_out(self, reach_mm: float) -> _Layout:
         """Lay a grid around the part of the pad that lies within reach of the object."""

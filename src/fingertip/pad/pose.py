@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal
-
-import numpy as np
-
-from fingertip.foundation.numerics import Array
 
 ObjectShape = Literal["plate", "cylinder", "edge", "sphere"]
 EDGE_RADIUS_MM = 0.5
@@ -32,18 +27,3 @@ class Pose:
     """Distance from the sensor's centre, distal, at which a cylinder, an edge or a sphere stands."""
     across_mm: float = 0.0
     """Distance from the middle plane at which a sphere stands."""
-
-    def object_mm(self, x: Array, dz: Array) -> Array:
-        """Return the height of the object's surface [mm] at x and at distances dz from the sensor, up to a constant.
-
-        Heights count as those of the pad do, positive towards the palm; infinite beside the object.
-        """
-        plane = math.tan(math.radians(self.roll_deg)) * x - math.tan(math.radians(self.tilt_deg)) * dz
-        if self.object == "plate":
-            return plane
-        radius = EDGE_RADIUS_MM if self.object == "edge" else self.radius_mm
-        across = x - self.across_mm if self.object == "sphere" else np.zeros_like(x)
-        squared = (dz - self.place_mm) ** 2 + across**2
-        fallen = np.sqrt(np.maximum(radius * radius - squared, 0.0))
-        surface: Array = plane + np.where(squared < radius * radius, radius - fallen, math.inf)
-        return surface

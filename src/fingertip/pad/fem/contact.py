@@ -12,19 +12,17 @@ displacements of the surface that a unit displacement of the active area would c
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem.elastic import Body, Surface, triangle_shapes
-from fingertip.pad.fem.mesh import PALM, MeshSize, X, Z, mesh_skin
-from fingertip.pad.fem.objects import Touch
+from fingertip.pad.fem.mesh import MeshSize, mesh_skin
+from fingertip.pad.touch import PALM, Touch, X, Z
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,26 +67,6 @@ class PadContact:
     strain: float
     bond_shear_mpa: float
     bond_tension_mpa: float
-
-
-def solve(
-    form: PadForm, poses: Sequence[Pose], forces_n: Sequence[float], mesh: MeshSize | None = None
-) -> list[PadContact]:
-    """Press the pad on the object of each pose with each force [N]. The forces vary fastest.
-
-    Without roll, half of the pad is enough. Raises MissingLibraryError without scipy, GeometryError for a mesh that
-    exceeds its memory, and TraceError for a pose beside the skin or on bone, and for a force beyond small strains.
-    """
-    extras.require("", "scipy", subject="the pad by finite elements")
-    wrong = [force for force in forces_n if not 0.0 < force < math.inf]
-    if wrong:
-        raise TraceError(Issue("force_n", f"{wrong[0]:g} N does not press; use a force above 0."))
-    model = PadModel(form, mesh or MeshSize(), is_half=all(pose.roll_deg == 0.0 for pose in poses))
-    results = []
-    for patch in [Patch(model, pose) for pose in poses]:
-        rising = {force: patch.press(force) for force in sorted(forces_n)}
-        results += [rising[force] for force in forces_n]
-    return results
 
 
 class PadModel:
@@ -219,6 +197,8 @@ class Patch:
 
     def press(self, force_n: float, max_strain: float = MAX_STRAIN) -> PadContact:
         """Press with a force, larger than the one before. Raises TraceError beyond small strains."""
+        if not 0.0 < force_n < math.inf:
+            raise TraceError(Issue("force_n", f"{force_n:g} N does not press; use a force above 0."))
         model = self._model
         while True:
             nodes = np.flatnonzero(self._travel <= self._reach)

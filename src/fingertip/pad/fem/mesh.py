@@ -18,6 +18,7 @@ import numpy as np
 
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.numerics import Array
+from fingertip.pad.touch import X
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from fingertip.design.geometry.features import SensorInsert
     from fingertip.pad.form import PadForm
 
-X, Z, PALM = range(3)
-"""Axes of nodes and displacements."""
 RIM_MM = 0.6
 """Height of the surface above the parting plane at which the mesh ends [mm]: a feather edge carries nothing."""
 _THINNEST_MM = 0.1

@@ -8,22 +8,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import lru_cache
 
 import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.pad.fem.mesh import PALM, RIM_MM, X, Z
-from fingertip.pad.pose import EDGE_RADIUS_MM
+from fingertip.pad.form import PadForm
+from fingertip.pad.pose import EDGE_RADIUS_MM, Pose
 
-if TYPE_CHECKING:
-    from fingertip.pad.form import PadForm
-    from fingertip.pad.pose import Pose
-
+X, Z, PALM = range(3)
+"""Axes of points, nodes and displacements."""
 MAX_ANGLE_DEG = 60.0
 """Largest tilt and roll. Beyond, objects touch tip or side rather than the pad."""
-_LOWEST_MM = 2.0 * RIM_MM
+_LOWEST_MM = 1.2
 """Height above the parting plane below which the surface is too steep to be pressed [mm]."""
 _ROUND = 0.8
 """Part of its radius up to which an object is round. Beyond, it goes on along the tangent."""
@@ -73,6 +71,10 @@ class Touch:
             raise _refuse("tilt_deg", f"{before}; turn the finger less.")
         return replace(touch, height_mm=height, rigid_mm=travel), point
 
+    def clear_mm(self, points: Array) -> Array:
+        """Return how high the object lies over points [mm]."""
+        return np.asarray(self.height_mm + self._rise(points)[0] - points[:, PALM])
+
     def gaps(self, points: Array) -> tuple[Array, Array, Array]:
         """Return gaps over points, unit vectors into the object, and what 1 mm of travel closes of them."""
         rise, slopes = self._rise(points)
@@ -83,7 +85,7 @@ class Touch:
 
     def _off_axis(self, points: Array) -> Array:
         """Offsets along x and z from the axis or the centre of a round object."""
-        off = points[:, [X, Z]] - np.array([0.0, self.sensor_z_mm + self.pose.place_mm])
+        off = points[:, [X, Z]] - np.array([self.pose.across_mm, self.sensor_z_mm + self.pose.place_mm])
         return np.asarray(off if self.pose.object == "sphere" else off * (0.0, 1.0))
 
     def _rise(self, points: Array) -> tuple[Array, Array]:
@@ -103,6 +105,7 @@ def _refuse(name: str, message: str) -> TraceError:
     return TraceError(Issue(f"pose.{name}", message))
 
 
+@lru_cache(maxsize=8)
 def _rigid_points(form: PadForm) -> Array:
     """Points of the bone's palmar side, also proximal of the skin, and of the collar's ridge."""
     x, z = (axis.ravel() for axis in np.meshgrid(_BONE_MM, _BONE_MM))

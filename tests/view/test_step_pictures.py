@@ -29,7 +29,7 @@ from tests.view.describe import PenRecord, describe_scene, join_lines
 APPROVED = Path(__file__).parent / "approved"
 DESIGNS = {
     "fsr400": ("fsr400", ()),
-    "adult_finger": ("adult_finger", ()),
+    "adult_finger": ("adult_finger", ("sensor.insert=disc",)),
     "sleeve": ("fsr402", ("mold.method=sleeve",)),
     "poured_sleeve": (
         "child_finger", ("mold.method=sleeve", "mold.filling=gravity", "silicone.product=sylgard_184"),

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import PadSurvey
 
+_WORST = ("strain", "bond_shear_mpa", "bond_tension_mpa")
+"""Figures of which the largest over all tilts is stated."""
 _REFINED = 0.7
 """Length of the finer mesh's edges over those of the mesh."""
 
@@ -34,19 +36,20 @@ def pad(
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
 
-    A layer model of the silicone on the bone computes the contact with a flat, rigid plate. At a tilt of 0 the straight
-    part of the pad at its base is parallel to the plate; a positive tilt turns the tip down.
+    A layer model of the silicone on the bone computes the contact with a flat, rigid plate. With an insert on the sensor
+    finite elements do, which takes a minute or two the first time. At a tilt of 0 the straight part of the pad at its
+    base is parallel to the plate; a positive tilt turns the tip down.
     `fingertip picture DESIGN --pad` draws the same over the place and the force.
     """
     from fingertip.pad.form import PadForm
-    from fingertip.pad.survey import survey_pad
+    from fingertip.pad.survey import FORCE_N, survey_pad
 
     if fem or refine:
         extras.require("--fem", "scipy")
     loaded = load_design(design, changes, console)
     survey, form = survey_pad(loaded), PadForm.of_design(loaded)
     data: dict[str, Any] = {"design": loaded.name, "young_mpa": round(form.young_mpa, 4), **survey.to_dict()}
-    lines = _list_lines(loaded.name, form.young_mpa, survey)
+    lines = _list_lines(loaded.name, form, survey)
     for is_fine in (False, True)[: 1 + refine] if fem or refine else ():
         console.progress(f"finite elements{', finer mesh' if is_fine else ''}")
         found = _press(form, is_fine)
@@ -56,8 +59,16 @@ def pad(
         ]
         title = "finite elements, edges 0.7" if is_fine else "the same, finite elements"
         lines.insert(3 + is_fine, _row(title, ["-" if c is None else f"{c.share:.2f}" for c in found]))
+        pressed = [c for c in found if c]
+        worst = {part: max(getattr(c, part) for c in pressed) for part in _WORST}
+        data[f"{name}_worst"] = {part: round(value, 4) for part, value in worst.items()}
     if fem or refine:
-        lines.append("finite elements: -: the plate reaches the rigid collar, or the strain is too large")
+        stretch = loaded.silicone.material.elongation_percent.low
+        lines += [
+            "finite elements: -: the plate reaches the rigid collar, or the strain is too large",
+            f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %), "
+            f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension",
+        ]
     console.result(data, "\n".join(lines))
 
 
@@ -83,12 +94,12 @@ def _row(title: str, texts: list[str]) -> str:
     return f"{title:<30}" + "".join(f"{text:>7}" for text in texts)
 
 
-def _list_lines(name: str, young_mpa: float, survey: PadSurvey) -> list[str]:
+def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:
     from fingertip.pad.survey import FIRM_N, FORCE_N, ROLL_DEG, ROLLED_TILT_DEG, TILTS_DEG
 
     turn_on = [f"{force:.2f}" if force < math.inf else "never" for force in survey.turn_on_n]
     return [
-        f"{name}: what the sensor feels on a flat plate (layer model, {young_mpa:.2g} MPa)",
+        f"{name}: what the sensor feels on a flat plate ({form.model}, {form.young_mpa:.2g} MPa)",
         _row("tilt, tip down [deg]", [f"{tilt:g}" for tilt in TILTS_DEG]),
         _row(f"share of {FORCE_N:g} N", [f"{share:.2f}" for share in survey.shares]),
         _row("force at turn-on [N]", turn_on),

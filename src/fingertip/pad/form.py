@@ -58,6 +58,11 @@ class PadForm:
         )  # fmt: skip
 
     @property
+    def model(self) -> str:
+        """Name of the model by which contacts are computed."""
+        return "finite elements" if self.insert else "layer model"
+
+    @property
     def base_slope(self) -> float:
         """Slope of the pad's straight part at the base, towards the parting plane [mm per mm]."""
         span, height = self.outer.spans[0], self.outer.section.palmar

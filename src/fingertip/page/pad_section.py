@@ -26,7 +26,7 @@ def render_pad(design: Design) -> Markup:
     said = (
         f"At tilts of {grasp} degrees at least {least:.0%} of a force of {FORCE_N:g} N on a flat plate reaches the "
         f"sensor, and it turns on at {turn_on} at the latest; rolled by 10 degrees it gets {survey.rolled_share:.0%}. "
-        f"The silicone is a layer on rigid bone, of {form.young_mpa:.2g} MPa."
+        f"Computed by the {form.model}, with silicone of {form.young_mpa:.2g} MPa on rigid bone."
     )
     length, half = form.outer.spans[-1].z[2], form.outer.section.half_width
     width = 2 * half * _PX_PER_MM

@@ -34,7 +34,7 @@ def draw_pad(design: Design) -> bytes:
     _draw_depths(depths, form)
     grasp = survey.least_share(0.0, 10.0)
     figure.suptitle(f"{design.name}: what the sensor feels\n", x=0.01, ha="left", fontweight="bold", fontsize=13)
-    text = f"at tilts of 0 to 10° at least {grasp:.0%} of 1 N reaches the sensor; layer model, {form.young_mpa:.2g} MPa"
+    text = f"tilts of 0 to 10°: at least {grasp:.0%} of 1 N reaches the sensor; {form.model}, {form.young_mpa:.2g} MPa"
     figure.text(0.01, 0.915, text, fontsize=10.5, color=TEXT_COLOUR)
     return to_png(figure)
 

@@ -55,16 +55,14 @@ def find_contacts(
     force = np.array(forces_n)
     s, u = _scale(np.full_like(force, pose.tilt_deg), np.clip(force, FORCES_N[0], FORCES_N[-1]))
     change = legval2d(s, u, table.rolled) * (roll / ROLL_DEG) ** 2
-    share, shear, depth, area = legval2d(s, u, table.straight)
+    share, shear, depth, area, centre = legval2d(s, u, table.straight)
     # Depth and area go on as powers of the force beyond the table, the shares stay.
     beyond = np.log(force / np.clip(force, FORCES_N[0], FORCES_N[-1]))
     share, shear = share * np.exp(change[0]), shear * np.exp(change[0])
     depth, area = np.exp(depth + change[1] + 0.6 * beyond), np.exp(area + change[2] + 0.7 * beyond)
     over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm - form.insert.height
-    found = [
-        Contact(float(f), float(a), float(b), float(d), float(e), math.nan, (0.0, math.nan), over)
-        for f, a, b, d, e in zip(force, share, shear, depth, area, strict=True)
-    ]
+    rows = np.stack([force, share, shear, depth, area, centre], axis=1).tolist()
+    found = [Contact(f, part, along, d, a, math.nan, (0.0, at), over) for f, part, along, d, a, at in rows]
     if found[-1].strain > max_strain:
         message = f"{forces_n[-1]:g} N presses the skin over the insert by {found[-1].strain:.0%} of its thickness."
         raise TraceError(Issue("force_n", message))
@@ -128,9 +126,9 @@ def _compute_table(form: PadForm) -> _Table:
             except TraceError:  # where the plate comes to lie on the collar, the table goes on as before
                 if len(rows) < 3:
                     raise
-                rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3))])
+                rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3)), rows[-1][4]])
             else:
-                rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2)])
+                rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2), c.centre_mm[1]])
         return np.array(rows)
 
     half = PadModel(form, MeshSize(), is_half=True)

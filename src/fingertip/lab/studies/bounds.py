@@ -48,7 +48,7 @@ ALARMS_PER_MINUTE = 0.1
 _MIN_NOISE_V = 1e-12
 """Noise floor used when the design states zero noise [V]."""
 _CREEP_S = 0.02
-"""Time before gross slip in which the creeping pad's information counts [s]: the robot has moved for some 13 ms."""
+"""Time before gross slip in which the creeping pad's information counts [s]: the robot has moved for some 8 ms."""
 _SMOOTHING_S = 0.002
 """Time over which the power is averaged, half of it ahead [s]: the bound may know the slip."""
 

@@ -117,7 +117,7 @@ def insert_drawing(design: Design) -> PartDrawing:
     for radius, top in caps:
         edge = (0.0, film - top, z - radius)
         sizes += [
-            Length("diameter of the cap", OUTER, "section", "above", "z", edge, (0.0, film - top, z + radius),
+            Length("diameter of the cap", OUTER, "front", "below", "z", edge, (0.0, film - top, z + radius),
                    is_diameter=True),
             Length("height of the cap", OUTER, "section", "left", "y", edge, (0.0, film - stem[1], z - radius)),
         ]  # fmt: skip

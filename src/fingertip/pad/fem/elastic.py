@@ -138,6 +138,7 @@ class Body:
         from scipy.sparse.linalg import splu  # noqa: PLC0415
 
         self._mesh, self._fixed, self._free = mesh, np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
+        self.young_mpa, self.poisson = young_mpa, poisson
         matrix = stiffness(mesh, young_mpa, poisson)
         self._coupling = matrix[self._fixed][:, self._free]
         matrix = matrix[self._free][:, self._free].tocsc()

@@ -77,7 +77,7 @@ DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
     ),
     "socket": (
         "fsr400", "name=A_very-long_name_with-forty_characters_1 bone.interface=socket bone.base_length_mm=32 "
-        "sensor.insert=mushroom sensor.insert_height_mm=0.8",
+        "sensor.insert=mushroom sensor.insert_height_mm=0.5",
         WEIGHED, {"volumes": SMALL, "delays_s": (0.025, 0.01)},
     ),
     "flange": (

@@ -95,8 +95,8 @@ def sensor_insert_data(design: Design) -> dict[str, Any] | None:
     """Size what is stuck on the sensor's tape; None without an insert."""
     if (insert := design.dimensions.insert) is None:
         return None
-    stem = 2.0 * insert.parts[0][0]
-    return {"kind": design.sensor.insert, "diameter_mm": round(stem, 2), "height_mm": round(insert.height, 2)}
+    beside = design.dimensions.platform_radius - insert.radius
+    return {"kind": design.sensor.insert, "beside_mm": round(beside, 1), "height_mm": round(insert.height, 2)}
 
 
 def flat_width_mm(design: Design, z: float) -> float:

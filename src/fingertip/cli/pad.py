@@ -37,7 +37,7 @@ def pad(
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
 
     A layer model of the silicone on the bone computes the contact with a flat, rigid plate. With an insert finite
-    elements do, which takes a minute or two the first time. At a tilt of 0 the straight part of the pad at its base is
+    elements do, which takes half a minute the first time. At a tilt of 0 the straight part of the pad at its base is
     parallel to the plate; a positive tilt turns the tip down.
     `fingertip picture DESIGN --pad` draws the same over the place and the force.
     """

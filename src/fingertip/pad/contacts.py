@@ -1,8 +1,8 @@
 """Contacts of a pad: by the layer model, or with an insert from a table of finite elements.
 
 The layer model does not hold around a stiff insert: its force is off by factors. So a plate is pressed on such a pad by
-finite elements over tilt, roll and force, and smooth functions of them are fitted. That takes one or two minutes; the
-result is kept in the user's cache folder, under a name made of the form and of this module's settings.
+finite elements over tilt, roll and force, and smooth functions of them are fitted. That takes ten to forty seconds;
+the result is kept in the user's cache folder, under a name made of the form and of this module's settings.
 """
 
 from __future__ import annotations
@@ -47,11 +47,8 @@ def find_contacts(
     """Find the contact at each of some growing forces. Raises TraceError, and MissingLibraryError with an insert."""
     if form.insert is None:
         return layer.find_contacts(form, pose, forces_n, max_strain)
-    least, most, roll = TILTS_DEG[0], TILTS_DEG[-1], abs(pose.roll_deg)
-    if pose.object != "plate" or not least <= pose.tilt_deg <= most or roll > 2 * ROLL_DEG:
-        known = f"plates, tilts of {least:g} to {most:g} and rolls of up to {2 * ROLL_DEG:g} degrees"
-        raise TraceError(Issue("pose", f"is not known with an insert; choose one of: {known}."))
-    table = _read_table(form)
+    check_pose(form, pose)
+    table, roll = _read_table(form), abs(pose.roll_deg)
     force = np.array(forces_n)
     s, u = _scale(np.full_like(force, pose.tilt_deg), np.clip(force, FORCES_N[0], FORCES_N[-1]))
     change = legval2d(s, u, table.rolled) * (roll / ROLL_DEG) ** 2
@@ -67,6 +64,24 @@ def find_contacts(
         message = f"{forces_n[-1]:g} N presses the skin over the insert by {found[-1].strain:.0%} of its thickness."
         raise TraceError(Issue("force_n", message))
     return found
+
+
+def check_pose(form: PadForm, pose: Pose) -> None:
+    """Raise a TraceError for a pose that cannot be, or for which no contact is known."""
+    layer.bring(form, pose)
+    if form.insert is None:
+        return
+    if pose.object != "plate":
+        raise TraceError(
+            Issue("pose.object", f"{pose.object} is not known with an insert on the sensor; choose plate.")
+        )
+    for name, value, low, high in (
+        ("tilt_deg", pose.tilt_deg, TILTS_DEG[0], TILTS_DEG[-1]),
+        ("roll_deg", pose.roll_deg, -2 * ROLL_DEG, 2 * ROLL_DEG),
+    ):
+        if not low <= value <= high:
+            bounds = f"{low:g} to {high:g} degrees are known with an insert"
+            raise TraceError(Issue(f"pose.{name}", f"{value:g} degrees: {bounds}; choose one of them."))
 
 
 def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
@@ -118,6 +133,8 @@ def _compute_table(form: PadForm) -> _Table:
     from fingertip.pad.fem.contact import PadModel, Patch  # noqa: PLC0415
     from fingertip.pad.fem.mesh import MeshSize  # noqa: PLC0415
 
+    edge = max(0.8, 0.32 * form.active_radius_mm)  # as many edges over a larger sensor
+
     def press(model: PadModel, pose: Pose) -> Array:
         patch, rows = Patch(model, pose), list[list[float]]()
         for force in FORCES_N:
@@ -131,15 +148,27 @@ def _compute_table(form: PadForm) -> _Table:
                 rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2), c.centre_mm[1]])
         return np.array(rows)
 
-    half = PadModel(form, MeshSize(), is_half=True)
-    straight = np.array([press(half, Pose(tilt)) for tilt in TILTS_DEG])
-    fitted = _fit(TILTS_DEG, straight, _DEGREES)
-    whole = PadModel(form, MeshSize(), is_half=False)
-    at_rest = straight[[TILTS_DEG.index(tilt) for tilt in ROLLED_TILTS_DEG]]
-    rolled = np.array([press(whole, Pose(tilt, ROLL_DEG)) for tilt in ROLLED_TILTS_DEG])
+    tilts = [tilt for tilt in TILTS_DEG if _is_possible(form, Pose(tilt))]
+    half = PadModel(form, MeshSize(edge), is_half=True)
+    fitted = _fit(tilts, np.array([press(half, Pose(tilt)) for tilt in tilts]), _DEGREES)
+    # What a roll changes is found on a coarser mesh, which serves both.
+    whole = PadModel(form, MeshSize(1.4 * edge), is_half=False)
+    tilts = [tilt for tilt in ROLLED_TILTS_DEG if _is_possible(form, Pose(tilt, ROLL_DEG)) and tilt in tilts]
+    at_rest, rolled = (
+        np.array([press(whole, Pose(tilt, roll)) for tilt in tilts]).reshape(len(tilts), len(FORCES_N), -1)
+        for roll in (0.0, ROLL_DEG)
+    )
     share = np.log(np.maximum(rolled[..., 0], 1e-3) / np.maximum(at_rest[..., 0], 1e-3))
     change = np.stack([share, rolled[..., 2] - at_rest[..., 2], rolled[..., 3] - at_rest[..., 3]], axis=2)
-    return _Table(fitted, _fit(ROLLED_TILTS_DEG, change, _ROLLED_DEGREES), *half.map_shares(GRID_MM))
+    return _Table(fitted, _fit(tilts, change, _ROLLED_DEGREES), *half.map_shares(GRID_MM))
+
+
+def _is_possible(form: PadForm, pose: Pose) -> bool:
+    try:
+        layer.bring(form, pose)
+    except TraceError:
+        return False
+    return True
 
 
 def _fit(tilts_deg: Sequence[float], values: Array, degrees: tuple[int, int]) -> Array:

@@ -94,7 +94,7 @@ def find_contacts(
     form: PadForm, pose: Pose, forces_n: Sequence[float], max_strain: float = MAX_STRAIN
 ) -> list[Contact]:
     """Find the contact at each of some growing forces. Raises TraceError."""
-    near = _Approach.bring(form, pose)
+    near = bring(form, pose)
     layout, pressure = near.lay_out(_FIRST_REACH_MM), None
     found: list[Contact] = []
     for force_n in forces_n:
@@ -140,23 +140,6 @@ class _Approach:
     gap_mm: Array
     thickness_mm: float
 
-    @classmethod
-    def bring(cls, form: PadForm, pose: Pose) -> _Approach:
-        half, length = form.outer.section.half_width, form.outer.spans[-1].z[2]
-        count = math.ceil(half / GRID_MM)
-        x = GRID_MM * np.arange(-count, count + 1, dtype=np.float64)
-        low, high = (math.ceil(z / GRID_MM) for z in (-form.sensor_z_mm, length - form.sensor_z_mm))
-        dz = GRID_MM * np.arange(low, high + 1, dtype=np.float64)
-        xs, zs = np.meshgrid(x, dz, indexing="ij")
-        surface = form.skin_mm(xs, zs + form.sensor_z_mm)
-        on_skin = np.isfinite(surface)
-        points = np.column_stack([xs[on_skin], zs[on_skin] + form.sensor_z_mm, surface[on_skin]])
-        touch, (at_x, at_z, height) = Touch.of_pose(form, pose, points)
-        gap = np.full(xs.shape, math.inf)
-        gap[on_skin] = touch.clear_mm(points)
-        thickness = float(height - max(form.bone_mm(at_x[None], at_z[None])[0], 0.0))
-        return cls(form, x, dz, gap, thickness)
-
     def lay_out(self, reach_mm: float) -> _Layout:
         """Lay a grid around the part of the pad that lies within reach of the object."""
         used = self.gap_mm < reach_mm
@@ -173,6 +156,24 @@ class _Approach:
         )
         kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * self.form.young_mpa, self.form.poisson)
         return _Layout(gap, reach_mm, *kernels, _cover(x, dz, self.form.active_radius_mm), x, dz, self.thickness_mm)
+
+
+def bring(form: PadForm, pose: Pose) -> _Approach:
+    """Bring the object of a pose to the pad. Raises TraceError for a pose that cannot be."""
+    half, length = form.outer.section.half_width, form.outer.spans[-1].z[2]
+    count = math.ceil(half / GRID_MM)
+    x = GRID_MM * np.arange(-count, count + 1, dtype=np.float64)
+    low, high = (math.ceil(z / GRID_MM) for z in (-form.sensor_z_mm, length - form.sensor_z_mm))
+    dz = GRID_MM * np.arange(low, high + 1, dtype=np.float64)
+    xs, zs = np.meshgrid(x, dz, indexing="ij")
+    surface = form.skin_mm(xs, zs + form.sensor_z_mm)
+    on_skin = np.isfinite(surface)
+    points = np.column_stack([xs[on_skin], zs[on_skin] + form.sensor_z_mm, surface[on_skin]])
+    touch, (at_x, at_z, height) = Touch.of_pose(form, pose, points)
+    gap = np.full(xs.shape, math.inf)
+    gap[on_skin] = touch.clear_mm(points)
+    thickness = float(height - max(form.bone_mm(at_x[None], at_z[None])[0], 0.0))
+    return _Approach(form, x, dz, gap, thickness)
 
 
 def _unwrap(start: float, size: int, used: int) -> Array:

@@ -63,12 +63,12 @@ class Touch:
         if is_beside or point[PALM] < _LOWEST_MM:
             name, value = ("tilt_deg", pose.tilt_deg) if is_plate else ("place_mm", pose.place_mm)
             where = f"at {value:g} the {pose.object} meets x = {point[X]:.1f}, z = {point[Z]:.1f} mm, beside the pad"
-            raise _refuse(name, f"{where}; turn the finger less, or bring the object nearer to the sensor.")
+            raise _refuse(name, f"{where}; choose one nearer to 0.")
         rigid = _rigid_points(form)
         travel = float((height + touch._rise(rigid)[0] - rigid[:, PALM]).min()) / math.hypot(1.0, *slopes)
         if travel <= 0.0:
             before = f"at {pose.tilt_deg:g} degrees the {pose.object} meets bone or collar {-travel:.2g} mm before skin"
-            raise _refuse("tilt_deg", f"{before}; turn the finger less.")
+            raise _refuse("tilt_deg", f"{before}; choose one nearer to 0.")
         return replace(touch, height_mm=height, rigid_mm=travel), point
 
     def clear_mm(self, points: Array) -> Array:

@@ -35,6 +35,8 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     if isinstance(result, SceneRecord):
         slide = result.scene.slide
         speed = slide.speed_m_s if slide.distance_m else 0.0
+        pose = result.scene.draw_pose(result.seed)
+        data |= {"tilt_deg": pose.tilt_deg, "roll_deg": pose.roll_deg, "sensor_share": round(result.sensor_share, 4)}
         return data | {"surface": result.scene.contact.surface, "speed_m_s": speed}
     target, plan = result.scene.object, result.plan
     data |= {
@@ -59,7 +61,10 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
         scene = result.scene
         slides = scene.slide.distance_m > 0.0
         title = f"{_describe_surface(scene.contact.surface)}, {scene.slide.speed_m_s:g} m/s" if slides else scene.name
-        return [f"{title}, {result.force_n:.2f} N, {size}", *slips]
+        pose = scene.draw_pose(result.seed)
+        turned = f"tilt {pose.tilt_deg:g} degrees, roll {pose.roll_deg:g} degrees on a {pose.object}"
+        felt = f"{turned}: {result.sensor_share:.0%} of the force reaches the sensor"
+        return [f"{title}, {result.force_n:.2f} N, {size}", felt, *slips]
     target = result.scene.object
     surface = _describe_surface(target.surface)
     title = f"object: {surface}, {1000 * target.mass_kg:g} g, {result.scene.grasp.kind} grasp"

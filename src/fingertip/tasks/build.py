@@ -138,7 +138,7 @@ def build(
             job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
             process = stack.enter_context(StepProcess(job))
         if design.dimensions.insert and "skin" in names:
-            progress("pressing the pad with its insert by finite elements: one or two minutes, once for each form")
+            progress("pressing the pad with its insert by finite elements: some half a minute, once for each form")
             survey_pad(design)
         verified = verify(design, names, file_formats, evaluator, progress)
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength

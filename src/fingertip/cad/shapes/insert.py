@@ -11,7 +11,7 @@ import math
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
-from fingertip.design.geometry.features import Chaplet
+from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
 from fingertip.design.geometry.seat import sleeve_inset_mm
 from fingertip.design.geometry.solids import (
     Box,
@@ -103,8 +103,9 @@ def head_y(design: Design) -> float:
 
 _NECK_OVERLAP_MM = 0.5
 """Length by which the ramp's solid begins below the flat, proximal to the ramp [mm]."""
-_SKIRT, _JIG_WALL_MM = 0.7, 1.6
-"""Part of the platform's height that the jig of an insert reaches down around it, and its wall [mm]."""
+_SKIRT, _JIG_WALL_MM, _OUT_OF_JIG_MM = 0.7, 1.6, 0.3
+"""Jig of an insert: part of the platform's height that it reaches down around it, its wall, and how far the insert
+stands out of it [mm]."""
 _INTO_BONE_MM = 0.2
 """Depth to which an insert reaches into the filled bone, so that no faces coincide [mm]."""
 _STEP_IN_COLLAR_MM = 0.3
@@ -120,13 +121,13 @@ def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
     return union(_cut_facets(design, body, inset_mm), collar(design))
 
 
-def sensor_insert(design: Design, into_bone_mm: float = 0.0) -> tuple[Solid, ...]:
-    """Build the insert on the sensor, down to its film or into the bone; none without one."""
+def sensor_insert(design: Design, down_mm: float = 0.0) -> tuple[Solid, ...]:
+    """Build the insert on the sensor, down to the film under it or further; none without one."""
     dims = design.dimensions
     if dims.insert is None:
         return ()
     film, centre, parts = -dims.platform_depth, (dims.sensor_z, 0.0), dims.insert.parts
-    lows = (film + into_bone_mm, *(film - top for _, top in parts))  # the stem reaches through the cap
+    lows = (film - INSERT_BASE_MM + down_mm, *(film - top for _, top in parts))  # the stem reaches through the cap
     solids = [
         cylinder("y", centre, film - dims.insert.height, low, r) for (r, _), low in zip(parts, lows, strict=False)
     ]
@@ -134,16 +135,21 @@ def sensor_insert(design: Design, into_bone_mm: float = 0.0) -> tuple[Solid, ...
 
 
 def insert_jig(design: Design) -> Solid:
-    """Build the ring that is slipped over the platform to centre an insert, with room for the tail."""
+    """Build the ring that is slipped over the platform to centre an insert, with room for the tail.
+
+    Pushed towards the base until it touches, it has its hole over the sensor. The insert stands out of it.
+    """
     dims, gap = design.dimensions, design.sensor.clearance_mm
     assert dims.insert
     film, centre, radius = -dims.platform_depth, (dims.sensor_z, 0.0), dims.platform_radius + gap
-    top, skirt = film - dims.insert.height, film + _SKIRT * design.bone.platform_mm
+    top, skirt = film - dims.insert.height + _OUT_OF_JIG_MM, film + _SKIRT * design.bone.platform_mm
     around = cylinder("y", centre, top, skirt, radius + _JIG_WALL_MM)
     neck = dims.neck_half_width + gap
     tail = Box((-neck, film, dims.sensor_z - 2 * radius), (neck, skirt + _INTO_HOLLOW_MM, dims.sensor_z))
     over = cylinder("y", centre, film, skirt + _INTO_HOLLOW_MM, radius)
-    hole = cylinder("y", centre, top - _INTO_HOLLOW_MM, film + _INTO_HOLLOW_MM, dims.insert.radius + gap)
+    hole = cylinder(
+        "y", (dims.sensor_z + gap, 0.0), top - _INTO_HOLLOW_MM, film + _INTO_HOLLOW_MM, dims.insert.radius + gap
+    )
     return difference(around, over, tail, hole)
 
 
@@ -244,7 +250,7 @@ def mold_insert(design: Design) -> Solid:
 def skin_interior(design: Design) -> Solid:
     """Build what the skin lies on: the bone, inset for a sleeve, with an insert on its sensor."""
     bone = filled_bone(design, sleeve_inset_mm(design))
-    return union(bone, *sensor_insert(design, _INTO_BONE_MM)) if design.dimensions.insert else bone
+    return union(bone, *sensor_insert(design, INSERT_BASE_MM + _INTO_BONE_MM)) if design.dimensions.insert else bone
 
 
 def skin(design: Design) -> Solid:

@@ -21,6 +21,7 @@ from fingertip.design.geometry.conic import (
     weight_of_fullness,
 )
 from fingertip.design.geometry.features import (
+    INSERT_BASE_MM,
     NOTCH_WIDTH_MM,
     SLIDING_MM,
     Chaplet,
@@ -221,7 +222,7 @@ class Dimensions:
         sensor = self._design.sensor
         if sensor.insert == "none":
             return None
-        stem = (sensor.insert_diameter_mm / 2, sensor.insert_height_mm)
+        stem = (sensor.insert_diameter_mm / 2, INSERT_BASE_MM + sensor.insert_height_mm)
         cap = (sensor.insert_cap_diameter_mm / 2, stem[1] + sensor.insert_cap_height_mm)
         return SensorInsert((stem, cap) if sensor.insert == "mushroom" else (stem,))
 

@@ -48,9 +48,13 @@ SCREW_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50)
 """Standard lengths of small machine screws (ISO 888)."""
 
 
+INSERT_BASE_MM = 0.16
+"""Height of tape and double-sided film between the sensor and an insert [mm]: 0.06 and 0.1. Assumption."""
+
+
 @dataclass(frozen=True)
 class SensorInsert:
-    """Stiff disc on the sensor within the skin; with a cap it is a mushroom, and the disc its stem [mm]."""
+    """Stiff disc on the tape over the sensor; with a cap it is a mushroom, and the disc its stem [mm]."""
 
     parts: tuple[tuple[float, float], ...]
     """Radius of each part, and the height above the sensor at which it ends, from below."""

@@ -281,6 +281,21 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     return tuple(points)
 
 
+def list_insert_points(dims: Dimensions) -> tuple[SkinPoint, ...]:
+    """List points on the edge of an insert, from which the skin over it is thinnest; none without one."""
+    if dims.insert is None:
+        return ()
+    r, palm, points = dims.insert.radius, dims.outer.palmar_height_at, []
+    depth = dims.platform_depth + dims.insert.height
+    for x, along in ((0.0, r), (r, 0.0), (0.0, -r)):
+        z = dims.sensor_z + along
+        by_x, by_z = ((palm(x + _STEP_MM, z) - palm(x, z)) / _STEP_MM, (palm(x, z + _STEP_MM) - palm(x, z)) / _STEP_MM)
+        cosine = 1.0 / math.hypot(1.0, by_x, by_z)
+        normal = (-by_x * cosine, -cosine, -by_z * cosine)
+        points.append(SkinPoint((x, -depth, z), normal, (palm(x, z) - depth) * cosine))
+    return tuple(points)
+
+
 def find_losses(
     design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
 ) -> tuple[Loss, ...]:

@@ -40,8 +40,8 @@ class Sensor(ParameterTable):
         "Stiff print between sensor and silicone: a disc, or a mushroom, whose cap gathers force from around it.",
     )
     insert_diameter_mm: float = quantity(4.5, "mm", (1, 20), "Diameter of the disc, or of the mushroom's stem.")
-    insert_height_mm: float = quantity(1.5, "mm", (0.4, 8), "Height of the disc, or of the mushroom's stem: 0.8.")
-    insert_cap_diameter_mm: float = quantity(6.0, "mm", (1, 40), "Diameter of the mushroom's cap.")
+    insert_height_mm: float = quantity(1.3, "mm", (0.4, 8), "Height of the disc, or of the mushroom's stem: 0.5.")
+    insert_cap_diameter_mm: float = quantity(5.6, "mm", (1, 40), "Diameter of the mushroom's cap.")
     insert_cap_height_mm: float = quantity(0.6, "mm", (0.4, 8), "Height of the mushroom's cap.")
 
 

@@ -9,7 +9,7 @@ from fingertip.catalogues.hardware import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM,
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.features import Chaplet, place_chaplet
-from fingertip.design.geometry.seat import Loss, find_losses, worst
+from fingertip.design.geometry.seat import Loss, find_losses, list_insert_points, worst
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
 from fingertip.design.rules.ruleset import SLACK, Interval, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, skin_is_thick_enough, tip_within_skin
@@ -249,6 +249,19 @@ def bone_is_held(design: DesignTables) -> Violation | None:
         at_most(limit) if limit else (),
         shortfall=max(_find_share_missing(design, loss) for loss in losses),
     )
+
+
+@RULES.at_most("sensor.insert_height_mm", bone_is_held)
+def skin_covers_insert(design: DesignTables) -> Limit | None:
+    """The skin keeps its minimum thickness over the edge of an insert, on a bone that lies off too."""
+    dims = design.dimensions
+    if dims.insert is None:
+        return None
+    losses = find_losses(design, dims, points=list_insert_points(dims))
+    lacking = design.skin.min_thickness_mm - min(loss.point.thickness_mm - loss.loss_mm for loss in losses)
+    where = f"leaves less than skin.min_thickness_mm={design.skin.min_thickness_mm:g} of silicone over its edge"
+    # The surface over the edge is inclined: a lower insert gains less than it is lower.
+    return Limit(design.sensor.insert_height_mm - (1.2 if lacking > 0.0 else 0.5) * lacking, where)
 
 
 def _leaves_enough(design: DesignTables, loss: Loss) -> bool:

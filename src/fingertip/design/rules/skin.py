@@ -109,20 +109,6 @@ def cap_covers_stem(design: DesignTables) -> Limit | None:
     return Limit(design.sensor.insert_diameter_mm, "is narrower than its stem")
 
 
-@RULES.at_most("sensor.insert_height_mm")
-def skin_covers_insert(design: DesignTables) -> Limit | None:
-    """The skin keeps its minimum thickness over the edge of an insert."""
-    dims = design.dimensions
-    if dims.insert is None:
-        return None
-    r = dims.insert.radius
-    rim = ((0.0, -r), (r, 0.0), (0.0, r))
-    over = min(dims.outer.palmar_height_at(x, dims.sensor_z + z) for x, z in rim) - dims.platform_depth
-    cap = dims.insert.height - design.sensor.insert_height_mm
-    where = f"leaves less than skin.min_thickness_mm={design.skin.min_thickness_mm:g} of silicone over its edge"
-    return Limit(over - cap - design.skin.min_thickness_mm, where)
-
-
 @RULES.rule("skin.crown_offset_mm", tip_within_skin)
 def crown_on_taper(design: DesignTables) -> Violation | None:
     """The apex of a crown lies on the tapered part of the skin."""

@@ -11,7 +11,7 @@ from fingertip.cad.shapes.mold import recess_half_width
 from fingertip.catalogues.hardware import LUER_MOUTH_MM, select_thread
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
-from fingertip.design.geometry.features import Chaplet
+from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -105,21 +105,23 @@ def lid_drawing(design: Design) -> PartDrawing:
 def insert_drawing(design: Design) -> PartDrawing:
     dims, z = design.dimensions, design.dimensions.sensor_z
     assert dims.insert
-    film, (stem, *caps) = -dims.platform_depth, dims.insert.parts
+    film, (stem, *caps) = -dims.platform_depth - INSERT_BASE_MM, dims.insert.parts
+    height = dims.insert.height - INSERT_BASE_MM
     foot = (0.0, film, z - stem[0])
     sizes: list[Size] = [
         Length(f"diameter of the {'stem' if caps else 'disc'}", OUTER, "section", "below", "z", foot,
                (0.0, film, z + stem[0]), symmetric(0.1), "wide: sand it, or it presses beside the active area",
                is_diameter=True),
-        Length("height", OUTER, "section", "right", "y", foot, (0.0, film - dims.insert.height, z), symmetric(0.1),
+        Length("height", OUTER, "section", "right", "y", foot, (0.0, film - height, z), symmetric(0.1),
                "high: sand it, or the skin over it is thin"),
     ]  # fmt: skip
-    for radius, top in caps:
-        edge = (0.0, film - top, z - radius)
+    for radius, _ in caps:
+        edge = (0.0, film - height, z - radius)
         sizes += [
-            Length("diameter of the cap", OUTER, "front", "below", "z", edge, (0.0, film - top, z + radius),
-                   is_diameter=True),
-            Length("height of the cap", OUTER, "section", "left", "y", edge, (0.0, film - stem[1], z - radius)),
+            Length("diameter of the cap", OUTER, "front", "below", "z", edge, (0.0, film - height, z + radius),
+                   symmetric(0.1), "wide: file its rim until it falls through the jig", is_diameter=True),
+            Length("height of the cap", OUTER, "section", "left", "y", edge,
+                   (0.0, film - stem[1] + INSERT_BASE_MM, z - radius)),
         ]  # fmt: skip
     return PartDrawing("sensor_insert", "Insert on the sensor", "palmar", _MATERIAL, tuple(sizes))
 
@@ -127,14 +129,13 @@ def insert_drawing(design: Design) -> PartDrawing:
 def jig_drawing(design: Design) -> PartDrawing:
     dims, gap, z = design.dimensions, design.sensor.clearance_mm, design.dimensions.sensor_z
     assert dims.insert
-    film, hole, inside = -dims.platform_depth, dims.insert.radius + gap, dims.platform_radius + gap
-    top = (0.0, film - dims.insert.height, z)
+    film, hole, neck = -dims.platform_depth, dims.insert.radius + gap, dims.neck_half_width + gap
+    top = (0.0, film - dims.insert.height, z + gap)
     sizes = (
         Circle("hole of the insert", INNER, "palmar", "y", top, hole, clearance(2 * gap - 2 * design.printer.offset_mm),
                "file it until the insert drops through"),
-        Length("inside, over the platform", INNER, "section", "above", "z", (0.0, film, z), (0.0, film, z + inside),
-               None, "file it until it slips over the platform", is_reference=True),
-        Length("height over the platform", STEP, "section", "right", "y", top, (0.0, film, z + inside)),
+        Length("width between the walls", INNER, "end", "below", "x", (-neck, film, z), (neck, film, z),
+               clearance(2 * gap - 2 * design.printer.offset_mm), "file it until it slips over the ramp"),
     )  # fmt: skip
     return PartDrawing("insert_jig", "Jig of the insert", "palmar", _MATERIAL, sizes)
 

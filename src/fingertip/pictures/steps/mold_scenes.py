@@ -148,7 +148,7 @@ def prime(bench: Bench, data: Data) -> Scene:
     dims = bench.dims
     _, y, z = bench.head
     return Scene(
-        (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE), *bench.seat_tape()),
+        (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE), *bench.stiff(), *bench.seat_tape()),
         View.PALMAR,
         Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
         Label("none on the tape", (0.0, y, z / 2)),

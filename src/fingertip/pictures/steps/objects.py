@@ -83,8 +83,11 @@ class Bench:
         """Show bone with its sensor, or core, as it lies in the mold."""
         if self.insert == "core":
             return [self.part("core", cut=cut)]
-        stiff = [self.part("sensor_insert", cut=cut)] if self.dims.insert else []
-        return [*self.assembled_bone(cut=cut), *stiff]
+        return [*self.assembled_bone(cut=cut), *self.stiff(cut=cut)]
+
+    def stiff(self, *, cut: bool = False) -> list[Shown]:
+        """Show the insert on the sensor; none without one."""
+        return [self.part("sensor_insert", cut=cut)] if self.dims.insert else []
 
     def bolts(
         self, bolt_shift: Point3 = (0.0, 0.0, 0.0), nut_shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False

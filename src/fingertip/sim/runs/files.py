@@ -10,6 +10,7 @@ grasped object at 8 cm/s. Masses, grasps and this velocity are the article's. It
 
 from __future__ import annotations
 
+import contextlib
 import math
 import random
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +23,8 @@ from fingertip.design import Design
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.validation import round_down, round_up
+from fingertip.pad.contacts import check_pose
+from fingertip.pad.form import PadForm
 from fingertip.pad.pose import ObjectShape, Pose
 from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
 from fingertip.sim.signal.parameters import (
@@ -82,6 +85,9 @@ class Hold(ParameterTable):
     after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
 
 
+_ANGLES_AND_PLACE = ("tilt_spread_deg", "roll_deg", "roll_spread_deg", "place_mm")
+
+
 class ScenePose(ParameterTable):
     """Pose of the finger on the object: what part of the force reaches the sensor depends on it."""
 
@@ -95,6 +101,40 @@ class ScenePose(ParameterTable):
     radius_mm: float = quantity(20.0, "mm", (1, 500), "Radius of a cylinder or a sphere.")
     place_mm: float = quantity(0.0, "mm", (-15, 15), "Distance from the sensor, distal, at which it stands.")
 
+    def find_issues(self, form: PadForm) -> Iterator[Issue]:
+        """Yield why one of the poses that may be drawn cannot be, with values nearer to a plate on the sensor."""
+        try:
+            self._check(form)
+        except TraceError as error:
+            (issue,) = error.issues
+            problem = issue.message.split(";")[0]
+            for step in range(1, 11):
+                nearer = self._nearer(0.1 * step)
+                with contextlib.suppress(TraceError):
+                    nearer._check(form)
+                    old, new = self.model_dump(), nearer.model_dump()
+                    changes = [f"pose.{name}={value:g}" for name, value in new.items() if value != old[name]]
+                    yield Issue(issue.field, f"{problem}; set {' and '.join(changes)}.")
+                    return
+            yield issue
+
+    def _check(self, form: PadForm) -> None:
+        for tilt_deg in {self.tilt_deg - self.tilt_spread_deg, self.tilt_deg + self.tilt_spread_deg}:
+            for roll_deg in {self.roll_deg - self.roll_spread_deg, self.roll_deg + self.roll_spread_deg}:
+                check_pose(form, self._at(tilt_deg, roll_deg))
+
+    def _nearer(self, share: float) -> ScenePose:
+        """Move tilt, roll, place and spreads by a share towards those of the article's trials."""
+        rest = 1.0 - share
+        changes = {name: round(rest * getattr(self, name), 1) for name in _ANGLES_AND_PLACE}
+        tilt_deg = round(REFERENCE_POSE.tilt_deg + rest * (self.tilt_deg - REFERENCE_POSE.tilt_deg), 1)
+        return self.model_copy(update={**changes, "tilt_deg": tilt_deg})
+
+    def _at(self, tilt_deg: float, roll_deg: float) -> Pose:
+        is_round = self.object in ("cylinder", "sphere")
+        place = 0.0 if self.object == "plate" else self.place_mm
+        return Pose(tilt_deg, roll_deg, self.object, self.radius_mm if is_round else 0.0, place)
+
     def draw(self, rng: random.Random) -> Pose:
         """Draw a pose in whole degrees, so that a campaign meets few of them."""
         tilt, roll = (
@@ -105,9 +145,7 @@ class ScenePose(ParameterTable):
             tilt = self.tilt_deg
         if not self.roll_spread_deg:
             roll = self.roll_deg
-        is_round = self.object in ("cylinder", "sphere")
-        place = 0.0 if self.object == "plate" else self.place_mm
-        return Pose(tilt, roll, self.object, self.radius_mm if is_round else 0.0, place)
+        return self._at(tilt, roll)
 
 
 GRASP_POSE = ScenePose(tilt_deg=5.0, tilt_spread_deg=10.0, roll_spread_deg=10.0)
@@ -184,19 +222,18 @@ class SceneFile(PathTables, _SceneTables):
     def find_design_issues(self, design: Design, seed: int) -> Iterator[Issue]:
         """Yield the reasons why this cannot be simulated with a design and a seed."""
         yield from super().find_design_issues(design, seed)
-        if seed >= 0:
-            try:
-                self.draw_pad(design, seed)
-            except TraceError as error:
-                yield from error.issues
+        yield from self.pose.find_issues(PadForm.of_design(design))
         half = design.detector.sample_rate_hz / 2
         if self.motor.force_n and self.motor.frequency_hz >= half:
             what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
             yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
 
+    def draw_pose(self, seed: int) -> Pose:
+        return self.pose.draw(random.Random(f"{seed}:pose"))
+
     def draw_pad(self, design: Design, seed: int) -> Pad:
         """Draw the pose, and build the pad of a design in it. Raises TraceError."""
-        contact, pose = self.contact, self.pose.draw(random.Random(f"{seed}:pose"))
+        contact, pose = self.contact, self.draw_pose(seed)
         return Pad.from_design(design, pose, Backing(contact.mass_kg, contact.hand_n_per_m, contact.damping_ratio))
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:

@@ -74,6 +74,8 @@ class SceneRecord:
     """True slips; empty if the scene does not record them."""
     stages: tuple[StageCost, ...]
     sample_rate_hz: float
+    sensor_share: float
+    """Part of this force that reaches the sensor in the pose of the scene."""
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
 
@@ -330,4 +332,5 @@ def stream_scene(
             done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
     rate, slide = design.detector.sample_rate_hz, run.timeline.slide
     motion_s = slide.start_s if slide else None
-    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate, motion_s)
+    share = float(run.pad.sensed_n(np.array([run.force_n]))[0]) / run.force_n
+    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate, share, motion_s)

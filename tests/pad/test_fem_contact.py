@@ -105,7 +105,7 @@ def test_share_by_the_adjoint_solution_is_the_integral_of_the_traction() -> None
     contact = Patch(model, Pose(3.0)).press(2.0)
     random = np.random.default_rng(1)
     tractions = random.uniform(-0.1, 0.1, model.top.points.shape)
-    sensed = model.respond(tractions)[0]
+    sensed = model.sense(tractions)
     load = np.zeros((*model._mesh.nodes.shape, 1))
     load[model._upper, :, 0] = model.top.trace @ tractions
     held = model.bond.project(model._body.support(model._body.move(load)[:, :, 0])[model._lower])[:, PALM]

@@ -129,7 +129,7 @@ def test_fsr400_with_an_insert_feels_as_asked_for(changes: str, least: float, wi
     patches = {tilt: Patch(model, Pose(tilt)) for tilt in tilts}
     light, share = {}, {}
     for tilt, patch in patches.items():
-        light[tilt], share[tilt] = patch.press(0.25, math.inf).share, patch.press(1.0, math.inf).share
+        light[tilt], share[tilt] = patch.press(0.25).share, patch.press(1.0).share
     grasp = [share[tilt] for tilt in tilts if 0.0 <= tilt <= 10.0]
     assert min(grasp) >= least
     assert min(share[tilt] for tilt in tilts if tilt <= 15.0) >= wide

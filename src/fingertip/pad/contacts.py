@@ -137,22 +137,21 @@ def _compute_table(form: PadForm) -> _Table:
 
     def press(model: PadModel, pose: Pose) -> Array:
         patch, rows = Patch(model, pose), list[list[float]]()
-        for force in FORCES_N:
-            try:
-                c = patch.press(force, math.inf)
-            except TraceError:  # where the plate comes to lie on the collar, the table goes on as before
-                if len(rows) < 3:
-                    raise
-                rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3)), rows[-1][4]])
-            else:
+        with suppress(TraceError):  # where the plate comes to lie on the collar, or the skin is too soft for the force
+            for force in FORCES_N:
+                c = patch.press(force, with_strain=False)
                 rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2), c.centre_mm[1]])
+        if len(rows) < 2:
+            raise TraceError(Issue("silicone.product", f"is too soft for {FORCES_N[len(rows)]:g} N on an insert."))
+        for _ in FORCES_N[len(rows) :]:  # the table goes on as before
+            rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3)), rows[-1][4]])
         return np.array(rows)
 
     tilts = [tilt for tilt in TILTS_DEG if _is_possible(form, Pose(tilt))]
     half = PadModel(form, MeshSize(edge), is_half=True)
     fitted = _fit(tilts, np.array([press(half, Pose(tilt)) for tilt in tilts]), _DEGREES)
     # What a roll changes is found on a coarser mesh, which serves both.
-    whole = PadModel(form, MeshSize(1.4 * edge), is_half=False)
+    whole = PadModel(form, MeshSize(1.8 * edge), is_half=False)
     tilts = [tilt for tilt in ROLLED_TILTS_DEG if _is_possible(form, Pose(tilt, ROLL_DEG)) and tilt in tilts]
     at_rest, rolled = (
         np.array([press(whole, Pose(tilt, roll)) for tilt in tilts]).reshape(len(tilts), len(FORCES_N), -1)

@@ -156,11 +156,11 @@ class PadModel:
         shares = griddata((x, dz), self._weights[:, PALM], tuple(at), fill_value=0.0)
         return line, line, np.round(shares, 3)
 
-    def respond(self, tractions: Array) -> tuple[float, float, float, float]:
-        """Load on the active area [N], and largest strain, shear and tension at the bond, under surface tractions."""
+    def strain(self, tractions: Array) -> tuple[float, float, float]:
+        """Return the largest strain, and shear and tension at the bond [MPa], under tractions of the surface."""
         load = np.zeros((*self._mesh.nodes.shape, 1))
         load[self._upper, :, 0] = self.top.trace @ tractions
-        sensed, moved = self.sense(tractions), self._body.move(load)[:, :, 0]
+        moved = self._body.move(load)[:, :, 0]
         forces = self._body.support(moved)[self._lower]
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
@@ -172,7 +172,7 @@ class PadModel:
         mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
         along = (mean * normal).sum(axis=1)
         shear = np.linalg.norm(mean - along[:, None] * normal, axis=1)
-        return sensed, float(np.abs(self._body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
+        return float(np.abs(self._body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
 
 
 class Patch:
@@ -183,6 +183,9 @@ class Patch:
         touch, point = Touch.of_pose(model.form, pose, model.fine_surface())
         nearest = int(np.argmin(np.linalg.norm(surface - point, axis=1)))
         thickness = float(surface[nearest, PALM] - model.bond.points[nearest, PALM])
+        if stiff := model.form.insert:
+            arm = math.hypot(surface[nearest, X], surface[nearest, Z] - model.form.sensor_z_mm)
+            thickness -= max((top for radius, top in stiff.parts if arm <= radius), default=0.0)
         self._limit, self._reason = min(
             (MAX_DEPTH * thickness, f"{MAX_DEPTH:g} of the skin's {thickness:.2g} mm"),
             (touch.rigid_mm, "where the object reaches bone or collar"),
@@ -195,8 +198,11 @@ class Patch:
         self._gap = model.top.trace.T @ (gap / self._into[:, PALM]) * self._into[:, PALM]
         self._active = self._travel <= self._reach
 
-    def press(self, force_n: float, max_strain: float = MAX_STRAIN) -> PadContact:
-        """Press with a force, larger than the one before. Raises TraceError beyond small strains."""
+    def press(self, force_n: float, *, with_strain: bool = True) -> PadContact:
+        """Press with a force, larger than the one before. Raises TraceError beyond small strains.
+
+        Without strain, which takes most of the time, strain, shear and tension are NaN.
+        """
         if not 0.0 < force_n < math.inf:
             raise TraceError(Issue("force_n", f"{force_n:g} N does not press; use a force above 0."))
         model = self._model
@@ -215,17 +221,17 @@ class Patch:
             self._reach = min(_GROWTH * self._reach, depth, self._limit)
         tractions = np.zeros_like(self._into)
         tractions[nodes] = -pressure[:, None] * into
-        sensed, strain, shear, tension = model.respond(tractions)
-        if strain > max_strain:
-            raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {max_strain:g} of small strains")
+        strain, shear, tension = model.strain(tractions) if with_strain else (math.nan,) * 3
+        if strain > MAX_STRAIN:
+            raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains")
         flow = pressure * self._weight[nodes]
         along = np.zeros_like(tractions)
         along[nodes, Z] = pressure
         spread = model.copies * model.area[nodes]
         x, z = flow @ model.top.points[nodes][:, [X, Z]] / flow.sum()
         return PadContact(
-            sensed / force_n, model.sense(along) / float(spread @ pressure), force_n, depth, model.copies / slope,
-            (0.0 if model.copies > 1.0 else float(x), float(z) - model.form.sensor_z_mm),
+            model.sense(tractions) / force_n, model.sense(along) / float(spread @ pressure), force_n, depth,
+            model.copies / slope, (0.0 if model.copies > 1.0 else float(x), float(z) - model.form.sensor_z_mm),
             float(spread[pressure > 0.0].sum()), float(pressure.max()), strain, shear, tension,
         )  # fmt: skip
 

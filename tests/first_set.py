@@ -28,7 +28,6 @@ MOST_CASES = 8
 LIMIT_S = 2.0
 """Largest CPU time of a test of the first set [s]."""
 EXPENSIVE = {
-    "tests/design/test_fit.py::test_bundled_hand_gets_a_tip_of_its_own_sizes": "searches lengths for a whole finger",
     "tests/design/test_rules.py::test_a_refusal_is_the_approved_one_and_its_remedies_pass": "searches remedies",
     "tests/cad/test_volumes.py::test_dented_skin_breaks_the_cavity_balance": "exact solids of all parts",
     "tests/cad/test_files.py::test_files_of_both_processes_are_returned": "imports cadquery in two processes",

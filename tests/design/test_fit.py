@@ -28,6 +28,7 @@ def tables(name: str, **values: float) -> DesignTables:
     return DesignTables(**load_tables([design_file(name)], []).tables).with_values(values)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("hand", list_hands())
 def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
     new = write_new_design("mine", hand=hand)

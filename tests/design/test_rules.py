@@ -96,7 +96,9 @@ CASES = [  # changes of the default design, or of the bundled one that is named 
     f"{CLEVIS} bone.collar_length_mm=4.5",
     f"{CLEVIS} hand.knuckle=fork bone.base_length_mm=14.3 hand.width_mm=2",
     f"{FOLDED} bone.groove_depth_mm=0.6",
-    "skin.thickness_side_mm=1.2 skin.min_thickness_mm=1.2 bone.palmar_fullness=0.9815",
+    pytest.param(
+        "skin.thickness_side_mm=1.2 skin.min_thickness_mm=1.2 bone.palmar_fullness=0.9815", marks=pytest.mark.full
+    ),
     "bone.wall_mm=0.6",
     "mold.recess_length_mm=2.5",
     f"{SOCKET} bone.cross_bolt_diameter_mm=5",

@@ -15,6 +15,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.pad.pose import Pose
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.report import as_data, as_text, draw
 from fingertip.sim.runs.scene import SceneRecord
@@ -140,7 +141,7 @@ def test_summary_merges_slips_as_detection_does() -> None:
     for part in np.split(np.arange(len(time)), [150, 450, 451]):
         collector.add(time[part], slip[part])
     scene = SceneFile(scene="events", outputs=["slip"])
-    result = SceneRecord(scene, 0, 1.0, len(time), collector.close(), (), 2000.0, 0.6)
+    result = SceneRecord(scene, 0, 1.0, len(time), collector.close(), (), 2000.0, Pose(), 0.6)
     assert result.slips == intervals(time, slip)
     assert as_text(result)[2:] == ["gross slip from 0.1000 s to 0.3000 s", "gross slip from 0.5000 s to 0.6000 s"]
     assert len(as_data(result)["slips"]) == 3

@@ -27,7 +27,8 @@ from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.foundation.errors import FingertipError
-from fingertip.sim import ManipulationFile, SceneFile, load_simulation
+from fingertip.foundation.validation import raise_issues
+from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
 from fingertip.sweep.outputs import OUTPUTS
 from tools.fuzz.cases import Case
 from tools.fuzz.remedies import as_changes
@@ -192,7 +193,13 @@ class _Drawing:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / design
             path.write_bytes(self.files[design])
-            simulation, changes = settle(lambda typed: load_simulation(name, path, changes=typed), changes)
+
+            def load(typed: list[str]) -> Simulation:
+                simulation = load_simulation(name, path, changes=typed)
+                raise_issues(simulation.scene.find_design_issues(simulation.design, 0))
+                return simulation
+
+            simulation, changes = settle(load, changes)
         self.is_refused = self.is_refused or simulation is None
         self.has_converter = bool(simulation and simulation.scene.converter.bits)
         if simulation and rng.random() < 0.5:

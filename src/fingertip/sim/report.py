@@ -35,7 +35,7 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     if isinstance(result, SceneRecord):
         slide = result.scene.slide
         speed = slide.speed_m_s if slide.distance_m else 0.0
-        pose = result.scene.draw_pose(result.seed)
+        pose = result.pose
         data |= {"tilt_deg": pose.tilt_deg, "roll_deg": pose.roll_deg, "sensor_share": round(result.sensor_share, 4)}
         return data | {"surface": result.scene.contact.surface, "speed_m_s": speed}
     target, plan = result.scene.object, result.plan
@@ -61,7 +61,7 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
         scene = result.scene
         slides = scene.slide.distance_m > 0.0
         title = f"{_describe_surface(scene.contact.surface)}, {scene.slide.speed_m_s:g} m/s" if slides else scene.name
-        pose = scene.draw_pose(result.seed)
+        pose = result.pose
         turned = f"tilt {pose.tilt_deg:g} degrees, roll {pose.roll_deg:g} degrees on a {pose.object}"
         felt = f"{turned}: {result.sensor_share:.0%} of the force reaches the sensor"
         return [f"{title}, {result.force_n:.2f} N, {size}", felt, *slips]

@@ -10,10 +10,10 @@ grasped object at 8 cm/s. Masses, grasps and this velocity are the article's. It
 
 from __future__ import annotations
 
-import contextlib
 import math
 import random
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -85,9 +85,6 @@ class Hold(ParameterTable):
     after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
 
 
-_ANGLES_AND_PLACE = ("tilt_spread_deg", "roll_deg", "roll_spread_deg", "place_mm")
-
-
 class ScenePose(ParameterTable):
     """Pose of the finger on the object: what part of the force reaches the sensor depends on it."""
 
@@ -102,50 +99,55 @@ class ScenePose(ParameterTable):
     place_mm: float = quantity(0.0, "mm", (-15, 15), "Distance from the sensor, distal, at which it stands.")
 
     def find_issues(self, form: PadForm) -> Iterator[Issue]:
-        """Yield why one of the poses that may be drawn cannot be, with values nearer to a plate on the sensor."""
+        """Yield why the pose in the middle cannot be, with values nearer to a plate on the sensor that can."""
         try:
-            self._check(form)
+            check_pose(form, self._at(1.0, self.tilt_deg, self.roll_deg))
         except TraceError as error:
             (issue,) = error.issues
             problem = issue.message.split(";")[0]
+            names = ("tilt_deg", "roll_deg", "place_mm")
+            goal = {"tilt_deg": REFERENCE_POSE.tilt_deg, "roll_deg": 0.0, "place_mm": 0.0}
             for step in range(1, 11):
-                nearer = self._nearer(0.1 * step)
-                with contextlib.suppress(TraceError):
-                    nearer._check(form)
-                    old, new = self.model_dump(), nearer.model_dump()
-                    changes = [f"pose.{name}={value:g}" for name, value in new.items() if value != old[name]]
+                new = {
+                    name: round((1 - 0.1 * step) * getattr(self, name) + 0.1 * step * goal[name], 1) for name in names
+                }
+                nearer = self.model_copy(update=new)
+                if _is_possible(form, nearer._at(1.0, nearer.tilt_deg, nearer.roll_deg)):
+                    changes = [f"pose.{name}={new[name]:g}" for name in names if new[name] != getattr(self, name)]
                     yield Issue(issue.field, f"{problem}; set {' and '.join(changes)}.")
                     return
             yield issue
 
-    def _check(self, form: PadForm) -> None:
-        for tilt_deg in {self.tilt_deg - self.tilt_spread_deg, self.tilt_deg + self.tilt_spread_deg}:
-            for roll_deg in {self.roll_deg - self.roll_spread_deg, self.roll_deg + self.roll_spread_deg}:
-                check_pose(form, self._at(tilt_deg, roll_deg))
-
-    def _nearer(self, share: float) -> ScenePose:
-        """Move tilt, roll, place and spreads by a share towards those of the article's trials."""
-        rest = 1.0 - share
-        changes = {name: round(rest * getattr(self, name), 1) for name in _ANGLES_AND_PLACE}
-        tilt_deg = round(REFERENCE_POSE.tilt_deg + rest * (self.tilt_deg - REFERENCE_POSE.tilt_deg), 1)
-        return self.model_copy(update={**changes, "tilt_deg": tilt_deg})
-
-    def _at(self, tilt_deg: float, roll_deg: float) -> Pose:
-        is_round = self.object in ("cylinder", "sphere")
-        place = 0.0 if self.object == "plate" else self.place_mm
-        return Pose(tilt_deg, roll_deg, self.object, self.radius_mm if is_round else 0.0, place)
-
-    def draw(self, rng: random.Random) -> Pose:
-        """Draw a pose in whole degrees, so that a campaign meets few of them."""
+    def draw(self, form: PadForm, seed: int) -> Pose:
+        """Draw a pose in whole degrees, so that a campaign meets few of them; nearer to the middle if it cannot be."""
+        rng = random.Random(f"{seed}:pose")
         tilt, roll = (
-            float(round(middle + spread * (2.0 * rng.random() - 1.0)))
+            middle + spread * (2.0 * rng.random() - 1.0)
             for middle, spread in ((self.tilt_deg, self.tilt_spread_deg), (self.roll_deg, self.roll_spread_deg))
         )
-        if not self.tilt_spread_deg:
-            tilt = self.tilt_deg
-        if not self.roll_spread_deg:
-            roll = self.roll_deg
-        return self._at(tilt, roll)
+        poses = (self._at(0.2 * share, tilt, roll) for share in range(5, 0, -1))
+        return next((pose for pose in poses if _is_possible(form, pose)), self._at(0.0, tilt, roll))
+
+    def _at(self, share: float, tilt_deg: float, roll_deg: float) -> Pose:
+        """Return the pose that lies a share of the way from the middle to angles."""
+        tilt = (
+            float(round(self.tilt_deg + share * (tilt_deg - self.tilt_deg))) if self.tilt_spread_deg else self.tilt_deg
+        )
+        roll = (
+            float(round(self.roll_deg + share * (roll_deg - self.roll_deg))) if self.roll_spread_deg else self.roll_deg
+        )
+        is_round = self.object in ("cylinder", "sphere")
+        place = 0.0 if self.object == "plate" else self.place_mm
+        return Pose(tilt, roll, self.object, self.radius_mm if is_round else 0.0, place)
+
+
+@lru_cache(maxsize=1024)
+def _is_possible(form: PadForm, pose: Pose) -> bool:
+    try:
+        check_pose(form, pose)
+    except TraceError:
+        return False
+    return True
 
 
 GRASP_POSE = ScenePose(tilt_deg=5.0, tilt_spread_deg=10.0, roll_spread_deg=10.0)
@@ -228,12 +230,12 @@ class SceneFile(PathTables, _SceneTables):
             what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
             yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
 
-    def draw_pose(self, seed: int) -> Pose:
-        return self.pose.draw(random.Random(f"{seed}:pose"))
+    def draw_pose(self, design: Design, seed: int) -> Pose:
+        return self.pose.draw(PadForm.of_design(design), seed)
 
     def draw_pad(self, design: Design, seed: int) -> Pad:
         """Draw the pose, and build the pad of a design in it. Raises TraceError."""
-        contact, pose = self.contact, self.draw_pose(seed)
+        contact, pose = self.contact, self.draw_pose(design, seed)
         return Pad.from_design(design, pose, Backing(contact.mass_kg, contact.hand_n_per_m, contact.damping_ratio))
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:

@@ -23,6 +23,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import check_type, raise_issues
+from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.surfaces import SURFACES, SurfaceProfile
@@ -74,8 +75,9 @@ class SceneRecord:
     """True slips; empty if the scene does not record them."""
     stages: tuple[StageCost, ...]
     sample_rate_hz: float
+    pose: Pose
     sensor_share: float
-    """Part of this force that reaches the sensor in the pose of the scene."""
+    """Part of this force that reaches the sensor in this pose."""
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
 
@@ -333,4 +335,5 @@ def stream_scene(
     rate, slide = design.detector.sample_rate_hz, run.timeline.slide
     motion_s = slide.start_s if slide else None
     share = float(run.pad.sensed_n(np.array([run.force_n]))[0]) / run.force_n
-    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), run.meter.costs, rate, share, motion_s)
+    pose, costs = scene.draw_pose(run.design, seed), run.meter.costs
+    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), costs, rate, pose, share, motion_s)

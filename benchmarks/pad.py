@@ -19,8 +19,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
-from fingertip.pad.fem.contact import PadModel, Patch
-from fingertip.pad.fem.mesh import MeshSize
+from fingertip.pad.fem_contact import PadModel, Patch
+from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.pad.fem.contact import PadModel
-from fingertip.pad.fem.mesh import MeshSize
+from fingertip.pad.fem_contact import PadModel
+from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.touch import X, Z
 from tests.tools import require_tool

@@ -14,8 +14,8 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.numerics import Array
-from fingertip.pad.fem.contact import PadContact, PadModel, Patch, find_patch
-from fingertip.pad.fem.mesh import MeshSize
+from fingertip.pad.fem_contact import PadContact, PadModel, Patch, find_patch
+from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 from fingertip.pad.touch import PALM
@@ -197,7 +197,7 @@ def test_poses_are_refused_before_the_stiffness_is_factorised(monkeypatch: pytes
     def fail(*_: Any) -> None:
         raise AssertionError("factorised")
 
-    monkeypatch.setattr("fingertip.pad.fem.contact.Body", fail)
+    monkeypatch.setattr("fingertip.pad.fem_contact.Body", fail)
     with pytest.raises(FingertipError, match="beside the pad"):
         solve(pad(), [Pose(), Pose(object="edge", place_mm=15.0)], [1.0], MeshSize(0.5))
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fingertip.foundation.numerics import Array
-from fingertip.pad.fem.elastic import Body, Surface, stiffness
-from fingertip.pad.fem.mesh import WedgeMesh, extrude, quadratic_plan
+from fingertip.pad.fem_elastic import Body, Surface, stiffness
+from fingertip.pad.fem_mesh import WedgeMesh, extrude, quadratic_plan
 from fingertip.pad.touch import PALM, X, Z
 
 

@@ -17,8 +17,8 @@ from fingertip.design.geometry.solids import union
 from fingertip.foundation.errors import DesignError, TraceError
 from fingertip.pad import contacts
 from fingertip.pad.contacts import find_contacts
-from fingertip.pad.fem.contact import PadModel, Patch
-from fingertip.pad.fem.mesh import MeshSize
+from fingertip.pad.fem_contact import PadModel, Patch
+from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 from fingertip.pad.survey import survey_pad
@@ -145,8 +145,8 @@ def test_fsr400_with_an_insert_feels_as_asked_for(changes: str, least: float, wi
 def test_a_soft_insert_is_silicone(monkeypatch: pytest.MonkeyPatch) -> None:
     """An insert of the silicone's modulus changes nothing but the mesh."""
     form = PadForm.of_design(load(DISC))
-    monkeypatch.setattr("fingertip.pad.fem.contact.PLASTIC_MPA", form.young_mpa)
-    monkeypatch.setattr("fingertip.pad.fem.contact.PLASTIC_POISSON", form.poisson)
+    monkeypatch.setattr("fingertip.pad.fem_contact.PLASTIC_MPA", form.young_mpa)
+    monkeypatch.setattr("fingertip.pad.fem_contact.PLASTIC_POISSON", form.poisson)
     one, other = (
         Patch(PadModel(each, MeshSize(), is_half=True), Pose(5.0)).press(1.0)
         for each in (form, replace(form, insert=None))

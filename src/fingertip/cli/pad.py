@@ -14,7 +14,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.errors import TraceError
 
 if TYPE_CHECKING:
-    from fingertip.pad.fem.contact import PadContact
+    from fingertip.pad.fem_contact import PadContact
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import PadSurvey
 
@@ -74,8 +74,8 @@ def pad(
 
 def _press(form: PadForm, is_fine: bool) -> list[PadContact | None]:
     """Press the pad by finite elements at all tilts of the survey; None where they refuse the contact."""
-    from fingertip.pad.fem.contact import PadModel, Patch
-    from fingertip.pad.fem.mesh import MeshSize
+    from fingertip.pad.fem_contact import PadModel, Patch
+    from fingertip.pad.fem_mesh import MeshSize
     from fingertip.pad.pose import Pose
     from fingertip.pad.survey import FORCE_N, TILTS_DEG
 

@@ -130,8 +130,8 @@ def _read_table(form: PadForm) -> _Table:
 def _compute_table(form: PadForm) -> _Table:
     """Press a plate on the pad in all poses with all forces, and fit the polynomials."""
     extras.require("sensor.insert", "scipy")
-    from fingertip.pad.fem.contact import PadModel, Patch  # noqa: PLC0415
-    from fingertip.pad.fem.mesh import MeshSize  # noqa: PLC0415
+    from fingertip.pad.fem_contact import PadModel, Patch  # noqa: PLC0415
+    from fingertip.pad.fem_mesh import MeshSize  # noqa: PLC0415
 
     edge = max(0.8, 0.32 * form.active_radius_mm)  # as many edges over a larger sensor
 

@@ -18,7 +18,7 @@ from fingertip.foundation.numerics import Array
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fingertip.pad.fem.mesh import WedgeMesh
+    from fingertip.pad.fem_mesh import WedgeMesh
 
 _CHUNK = 400
 """Number of elements whose matrices are in memory at a time."""

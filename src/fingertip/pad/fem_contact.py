@@ -20,8 +20,8 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.pad.fem.elastic import Body, Surface, triangle_shapes
-from fingertip.pad.fem.mesh import MeshSize, mesh_skin
+from fingertip.pad.fem_elastic import Body, Surface, triangle_shapes
+from fingertip.pad.fem_mesh import MeshSize, mesh_skin
 from fingertip.pad.touch import PALM, Touch, X, Z
 
 if TYPE_CHECKING:

@@ -177,12 +177,12 @@ def test_skin_attenuates_high_frequencies():
 def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
     """What its files say is compared with approved ones in test_report.py."""
     done = CliRunner().invoke(
-        app, ["validate", "article", "--trials", "8", "--minutes", "1", "--json", "--out", str(tmp_path)]
+        app, ["validate", "fsr400", "--trials", "8", "--minutes", "1", "--json", "--out", str(tmp_path)]
     )
     assert done.exit_code == 0, done.stdout
     assert {path.name for path in tmp_path.iterdir()} >= set(FILES)
     assert re.match(
-        r"article, detector fast: all \d+ requirements are met\n", (tmp_path / "validation.txt").read_text()
+        r"fsr400, detector fast: all \d+ requirements are met\n", (tmp_path / "validation.txt").read_text()
     )
     data = json.loads(done.stdout)
     assert set(data["detectors"]) == {"analog", "digital", "fft", "fast"}
@@ -191,7 +191,7 @@ def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
     assert fast["median_s"] < digital["median_s"] < 0.06
     assert fast["alarms_per_minute"] == 0.0
     assert fast["on_share"] > 0.93  # over 120 trials it is 0.98
-    assert 0.005 < data["detection_bound"]["median_s"] <= fast["median_s"] + 0.001
+    assert 0.0 < data["detection_bound"]["median_s"] < 0.03  # of one band; `fast` sees the slow force too
     assert len(data["assumption_sensitivity"]) == 1 + len(VARIATIONS)
     assert data["step_sensitivity"]["trials"] == 4
     assert all(row["meets_goal"] for row in data["step_sensitivity"]["delay_shifts"])
@@ -258,7 +258,7 @@ def test_fast_rejects_hard_knocks_but_not_weak_ones():
 @pytest.mark.full
 def test_times_before_gross_slip_that_the_text_states_are_those_of_the_trials():
     stated = (ONSETS["motion_ms"], *ONSETS["sliding_ms"])
-    assert measure_onsets_ms(ARTICLE) == pytest.approx(stated, abs=0.051)
+    assert measure_onsets_ms(Design.load("article")) == pytest.approx(stated, abs=0.051)
 
 
 @pytest.mark.parametrize(("found", "slips"), [(4, 4), (2, 4), (2, 3), (0, 2)])

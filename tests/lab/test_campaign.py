@@ -181,9 +181,7 @@ def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
     )
     assert done.exit_code == 0, done.stdout
     assert {path.name for path in tmp_path.iterdir()} >= set(FILES)
-    assert re.match(
-        r"fsr400, detector fast: all \d+ requirements are met\n", (tmp_path / "validation.txt").read_text()
-    )
+    assert re.match(r"fsr400, detector fast: all \d+ requirements are met\n", (tmp_path / "validation.txt").read_text())
     data = json.loads(done.stdout)
     assert set(data["detectors"]) == {"analog", "digital", "fft", "fast"}
     fast, digital = data["detectors"]["fast"], data["detectors"]["digital"]

@@ -130,7 +130,7 @@ def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     assert found["fast closing"].disturbed_share <= 0.05
     assert found["tap"].disturbed_share <= 0.05
     assert found["controller's step"].disturbed_share <= 0.1
-    assert found["burst above 60 Hz"].delay_s(0.9) <= 0.015  # of 18; it is 8 ms of 90
+    assert found["burst above 60 Hz"].delay_s(0.9) <= 0.018  # of 18; it is 10 ms of 745
     assert found["burst below 60 Hz"].delay_s(0.9) <= 0.045
     assert found["long slide"].on_share > 0.98
     assert found["10 bits"].alarms_per_minute < 1.0

@@ -106,10 +106,11 @@ def test_table_is_computed_once_for_a_form_and_read_again(coarse: list[float], t
     assert [c.share for c in find_contacts(form, Pose(7.0, 5.0), (0.5, 1.0))] == [c.share for c in first]
     assert len(coarse) == 2
     (file,) = (tmp_path / "fingertip" / "pads").iterdir()
-    file.write_text("{")
-    contacts._read_table.cache_clear()
-    assert find_contacts(form, Pose(7.0), (1.0,))[0].share > 0.8
-    assert len(coarse) == 4, "a damaged file is computed again"
+    for number, damaged in enumerate(("{", "[]", '{"straight": 1}'), start=1):
+        file.write_text(damaged)
+        contacts._read_table.cache_clear()
+        assert find_contacts(form, Pose(7.0), (1.0,))[0].share > 0.8
+        assert len(coarse) == 2 + 2 * number, "a damaged file is computed again"
 
 
 def test_poses_beyond_the_table_are_refused() -> None:

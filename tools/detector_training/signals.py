@@ -21,7 +21,7 @@ from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
-from fingertip.sim.runs.files import GRASP_POSE
+from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 
 FIRST_SEED = 200_000

@@ -84,6 +84,16 @@ def check_pose(form: PadForm, pose: Pose) -> None:
             raise TraceError(Issue(f"pose.{name}", f"{value:g} degrees: {bounds}; choose one of them."))
 
 
+@lru_cache(maxsize=1024)
+def is_possible(form: PadForm, pose: Pose) -> bool:
+    """Tell whether a pose passes `check_pose`."""
+    try:
+        check_pose(form, pose)
+    except TraceError:
+        return False
+    return True
+
+
 def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
     """Map the share of a force on a small place: x and distance distal to the sensor [mm], and the share at both."""
     if form.insert is None:
@@ -119,7 +129,7 @@ def _read_table(form: PadForm) -> _Table:
     settings = repr((_VERSION, TILTS_DEG, ROLLED_TILTS_DEG, ROLL_DEG, FORCES_N, _DEGREES, _ROLLED_DEGREES, form))
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fingertip" / "pads"
     path = folder / f"{hashlib.sha256(settings.encode()).hexdigest()[:32]}.json"
-    with suppress(OSError, ValueError, KeyError):
+    with suppress(OSError, ValueError, TypeError, AttributeError):  # missing, damaged, or of another version
         return _Table(**{name: np.array(values) for name, values in json.loads(path.read_text("utf-8")).items()})
     table = _compute_table(form)
     with suppress(OutputError):  # a folder that cannot be written costs the time again
@@ -142,17 +152,18 @@ def _compute_table(form: PadForm) -> _Table:
                 c = patch.press(force, with_strain=False)
                 rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2), c.centre_mm[1]])
         if len(rows) < 2:
-            raise TraceError(Issue("silicone.product", f"is too soft for {FORCES_N[len(rows)]:g} N on an insert."))
+            problem = f"is too soft for {FORCES_N[len(rows)]:g} N on an insert; set sensor.insert=none."
+            raise TraceError(Issue("silicone.product", problem))
         for _ in FORCES_N[len(rows) :]:  # the table goes on as before
             rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3)), rows[-1][4]])
         return np.array(rows)
 
-    tilts = [tilt for tilt in TILTS_DEG if _is_possible(form, Pose(tilt))]
+    tilts = [tilt for tilt in TILTS_DEG if is_possible(form, Pose(tilt))]
     half = PadModel(form, MeshSize(edge), is_half=True)
     fitted = _fit(tilts, np.array([press(half, Pose(tilt)) for tilt in tilts]), _DEGREES)
     # What a roll changes is found on a coarser mesh, which serves both.
     whole = PadModel(form, MeshSize(1.8 * edge), is_half=False)
-    tilts = [tilt for tilt in ROLLED_TILTS_DEG if _is_possible(form, Pose(tilt, ROLL_DEG)) and tilt in tilts]
+    tilts = [tilt for tilt in ROLLED_TILTS_DEG if is_possible(form, Pose(tilt, ROLL_DEG)) and tilt in tilts]
     at_rest, rolled = (
         np.array([press(whole, Pose(tilt, roll)) for tilt in tilts]).reshape(len(tilts), len(FORCES_N), -1)
         for roll in (0.0, ROLL_DEG)
@@ -160,14 +171,6 @@ def _compute_table(form: PadForm) -> _Table:
     share = np.log(np.maximum(rolled[..., 0], 1e-3) / np.maximum(at_rest[..., 0], 1e-3))
     change = np.stack([share, rolled[..., 2] - at_rest[..., 2], rolled[..., 3] - at_rest[..., 3]], axis=2)
     return _Table(fitted, _fit(tilts, change, _ROLLED_DEGREES), *half.map_shares(GRID_MM))
-
-
-def _is_possible(form: PadForm, pose: Pose) -> bool:
-    try:
-        layer.bring(form, pose)
-    except TraceError:
-        return False
-    return True
 
 
 def _fit(tilts_deg: Sequence[float], values: Array, degrees: tuple[int, int]) -> Array:

@@ -201,7 +201,7 @@ class Patch:
     def press(self, force_n: float, *, with_strain: bool = True) -> PadContact:
         """Press with a force, larger than the one before. Raises TraceError beyond small strains.
 
-        Without strain, which takes most of the time, strain, shear and tension are NaN.
+        Without strain, which needs another solution, strain, shear and tension are NaN.
         """
         if not 0.0 < force_n < math.inf:
             raise TraceError(Issue("force_n", f"{force_n:g} N does not press; use a force above 0."))

@@ -19,7 +19,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import GripController, GripSettings
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.runs.files import GRASP_POSE
+from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.sim import SceneFile
-from fingertip.sim.runs.files import GRASP_POSE
+from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)

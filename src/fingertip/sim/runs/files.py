@@ -11,9 +11,7 @@ grasped object at 8 cm/s. Masses, grasps and this velocity are the article's. It
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -21,12 +19,12 @@ from pydantic import ConfigDict, Field
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
-from fingertip.pad.contacts import check_pose
 from fingertip.pad.form import PadForm
-from fingertip.pad.pose import ObjectShape, Pose
-from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
+from fingertip.pad.pose import Pose
+from fingertip.pad.response import Backing, Pad
+from fingertip.sim.runs.pose import ScenePose
 from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
     PathTables,
@@ -85,73 +83,6 @@ class Hold(ParameterTable):
     after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
 
 
-class ScenePose(ParameterTable):
-    """Pose of the finger on the object: what part of the force reaches the sensor depends on it."""
-
-    tilt_deg: float = assumption(
-        REFERENCE_POSE.tilt_deg, "deg", (-10, 30), "Tilt, tip down; 0: the pad's straight part lies flat."
-    )
-    tilt_spread_deg: float = quantity(0.0, "deg", (0, 20), "Half width of the range of tilts that the seed draws.")
-    roll_deg: float = quantity(0.0, "deg", (-20, 20), "Roll about the axis of the finger.")
-    roll_spread_deg: float = quantity(0.0, "deg", (0, 20), "Half width of the range of rolls that the seed draws.")
-    object: ObjectShape = choice("plate", "Object under the pad; a cylinder or an edge lies across the finger.")
-    radius_mm: float = quantity(20.0, "mm", (1, 500), "Radius of a cylinder or a sphere.")
-    place_mm: float = quantity(0.0, "mm", (-15, 15), "Distance from the sensor, distal, at which it stands.")
-
-    def find_issues(self, form: PadForm) -> Iterator[Issue]:
-        """Yield why the pose in the middle cannot be, with values nearer to a plate on the sensor that can."""
-        try:
-            check_pose(form, self._at(1.0, self.tilt_deg, self.roll_deg))
-        except TraceError as error:
-            (issue,) = error.issues
-            problem = issue.message.split(";")[0]
-            names = ("tilt_deg", "roll_deg", "place_mm")
-            goal = {"tilt_deg": REFERENCE_POSE.tilt_deg, "roll_deg": 0.0, "place_mm": 0.0}
-            for step in range(1, 11):
-                new = {
-                    name: round((1 - 0.1 * step) * getattr(self, name) + 0.1 * step * goal[name], 1) for name in names
-                }
-                nearer = self.model_copy(update=new)
-                if _is_possible(form, nearer._at(1.0, nearer.tilt_deg, nearer.roll_deg)):
-                    changes = [f"pose.{name}={new[name]:g}" for name in names if new[name] != getattr(self, name)]
-                    yield Issue(issue.field, f"{problem}; set {' and '.join(changes)}.")
-                    return
-            yield issue
-
-    def draw(self, form: PadForm, seed: int) -> Pose:
-        """Draw a pose in whole degrees, so that a campaign meets few of them; nearer to the middle if it cannot be."""
-        rng = random.Random(f"{seed}:pose")
-        tilt, roll = (
-            middle + spread * (2.0 * rng.random() - 1.0)
-            for middle, spread in ((self.tilt_deg, self.tilt_spread_deg), (self.roll_deg, self.roll_spread_deg))
-        )
-        poses = (self._at(0.2 * share, tilt, roll) for share in range(5, 0, -1))
-        return next((pose for pose in poses if _is_possible(form, pose)), self._at(0.0, tilt, roll))
-
-    def _at(self, share: float, tilt_deg: float, roll_deg: float) -> Pose:
-        """Return the pose that lies a share of the way from the middle to angles."""
-        tilt = (
-            float(round(self.tilt_deg + share * (tilt_deg - self.tilt_deg))) if self.tilt_spread_deg else self.tilt_deg
-        )
-        roll = (
-            float(round(self.roll_deg + share * (roll_deg - self.roll_deg))) if self.roll_spread_deg else self.roll_deg
-        )
-        is_round = self.object in ("cylinder", "sphere")
-        place = 0.0 if self.object == "plate" else self.place_mm
-        return Pose(tilt, roll, self.object, self.radius_mm if is_round else 0.0, place)
-
-
-@lru_cache(maxsize=1024)
-def _is_possible(form: PadForm, pose: Pose) -> bool:
-    try:
-        check_pose(form, pose)
-    except TraceError:
-        return False
-    return True
-
-
-GRASP_POSE = ScenePose(tilt_deg=5.0, tilt_spread_deg=10.0, roll_spread_deg=10.0)
-"""Poses in which a grasp meets its object. Assumption: the range in which the pad of fsr400 feels."""
 _MIN_SPEED_M_S = 0.005
 
 

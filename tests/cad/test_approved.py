@@ -79,8 +79,9 @@ def render(value: object) -> str:
 
 
 def list_properties(value: object) -> Iterator[str]:
-    """Yield a line for each property of an object, in the order of its class."""
-    for name, member in vars(type(value)).items():
+    """Yield a line for each property of an object, in the order of its classes, the base first."""
+    members = (item for kind in reversed(type(value).__mro__) for item in vars(kind).items())
+    for name, member in members:
         if isinstance(member, (property, cached_property)) and not name.startswith("_"):
             yield f"{name} = {render(getattr(value, name))}"
 

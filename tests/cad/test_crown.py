@@ -17,8 +17,8 @@ from fingertip.cad.shapes.insert import filled_bone
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.dimensions import RAMP_SLOPE
 from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness
+from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import DesignError

@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
-from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
 from fingertip.design.geometry.conic import (
     ConicBody,
     CrossSection,
@@ -21,23 +19,18 @@ from fingertip.design.geometry.conic import (
     weight_of_fullness,
 )
 from fingertip.design.geometry.features import (
-    INSERT_BASE_MM,
     NOTCH_WIDTH_MM,
     SLIDING_MM,
     Chaplet,
     Joint,
-    SensorInsert,
     SensorTail,
     TailFold,
     TendonAnchor,
     fold_tail,
     place_chaplet,
 )
-from fingertip.design.geometry.profile import Crown
+from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 from fingertip.foundation.numerics import bisect
-
-if TYPE_CHECKING:
-    from fingertip.design.parameters import Tables
 
 MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
@@ -51,25 +44,14 @@ TAB_WIDTH_MM = 1.0
 _BODY_OVERLAP_MM = 0.2
 """Depth to which the body of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
 coincident faces."""
-CROWN_FLANK = math.tan(math.radians(25.0))
-"""Slope at which a crown's arc ends towards the tip [mm per mm]: beyond the largest tilt at which a finger presses."""
-_MAX_CROWN_SINE = 0.7
-"""Sine of the steepest slope between a crown and its base."""
-_MIN_BASE_HEIGHT_MM = 1.0
-"""Minimum palmar height of the pad at its base, below a crown [mm]."""
-_CROWN_SLACK_MM = 1e-6
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm], which the mold's recess follows."""
-_MIN_BEYOND_CROWN_MM = 1.0
-"""Length of the tip that is left beyond a crown's arc [mm]."""
-RAMP_SLOPE = 0.4
-"""Slope of the ramp from the platform down to the flat [mm per mm], which the sensor's film follows. An assumption."""
 _RIM_POINTS = 64
 """Intervals at which the flat's margin around the sensor is sampled."""
 
 
-class Dimensions:
-    """Derived lengths [mm] and outlines of one design.
+class Dimensions(SkinDimensions):
+    """Derived lengths [mm] and outlines of one design: of bone, joint and mold, beside those of the skin.
 
     Each value is computed when it is first read and then kept. It reads only the parameters it depends on, so that a
     rule which reads a dimension is known to read exactly those parameters.
@@ -77,73 +59,6 @@ class Dimensions:
     Parameters within their own bounds never raise an exception here. A design that cannot be made has lengths that the
     rules refuse, such as a negative radius.
     """
-
-    def __init__(self, design: Tables) -> None:
-        self._design = design
-
-    @cached_property
-    def sensor(self) -> ForceSensor:
-        """Outline of the force-sensing resistor, from the catalogue or from [custom_sensor]."""
-        if self._design.sensor.model != "custom":
-            return CATALOGUE[self._design.sensor.model]
-        own = self._design.custom_sensor
-        return ForceSensor(
-            "custom", "custom sensor", own.active_diameter_mm, own.head_diameter_mm, own.thickness_mm, own.length_mm,
-            own.tail_width_mm, 2.54, "the design file", (),
-        )  # fmt: skip
-
-    @cached_property
-    def taper_end_z(self) -> float:
-        return self._design.skin.length_mm - self._design.skin.tip_length_mm
-
-    @cached_property
-    def outer(self) -> ConicBody:
-        skin = self._design.skin
-        section = CrossSection(
-            skin.width_mm / 2,
-            skin.semi_axis_palmar_mm,
-            skin.semi_axis_dorsal_mm,
-            weight_of_fullness(skin.pulp_fullness),
-            weight_of_fullness(skin.nail_fullness),
-        )
-        stations = ((0.0, 1.0), (self.taper_end_z, skin.taper_ratio))
-        tip = Tip(skin.length_mm, weight_of_fullness(skin.tip_fullness))
-        return ConicBody(section, stations, tip, self.crown)
-
-    @cached_property
-    def crown(self) -> Crown | None:
-        """Crown of the pad; None without one, or where it does not fit between the skin's proximal end and its tip."""
-        skin, apex = self._design.skin, self.crown_apex_z
-        if not 0.0 < skin.crown_radius_mm <= self.max_crown_radius or not 0.0 < apex <= self.taper_end_z:
-            return None
-        if skin.crown_drop_mm > self.max_crown_drop + _CROWN_SLACK_MM:
-            return None
-        drop = min(skin.crown_drop_mm, self.max_crown_drop) / skin.semi_axis_palmar_mm
-        return Crown(apex, skin.crown_radius_mm, drop, CROWN_FLANK)
-
-    @cached_property
-    def crown_apex_z(self) -> float:
-        return self.sensor_z - self._design.skin.crown_offset_mm
-
-    @cached_property
-    def max_crown_radius(self) -> float:
-        """Largest radius whose arc ends before the tip's apex."""
-        room = self._design.skin.length_mm - _MIN_BEYOND_CROWN_MM - self.crown_apex_z
-        return room * math.hypot(1.0, CROWN_FLANK) / CROWN_FLANK
-
-    @cached_property
-    def max_crown_drop(self) -> float:
-        """Largest drop whose two arcs fit between the crown's apex and the skin's proximal end, and are not steep."""
-        skin = self._design.skin
-        reach = 2.0 * skin.crown_radius_mm
-        sine = min(_MAX_CROWN_SINE, max(0.0, self.crown_apex_z / reach)) if reach else 0.0
-        return min(reach * (1.0 - math.sqrt(1.0 - sine * sine)), skin.semi_axis_palmar_mm - _MIN_BASE_HEIGHT_MM)
-
-    @cached_property
-    def base_palmar_height(self) -> float:
-        """Palmar height of the skin at its proximal end, which a crown lowers."""
-        skin = self._design.skin
-        return skin.semi_axis_palmar_mm - (skin.crown_drop_mm if self.crown else 0.0)
 
     @cached_property
     def joint(self) -> Joint | None:
@@ -208,36 +123,6 @@ class Dimensions:
         )
 
     @cached_property
-    def sensor_z(self) -> float:
-        return self._design.skin.length_mm - self._design.sensor.distance_from_tip_mm
-
-    @cached_property
-    def platform_depth(self) -> float:
-        """Depth of the plane around the sensor's head, at y = -platform_depth: the flat's, or that of a platform."""
-        skin = self._design.skin
-        return skin.semi_axis_palmar_mm * self.outer.palmar_scale_at(self.sensor_z) - skin.thickness_palmar_mm
-
-    @cached_property
-    def insert(self) -> SensorInsert | None:
-        sensor = self._design.sensor
-        if sensor.insert == "none":
-            return None
-        stem = (sensor.insert_diameter_mm / 2, INSERT_BASE_MM + sensor.insert_height_mm)
-        cap = (sensor.insert_cap_diameter_mm / 2, stem[1] + sensor.insert_cap_height_mm)
-        return SensorInsert((stem, cap) if sensor.insert == "mushroom" else (stem,))
-
-    @cached_property
-    def flat_depth(self) -> float:
-        """Depth of the bone's palmar flat, on which the tail lies, at y = -flat_depth."""
-        return self.platform_depth - self._design.bone.platform_mm
-
-    @cached_property
-    def ramp(self) -> tuple[float, float]:
-        """Heights z at which the ramp from the flat to the platform begins and ends."""
-        high = self.sensor_z - self.platform_radius
-        return high - self._design.bone.platform_mm / RAMP_SLOPE, high
-
-    @cached_property
     def max_platform(self) -> float:
         """Largest height of a platform whose ramp begins on the flat: past collar, solder relief and groove."""
         bone, low = self._design.bone, 0.0
@@ -246,32 +131,6 @@ class Dimensions:
         if bone.groove_depth_mm:
             low = max(low, bone.groove_distance_mm + 2 * bone.groove_depth_mm + bone.groove_width_mm)
         return max(0.0, RAMP_SLOPE * (self.ramp[1] - low))
-
-    @cached_property
-    def ramp_excess(self) -> float:
-        """Length by which the film along the ramp is longer than the ramp along z."""
-        return self._design.bone.platform_mm * (math.hypot(1.0, RAMP_SLOPE) - 1.0) / RAMP_SLOPE
-
-    @cached_property
-    def platform_radius(self) -> float:
-        """Radius of the platform: that of the pocket and of the rim around it."""
-        return self.sensor.head_diameter_mm / 2 + self._design.sensor.clearance_mm + self._design.bone.rim_mm
-
-    @cached_property
-    def neck_half_width(self) -> float:
-        """Half the width of the ramp, on which the tail's slot has a wall on both sides."""
-        return min(self.tail_half_width + self._design.bone.wall_mm, self.platform_radius)
-
-    def flat_depth_at(self, z: float) -> float:
-        """Return the depth of the flat, of the ramp, or of the platform at a height z [mm], in the middle plane."""
-        return max(self.flat_depth, self.platform_depth - RAMP_SLOPE * max(0.0, self.ramp[1] - z))
-
-    def platform_half_width_at(self, z: float) -> float:
-        """Return half the width of platform or ramp at a height z [mm]; 0 without one."""
-        if self._design.bone.platform_mm == 0.0 or z <= self.ramp[0]:
-            return 0.0
-        squared = self.platform_radius**2 - (z - self.sensor_z) ** 2
-        return max(math.sqrt(max(0.0, squared)), self.neck_half_width if z < self.sensor_z else 0.0)
 
     @cached_property
     def base_flat_depth(self) -> float:
@@ -300,11 +159,6 @@ class Dimensions:
     @cached_property
     def pocket_depth(self) -> float:
         return self.sensor.thickness_mm + self._design.sensor.adhesive_thickness_mm
-
-    @cached_property
-    def tail_half_width(self) -> float:
-        """Half the width of the tail's slot, and of everything else in which it lies."""
-        return self.sensor.tail_width_mm / 2 + self._design.sensor.clearance_mm
 
     @cached_property
     def passage_height(self) -> float:

@@ -15,10 +15,11 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadContact, PadModel, Patch, find_patch
+from fingertip.pad.fem_large_strain import FarContact, press_far
 from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
-from fingertip.pad.touch import PALM
+from fingertip.pad.touch import PALM, Touch
 from tests.conftest import design_file
 
 COARSE = MeshSize(1.5)
@@ -106,9 +107,9 @@ def test_share_by_the_adjoint_solution_is_the_integral_of_the_traction() -> None
     random = np.random.default_rng(1)
     tractions = random.uniform(-0.1, 0.1, model.top.points.shape)
     sensed = model.sense(tractions)
-    load = np.zeros((*model._mesh.nodes.shape, 1))
+    load = np.zeros((*model.mesh.nodes.shape, 1))
     load[model._upper, :, 0] = model.top.trace @ tractions
-    held = model.bond.project(model._body.support(model._body.move(load)[:, :, 0])[model._lower])[:, PALM]
+    held = model.bond.project(model.body.support(model.body.move(load)[:, :, 0])[model._lower])[:, PALM]
     arm = np.hypot(model.bond.points[:, 0], model.bond.points[:, 1] - form.sensor_z_mm)
     disc = (arm[model._triangles] < form.active_radius_mm + 1e-9).all(axis=1)
     mass = type(model.bond).of_nodes(model.bond.points, model._triangles[disc]).mass
@@ -214,3 +215,42 @@ def test_object_over_the_sensor_is_felt_and_one_beside_it_less() -> None:
     assert shares == sorted(shares, reverse=True)
     assert shares[0] > 0.55
     assert shares[-1] < 0.02
+
+
+@pytest.mark.full
+def test_large_strains_are_small_ones_under_a_small_force_and_friction_holds_the_pad() -> None:
+    model, pose = PadModel(pad(), COARSE, is_half=True), Pose(3.0)
+    far = list(press_far(model, pose, [0.01, 1.0]))
+    patch = Patch(model, pose)
+    small, firm = (patch.press(force, with_strain=False) for force in (0.01, 1.0))
+    assert (far[0].share, far[0].depth_mm) == pytest.approx((small.share, small.depth_mm), rel=0.01)
+    assert 0.9 * firm.depth_mm < far[1].depth_mm < 0.99 * firm.depth_mm
+    rough = next(press_far(model, pose, [1.0], friction=1.0))
+    assert 0.98 * far[1].depth_mm < rough.depth_mm < 0.997 * far[1].depth_mm
+    assert rough.share > 1.01 * far[1].share
+
+
+def test_tractions_follow_coulomb_and_have_the_slopes_of_newton_s_method() -> None:
+    model = PadModel(pad(), COARSE, is_half=True)
+    touch, _ = Touch.of_pose(model.form, Pose(3.0, object="sphere", radius_mm=9.0), model.fine_surface())
+    contact, random = FarContact(model, touch, 0.01), np.random.default_rng(3)
+    still = contact.still
+    into = touch.gaps(still)[1]
+    places = still + (0.3 + touch.gaps(still)[0])[:, None] * into + random.uniform(-0.1, 0.1, still.shape)
+    tractions, slopes, _ = contact.press(places)
+    normal = touch.gaps(places)[1]
+    pressure = (tractions * normal).sum(axis=1)
+    along = np.linalg.norm(tractions - pressure[:, None] * normal, axis=1)
+    touching = touch.gaps(places)[0] < 0.0
+    assert (pressure[touching] > 0.0).all()
+    assert not tractions[~touching].any()
+    assert (along <= 0.01 * pressure * (1 + 1e-9)).all()
+    assert 0.1 < (along[touching] < 0.00999 * pressure[touching]).mean() < 0.9
+    plate, _ = Touch.of_pose(
+        model.form, Pose(3.0), model.fine_surface()
+    )  # its normal does not change from place to place
+    contact = FarContact(model, plate, 0.01)
+    tractions, slopes, _ = contact.press(places)
+    way = random.uniform(-1e-6, 1e-6, places.shape)
+    change = (contact.press(places + way)[0] - contact.press(places - way)[0]) / 2
+    assert change == pytest.approx(np.einsum("nij,nj->ni", slopes, way), rel=1e-3, abs=1e-7 * np.abs(change).max())

@@ -51,6 +51,29 @@ def test_body_with_linear_displacements_at_its_border_has_them_inside(poisson: f
     )
 
 
+def neo_hookean(stretch: Array, young: float, poisson: float) -> float:
+    """Energy of a volume of 1, as in the textbook."""
+    shear, bulk, j = young / (2 + 2 * poisson), young / (3 - 6 * poisson), np.linalg.det(stretch)
+    return float(0.5 * shear * (j ** (-2 / 3) * np.trace(stretch @ stretch.T) - 3) + 0.5 * bulk * (j - 1) ** 2)
+
+
+def test_forces_of_a_stretched_block_are_the_slope_of_its_energy_and_stiffness_is_theirs() -> None:
+    mesh = block(np.array([0.0, 0.4, 1.0]), np.array([0.0, 1.0]), np.array([1.0]), 2)
+    stretch, step = np.array([[1.2, 0.3, -0.1], [0.05, 0.8, 0.2], [0.0, 0.1, 1.1]]), 1e-6
+    _, held = stiffness(mesh, 1.3, 0.49, mesh.nodes @ (stretch - np.eye(3)).T)
+    slope = np.zeros((3, 3))
+    for i, j in np.ndindex(3, 3):
+        change = np.zeros((3, 3))
+        change[i, j] = step
+        slope[i, j] = neo_hookean(stretch + change, 1.3, 0.49) - neo_hookean(stretch - change, 1.3, 0.49)
+    assert held.T @ mesh.nodes == pytest.approx(slope / (2 * step), abs=1e-8)
+    moved, way = 0.05 * np.random.default_rng(1).standard_normal((2, *mesh.nodes.shape))
+    before, after = (stiffness(mesh, 1.3, 0.49, moved + sign * 1e-4 * way)[1] for sign in (-1, 1))
+    tangent, _ = stiffness(mesh, 1.3, 0.49, moved)
+    assert abs(tangent - tangent.T).max() < 1e-12
+    assert tangent @ way.ravel() == pytest.approx((after - before).ravel() / 2e-4, abs=1e-7)
+
+
 @pytest.mark.parametrize("poisson", [0.3, 0.4999])
 def test_confined_block_is_as_stiff_as_the_closed_form(poisson: float) -> None:
     """Uniform pressure p on a block between smooth walls: displacement p h / M with the confined modulus M."""
@@ -85,7 +108,7 @@ def test_bonded_strip_in_compression_follows_its_closed_form() -> None:
     body = Body(mesh, 1.0, 0.4999, is_fixed)
     moved = body.move(unmoved(mesh), given)
     # Energy of the body is half of force times travel.
-    force = 2.0 * float(moved.ravel() @ (stiffness(mesh, 1.0, 0.4999) @ moved.ravel())) / travel / 0.5
+    force = 2.0 * float(moved.ravel() @ (stiffness(mesh, 1.0, 0.4999)[0] @ moved.ravel())) / travel / 0.5
     closed = 4.0 / 3.0 * (1.0 + (0.5 * width / height) ** 2) * width * travel / height
     assert force == pytest.approx(closed, rel=0.04)
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,11 +17,16 @@ from fingertip.foundation.errors import TraceError
 
 if TYPE_CHECKING:
     from fingertip.pad.fem_contact import PadContact
+    from fingertip.pad.fem_large_strain import LargeContact
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import PadSurvey
 
 _WORST = ("strain", "bond_shear_mpa", "bond_tension_mpa")
 """Figures of which the largest over all tilts is stated."""
+_SMALL_STRAIN = 0.1
+"""Strain up to which the finite elements of small strains are not commented on."""
+_COARSE_MM, _STRAINED_DEG = 1.2, (0.0, 10.0)
+"""Edges of the mesh [mm] and tilts of large strains."""
 _REFINED = 0.7
 """Length of the finer mesh's edges over those of the mesh."""
 
@@ -32,6 +39,10 @@ def pad(
     refine: Annotated[
         bool, typer.Option("--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 20 s.")
     ] = False,
+    large_strain: Annotated[
+        bool, typer.Option("--large-strain", help="Compare them with large strains and friction, some 2 minutes.")
+    ] = False,
+    friction: Annotated[float, typer.Option(help="Friction on the plate, for --large-strain.", min=0, max=2)] = 0.5,
     changes: SetOption = None,
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
@@ -44,7 +55,7 @@ def pad(
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import FORCE_N, survey_pad
 
-    if fem or refine:
+    if fem or refine or large_strain:
         extras.require("--fem", "scipy")
     loaded = load_design(design, changes, console)
     survey, form = survey_pad(loaded), PadForm.of_design(loaded)
@@ -69,6 +80,19 @@ def pad(
             f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %), "
             f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension",
         ]
+        if worst["strain"] > _SMALL_STRAIN and not large_strain:
+            lines.append("such strains are not small: --large-strain states what they change")
+    if large_strain:
+        data["large_strain"] = rows = _strain_far(console, form, friction)
+        titles = "share and depth [mm]", "small strain", "large strain", f"with friction of {friction:g}"
+        lines += [
+            "finite elements, edges 1.2 mm:",
+            _row(titles[0], [f"{r['force_n']:g} N, {r['tilt_deg']:g} deg" for r in rows], 17),
+        ]
+        lines += [
+            _row(title, [f"{r[name][0]:.3f}  {r[name][1]:.3f}" if r[name] else "-" for r in rows], 17)
+            for title, name in zip(titles[1:], ("small", "large", "friction"), strict=True)
+        ]
     console.result(data, "\n".join(lines))
 
 
@@ -90,8 +114,41 @@ def _press(form: PadForm, is_fine: bool) -> list[PadContact | None]:
     return found
 
 
-def _row(title: str, texts: list[str]) -> str:
-    return f"{title:<30}" + "".join(f"{text:>7}" for text in texts)
+def _strain_far(console: Console, form: PadForm, friction: float) -> list[dict[str, Any]]:
+    """Press with a usual and a firm force, at small and at large strain; None where that is refused."""
+    from fingertip.pad.fem_contact import PadModel, Patch
+    from fingertip.pad.fem_large_strain import press_far
+    from fingertip.pad.fem_mesh import MeshSize
+    from fingertip.pad.pose import Pose
+    from fingertip.pad.survey import FIRM_N, FORCE_N
+
+    model, forces = PadModel(form, MeshSize(_COARSE_MM), is_half=True), (FORCE_N, FIRM_N)
+    rows: list[dict[str, Any]] = []
+    for tilt in _STRAINED_DEG:
+        console.progress(f"large strain at a tilt of {tilt:g} degrees")
+        patch = Patch(model, Pose(tilt))
+        ways = {
+            "small": _collect(patch.press(force, with_strain=False) for force in forces),
+            "large": _collect(press_far(model, Pose(tilt), forces)),
+            "friction": _collect(press_far(model, Pose(tilt), forces, friction)),
+        }
+        for index, force in enumerate(forces):
+            found = {name: way[index] if index < len(way) else None for name, way in ways.items()}
+            rows.append({"tilt_deg": tilt, "force_n": force, **found})
+    return rows
+
+
+def _collect(contacts: Iterator[PadContact | LargeContact]) -> list[list[float]]:
+    """Share and depth of contacts, up to the first that is refused."""
+    found: list[list[float]] = []
+    with suppress(TraceError):
+        for contact in contacts:
+            found.append([round(contact.share, 4), round(contact.depth_mm, 4)])
+    return found
+
+
+def _row(title: str, texts: list[str], width: int = 7) -> str:
+    return f"{title:<30}" + "".join(f"{text:>{width}}" for text in texts)
 
 
 def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:

@@ -77,8 +77,8 @@ class PadModel:
 
     def __init__(self, form: PadForm, size: MeshSize, *, is_half: bool) -> None:
         self.form, self.copies = form, 2.0 if is_half else 1.0
-        self._mesh, self._is_bonded = mesh_skin(form, size, is_half)
-        nodes, count, self._triangles = self._mesh.nodes, self._mesh.count, self._mesh.triangles
+        self.mesh, self._is_bonded = mesh_skin(form, size, is_half)
+        nodes, count, self._triangles = self.mesh.nodes, self.mesh.count, self.mesh.triangles
         self._upper, self._lower = slice(len(nodes) - count, None), slice(0, count)
         self.top, self.bond = (Surface.of_nodes(nodes[part], self._triangles) for part in (self._upper, self._lower))
         self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
@@ -86,13 +86,13 @@ class PadModel:
         self._columns = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
 
     @cached_property
-    def _body(self) -> Body:
-        nodes = self._mesh.nodes
+    def body(self) -> Body:
+        nodes = self.mesh.nodes
         is_fixed = np.zeros(nodes.shape, bool)
         is_fixed[self._lower] = True
         is_fixed[nodes[:, Z] <= 0.0, Z] = True
         is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
-        stiff, silicone = self.form.insert, np.ones(len(self._mesh.wedges), bool)
+        stiff, silicone = self.form.insert, np.ones(len(self.mesh.wedges), bool)
         young, poisson = self.form.young_mpa * silicone, self.form.poisson * silicone
         if stiff:
             arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)[self._triangles]
@@ -100,11 +100,11 @@ class PadModel:
             for layer, (radius, _) in enumerate(stiff.parts):
                 inside = layer * len(arm) + np.flatnonzero((arm <= radius * (1.0 + 1e-9)).all(axis=1))
                 young[inside], poisson[inside] = PLASTIC_MPA, PLASTIC_POISSON
-        return Body(self._mesh, young, poisson, is_fixed)
+        return Body(self.mesh, young, poisson, is_fixed)
 
     @cached_property
-    def _weights(self) -> Array:
-        """Displacements of the surface for a unit step of the active area.
+    def step(self) -> Array:
+        """Unit step of the active area, of all nodes.
 
         The step is projected to the shape functions: the load is then the integral of the traction over the disc,
         without a part of the elements around it.
@@ -112,9 +112,15 @@ class PadModel:
         arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)
         disc = (arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)
         inside = Surface.of_nodes(self.bond.points, self._triangles[disc]).mass.sum(axis=1)
-        step = np.zeros((*self._mesh.nodes.shape, 1))
-        step[self._lower, PALM, 0] = self.bond.project(np.asarray(inside).ravel())
-        return self._body.move(np.zeros_like(step), step)[self._upper, :, 0]
+        step = np.zeros(self.mesh.nodes.shape)
+        step[self._lower, PALM] = self.bond.project(np.asarray(inside).ravel())
+        return step
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Displacements of the surface for a unit step of the active area."""
+        step = self.step[..., None]
+        return self.body.move(np.zeros_like(step), step)[self._upper, :, 0]
 
     def compliance(self, nodes: NDArray[np.int64], into: Array) -> Array:
         """Displacements at nodes of the surface under unit pressures at them, both along the vectors `into`."""
@@ -126,9 +132,9 @@ class PadModel:
             parts = [self._columns[axis]]
             for start in range(0, len(new), _BATCH):
                 load = self.top.trace[:, new[start : start + _BATCH]].toarray()
-                loads = np.zeros((*self._mesh.nodes.shape, load.shape[1]))
+                loads = np.zeros((*self.mesh.nodes.shape, load.shape[1]))
                 loads[self._upper, axis] = load
-                moved = self._body.move(loads)[self._upper]
+                moved = self.body.move(loads)[self._upper]
                 parts.append(np.stack([self.top.trace.T @ moved[:, other] for other in range(3)]))
             self._columns[axis] = np.concatenate(parts, axis=2)
             block = self._columns[axis][:, nodes[:, None], self._solved[axis, nodes]]
@@ -158,10 +164,10 @@ class PadModel:
 
     def strain(self, tractions: Array) -> tuple[float, float, float]:
         """Return the largest strain, and shear and tension at the bond [MPa], under tractions of the surface."""
-        load = np.zeros((*self._mesh.nodes.shape, 1))
+        load = np.zeros((*self.mesh.nodes.shape, 1))
         load[self._upper, :, 0] = self.top.trace @ tractions
-        moved = self._body.move(load)[:, :, 0]
-        forces = self._body.support(moved)[self._lower]
+        moved = self.body.move(load)[:, :, 0]
+        forces = self.body.support(moved)[self._lower]
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
         held = self.bond.project(forces)
@@ -172,7 +178,7 @@ class PadModel:
         mean = held[faces[:, 3:]].mean(axis=1)  # exact for quadratic functions
         along = (mean * normal).sum(axis=1)
         shear = np.linalg.norm(mean - along[:, None] * normal, axis=1)
-        return float(np.abs(self._body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
+        return float(np.abs(self.body.strains(moved)).max()), float(shear.max()), max(0.0, -float(along.min()))
 
 
 class Patch:

@@ -64,32 +64,51 @@ def _gradients(nodes: Array, local: Array) -> tuple[Array, Array]:
     return local @ np.linalg.inv(jacobian), np.linalg.det(jacobian)
 
 
-def stiffness(mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array) -> Any:
-    """Assemble the stiffness [N/mm] as a sparse matrix with three rows for each node.
+def stiffness(
+    mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array, moved: Array | None = None
+) -> tuple[Any, Array]:
+    """Assemble the stiffness [N/mm], a sparse matrix with three rows for each node, and the forces that hold it [N].
 
-    Modulus and Poisson's ratio are those of all wedges, or of each.
+    Modulus and Poisson's ratio are those of all wedges, or of each. The material is neo-Hookean, with the energy
+    mu/2 (J^(-2/3) tr b - 3) and that of the pressures, which follow the mean of J - 1; the stiffness is its tangent
+    after the displacements `moved` (J. Bonet and R. D. Wood, Nonlinear Continuum Mechanics, 2008, chapters 6 to 9).
     """
     from scipy.sparse import coo_array, csr_array  # noqa: PLC0415
 
     young, ratio = (np.broadcast_to(value, len(mesh.wedges))[:, None, None] for value in (young_mpa, poisson))
     shears, bulks = 0.5 * young / (1 + ratio), young / (3 * (1 - 2 * ratio))
     size, unit = mesh.nodes.size, np.eye(3)
-    total = csr_array((size, size))
+    total, forces = csr_array((size, size)), np.zeros(size)
+    moved = np.zeros_like(mesh.nodes) if moved is None else moved
     for start in range(0, len(mesh.wedges), _CHUNK):
         chunk = slice(start, start + _CHUNK)
         part, shear, bulk = mesh.wedges[chunk], shears[chunk], bulks[chunk]
         gradient, determinant = _gradients(mesh.nodes[part], _INSIDE)
-        volume, flat = determinant * _INSIDE_WEIGHTS, gradient.reshape(len(part), 18, 54)
-        pairs = (flat.transpose(0, 2, 1) @ (volume[..., None] * flat)).reshape(-1, 18, 3, 18, 3)
-        laplacian = np.einsum("eakbk->eab", pairs)[:, :, None, :, None] * unit[:, None, :]
-        matrix = shear * (laplacian + pairs.transpose(0, 1, 4, 3, 2) - 2 / 3 * pairs).reshape(-1, 54, 54)
+        volume = determinant * _INSIDE_WEIGHTS
         mass = np.einsum("mq,eq,nq->emn", _PRESSURES, volume, _PRESSURES)
-        divergence = np.einsum("mq,eq,eqd->emd", _PRESSURES, volume, flat, optimize=True)
-        matrix += bulk * divergence.transpose(0, 2, 1) @ np.linalg.solve(mass, divergence)
+        stretch = unit + np.einsum("eai,eqaj->eqij", moved[part], gradient, optimize=True)
+        j, gradient = np.linalg.det(stretch), gradient @ np.linalg.inv(stretch)
+        cauchy_green = shear[..., None] * j[..., None, None] ** (-2 / 3) * (stretch @ stretch.transpose(0, 1, 3, 2))
+        mean = np.einsum("eqii->eq", cauchy_green) / 3
+        drawn = gradient @ (cauchy_green - mean[..., None, None] * unit)
+        rise = np.einsum("mq,eq->em", _PRESSURES, volume * (j - 1))[..., None]
+        pressed = volume * j * (bulk * np.linalg.solve(mass, rise).transpose(0, 2, 1) @ _PRESSURES)[:, 0]
+        flat, drawn = gradient.reshape(len(part), 18, 54), drawn.reshape(len(part), 18, 54)
+        held = flat.transpose(0, 2, 1)
+        means, presses, draws = (
+            (held @ (weight[..., None] * other)).reshape(-1, 18, 3, 18, 3)
+            for weight, other in ((volume * mean, flat), (pressed, flat), (volume, drawn))
+        )
+        alike = np.einsum("eakbk->eab", means + draws)[:, :, None, :, None] * unit[:, None, :]
+        draws = draws + draws.transpose(0, 3, 4, 1, 2)
+        matrix = alike + presses - 2 / 3 * (means + draws) + (means - presses).transpose(0, 1, 4, 3, 2)
+        divergence = np.einsum("mq,eq,eqd->emd", _PRESSURES, volume * j, flat, optimize=True)
+        matrix = matrix.reshape(-1, 54, 54) + bulk * divergence.transpose(0, 2, 1) @ np.linalg.solve(mass, divergence)
         rows = (3 * part[:, :, None] + np.arange(3)).reshape(-1, 54)
         where = (np.repeat(rows, 54, axis=1).ravel(), np.tile(rows, (1, 54)).ravel())
         total = total + coo_array((matrix.ravel(), where), shape=(size, size)).tocsr()
-    return total
+        np.add.at(forces, rows, (volume[..., None] * drawn + pressed[..., None] * flat).sum(axis=1))
+    return total, forces.reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +147,13 @@ class Surface:
         return np.asarray(spsolve(self.mass, integrals))
 
 
+def factorise(matrix: Any) -> Any:
+    """Factorise a sparse matrix whose pattern is symmetric."""
+    from scipy.sparse.linalg import splu  # noqa: PLC0415
+
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+
 class Body:
     """Elastic body, some of whose displacements are fixed, with its factorised stiffness."""
 
@@ -135,14 +161,15 @@ class Body:
         self, mesh: WedgeMesh, young_mpa: float | Array, poisson: float | Array, is_fixed: NDArray[np.bool_]
     ) -> None:
         """Factorise the stiffness. `is_fixed` has a flag for each axis of each node."""
-        from scipy.sparse.linalg import splu  # noqa: PLC0415
-
         self._mesh, self._fixed, self._free = mesh, np.flatnonzero(is_fixed), np.flatnonzero(~is_fixed)
-        self.young_mpa, self.poisson = young_mpa, poisson
-        matrix = stiffness(mesh, young_mpa, poisson)
+        self.young_mpa, self.poisson, self.is_fixed = young_mpa, poisson, is_fixed
+        matrix, _ = self.tangent()
         self._coupling = matrix[self._fixed][:, self._free]
-        matrix = matrix[self._free][:, self._free].tocsc()
-        self._factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        self._factors = factorise(matrix[self._free][:, self._free])
+
+    def tangent(self, moved: Array | None = None) -> tuple[Any, Array]:
+        """Return stiffness and forces after displacements, at any strain."""
+        return stiffness(self._mesh, self.young_mpa, self.poisson, moved)
 
     def move(self, loads: Array, given: Array | None = None) -> Array:
         """Displacements under loads of shape (nodes, 3, cases). Those that are fixed are `given`, or 0."""

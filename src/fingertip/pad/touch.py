@@ -71,6 +71,11 @@ class Touch:
             raise _refuse("tilt_deg", f"{before}; choose one nearer to 0.")
         return replace(touch, height_mm=height, rigid_mm=travel), point
 
+    @property
+    def approach(self) -> Array:
+        """Unit vector along which the pad moves into the object."""
+        return np.array([-self.slopes[0], -self.slopes[1], 1.0]) / math.hypot(1.0, *self.slopes)
+
     def clear_mm(self, points: Array) -> Array:
         """Return how high the object lies over points [mm]."""
         return np.asarray(self.height_mm + self._rise(points)[0] - points[:, PALM])

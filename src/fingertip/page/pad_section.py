@@ -1,4 +1,4 @@
-"""What the sensor feels, for page, studio and `fingertip picture --pad`: share by place and tilt, force over depth."""
+"""Picture of what the sensor feels, for page, studio and `picture --pad`: share by place and tilt, force over depth."""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from xml.etree import ElementTree
 
 import pytest
 
@@ -12,7 +14,6 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
 from fingertip.pad.survey import TILTS_DEG, survey_pad
 from fingertip.page.pad_section import render_pad
-from fingertip.pictures.pad import draw_pad
 from tests.conftest import run_fingertip
 
 CROWNED = {"skin.crown_radius_mm": 10.0, "skin.crown_drop_mm": 2.0, "skin.semi_axis_palmar_mm": 7.1,
@@ -63,16 +64,24 @@ def test_a_soft_silicone_is_warned_of():
     assert any(check.name == "pad.strain" and check.warning for check in check_pad(soft))
 
 
-def test_command_page_and_picture_show_the_survey():
+def test_command_page_and_picture_show_the_survey(tmp_path):
     survey, answer = survey_pad(Design.load("article")), json.loads(run_fingertip("pad", "article", "--json").stdout)
     assert {"design": "article", **survey.to_dict()}.items() <= answer.items()
     text = run_fingertip("pad", "article").stdout
     assert "never" in text
     assert f"{survey.shares[2]:.2f}" in text
     said = render_pad(Design.load("article"))
-    assert f"rolled by 10 degrees it gets {survey.rolled_share:.0%}" in said
-    assert said.count("<circle") == 1 + len(TILTS_DEG)
-    assert draw_pad(Design.load("article"))[:8] == b"\x89PNG\r\n\x1a\n"
+    assert f"Rolled by 10 degrees it gets {survey.rolled_share:.0%}" in said
+    assert said.count("at a tilt of") == len(TILTS_DEG) + 2
+    drawn = tmp_path / "pad.svg"
+    assert run_fingertip("picture", "article", "--pad", "--out", drawn).returncode == 0
+    file = drawn.read_text("utf-8")
+    assert "var(" not in file
+    assert [one.text for one in ElementTree.fromstring(file).iter("{http://www.w3.org/2000/svg}title")][1:] == (
+        re.findall("<title>(.*?)</title>", said)[1:]
+    )
+    refused = run_fingertip("picture", "article", "--pad", "--out", tmp_path / "pad.png")
+    assert "end it in .svg" in refused.stderr
     both = run_fingertip("picture", "article", "--pad", "--filling")
     assert both.returncode == 2
     assert "--filling" in both.stderr

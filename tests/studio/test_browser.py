@@ -83,8 +83,8 @@ def find_refusals(driver: Any) -> dict[str, str]:
 @pytest.mark.full
 def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
     before = picture(opened)
-    assert put(opened, "skin.width_mm", 21, by_slider=True) == WARNS.format(passed=62, all=64)
-    assert value_of(opened, "skin.width_mm") == "21"
+    assert put(opened, "skin.width_mm", 19, by_slider=True) == WARNS.format(passed=65, all=67)
+    assert value_of(opened, "skin.width_mm") == "19"
     wider = picture(opened)
     assert (np.abs(wider - before).max(axis=-1) > 50).mean() > 0.01
     field = opened.find_element("id", "p-skin.width_mm")
@@ -97,20 +97,35 @@ def test_parts_follow_a_slider(opened: Any, design: Design) -> None:
 
 
 @pytest.mark.full
+def test_the_picture_of_the_pad_follows_a_change(opened: Any) -> None:
+    def read_picture() -> str:
+        drawn = opened.find_element("css selector", "#pad svg")
+        assert drawn.size["width"] > 400
+        shown: str = drawn.get_attribute("innerHTML")
+        return shown
+
+    before = read_picture()
+    put(opened, "skin.crown_radius_mm", 14)
+    assert read_picture() != before
+    put(opened, "skin.crown_radius_mm", 10)
+    assert read_picture() == before
+
+
+@pytest.mark.full
 def test_a_refusal_stands_beside_its_field(opened: Any) -> None:
     before = picture(opened)
     verdict = put(opened, "skin.width_mm", 8)
     assert "refused" in verdict
     assert "skin.width_mm" in verdict
     refusals = find_refusals(opened)
-    assert refusals["/skin/width_mm"].endswith("at least 16.4 mm.")
+    assert refusals["/skin/width_mm"].endswith("at least 16.5 mm.")
     field = opened.find_element("id", "f-skin.width_mm")
     assert field.get_attribute("aria-invalid") == "true"
     assert "e-skin.width_mm" in field.get_attribute("aria-describedby")
     assert np.array_equal(picture(opened), before)
     put(opened, "skin.width_mm", "")
     assert "is not a number" in find_refusals(opened)["/skin/width_mm"]
-    assert put(opened, "skin.width_mm", 17) == WARNS.format(passed=61, all=63)
+    assert put(opened, "skin.width_mm", 17) == WARNS.format(passed=65, all=67)
     assert find_refusals(opened) == {}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import copy
 import io
+import json
 import os
 import re
 import signal
@@ -22,6 +23,7 @@ from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.foundation.errors import StudioError
+from fingertip.pad import contacts
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
 from fingertip.tasks.build import build
@@ -68,6 +70,26 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     weak = post(server, "checks", change(tables, strength__grip_force_n=150)).content
     assert weak["failed"] == ["bone.safety_factor.grip"]
     assert "1 of" in strip_elements(weak["verdict"])
+
+
+def test_the_picture_of_the_pad_holds_the_figures_of_the_command(server: StudioServer, tables: dict[str, Any]) -> None:
+    drawn = post(server, "pad", change(tables, skin__crown_radius_mm=14)).content["pad"]
+    found = json.loads(run_fingertip("pad", "fsr400", "--set", "skin.crown_radius_mm=14", "--json").stdout)
+    shares = [(f"{row['share']:.4f}", f"{row['tilt_deg']:g}") for row in found["tilts"]]
+    assert re.findall(r"<title>share (\S+) at a tilt of (\S+)°</title>", drawn) == shares
+    assert f"Rolled by 10 degrees it gets {found['rolled_share']:.0%}" in drawn
+
+
+def test_no_change_waits_for_the_finite_elements_of_an_insert(
+    server: StudioServer, tables: dict[str, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    computed: list[object] = []
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(contacts, "_compute_table", computed.append)
+    disc = change(tables, sensor__insert="disc")
+    assert "ten to forty seconds" in post(server, "pad", disc).content["pad"]
+    assert "pad.share" not in strip_elements(post(server, "checks", disc).content["checks"])
+    assert computed == []
 
 
 @pytest.mark.every_case

@@ -50,7 +50,7 @@ class OutputSet:
 PART_FILES = OutputSet("parts")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
 ACCEPTANCE, EXPLODED_VIEW, FILLING_VIEW, PAGE = "acceptance.md", "exploded.png", "filling.png", "index.html"
-PAD_VIEW = "pad.png"
+PAD_VIEW = "pad.svg"
 
 PRINT_FOLDER, STEPS_FOLDER = "print", "steps"
 PRINTS = OutputSet("print", PRINT_FOLDER)

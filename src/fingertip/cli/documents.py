@@ -169,7 +169,8 @@ def picture(
     console: Console,
     design: DesignArgument,
     out: Annotated[
-        Path | None, typer.Option(help="Output PNG; out/NAME/exploded.png, filling.png or pad.png by default.")
+        Path | None,
+        typer.Option(help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."),
     ] = None,
     filling: Annotated[
         bool, typer.Option("--filling", help="Draw when the silicone arrives where, with vents and last points.")
@@ -183,12 +184,14 @@ def picture(
 ) -> None:
     """Draw an exploded view and a section through the closed mold, how the mold fills, or what the sensor feels."""
     from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW, PAD_VIEW
+    from fingertip.page.pad_section import draw_pad
+    from fingertip.page.svg import write_svg
     from fingertip.pictures.filling import draw_mold_filling
-    from fingertip.pictures.pad import draw_pad
     from fingertip.pictures.picture import draw
 
     refuse(
-        find_file_issues("--out", out, ".png"), find_range_issues("--width-px", width_px, MIN_WIDTH_PX, MAX_WIDTH_PX)
+        find_file_issues("--out", out, ".svg" if pad else ".png"),
+        find_range_issues("--width-px", width_px, MIN_WIDTH_PX, MAX_WIDTH_PX),
     )
     if filling and pad:
         refuse([Issue("--pad", "draws another picture than --filling; give one of the two.")])
@@ -197,7 +200,7 @@ def picture(
     if filling:
         file.write(draw_mold_filling(loaded))
     else:
-        file.write(draw_pad(loaded) if pad else draw(loaded, width_px, console.progress))
+        file.write(write_svg(draw_pad(loaded)) if pad else draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
 

@@ -94,6 +94,11 @@ def is_possible(form: PadForm, pose: Pose) -> bool:
     return True
 
 
+def is_quick(form: PadForm) -> bool:
+    """Tell whether contacts take milliseconds, not the time of finite elements."""
+    return form.insert is None or _name_table(form).exists()
+
+
 def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
     """Map the share of a force on a small place: x and distance distal to the sensor [mm], and the share at both."""
     if form.insert is None:
@@ -126,15 +131,19 @@ def _scale(tilt_deg: Array, force_n: Array) -> tuple[Array, Array]:
 @lru_cache(maxsize=64)
 def _read_table(form: PadForm) -> _Table:
     """Read the table of a form from the cache, or compute and keep it."""
-    settings = repr((_VERSION, TILTS_DEG, ROLLED_TILTS_DEG, ROLL_DEG, FORCES_N, _DEGREES, _ROLLED_DEGREES, form))
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fingertip" / "pads"
-    path = folder / f"{hashlib.sha256(settings.encode()).hexdigest()[:32]}.json"
+    path = _name_table(form)
     with suppress(OSError, ValueError, TypeError, AttributeError):  # missing, damaged, or of another version
         return _Table(**{name: np.array(values) for name, values in json.loads(path.read_text("utf-8")).items()})
     table = _compute_table(form)
     with suppress(OutputError):  # a folder that cannot be written costs the time again
         write_file(path, json.dumps(table.to_dict()).encode())
     return table
+
+
+def _name_table(form: PadForm) -> Path:
+    settings = repr((_VERSION, TILTS_DEG, ROLLED_TILTS_DEG, ROLL_DEG, FORCES_N, _DEGREES, _ROLLED_DEGREES, form))
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fingertip" / "pads"
+    return folder / f"{hashlib.sha256(settings.encode()).hexdigest()[:32]}.json"
 
 
 def _compute_table(form: PadForm) -> _Table:

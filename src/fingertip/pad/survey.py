@@ -83,20 +83,25 @@ def survey_pad(design: Design) -> PadSurvey:
 
 @lru_cache(maxsize=256)
 def _survey(form: PadForm) -> PadSurvey:
-    found = [_try(form, Pose(tilt), FORCE_N) for tilt in TILTS_DEG]
-    shares = tuple(contact.share if contact else 0.0 for contact in found)
+    shares = tuple(_share(form, Pose(tilt), FORCE_N) for tilt in TILTS_DEG)
     turn_on = tuple(_find_turn_on(form, tilt, share) for tilt, share in zip(TILTS_DEG, shares, strict=True))
-    rolled = _try(form, Pose(ROLLED_TILT_DEG, ROLL_DEG), FORCE_N)
+    rolled = _share(form, Pose(ROLLED_TILT_DEG, ROLL_DEG), FORCE_N)
     low, high, firm = find_contacts(form, Pose(ROLLED_TILT_DEG), (0.9 * FORCE_N, 1.1 * FORCE_N, FIRM_N), math.inf)
     stiffness = (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)
-    return PadSurvey(shares, turn_on, rolled.share if rolled else 0.0, stiffness, firm.strain)
+    return PadSurvey(shares, turn_on, rolled, stiffness, firm.strain)
 
 
-def _try(form: PadForm, pose: Pose, force_n: float) -> Contact | None:
+def try_contacts(form: PadForm, pose: Pose, *forces_n: float) -> list[Contact]:
+    """Find the contacts whatever the strain, which is a figure of its own; none in a pose that cannot be."""
     try:
-        return find_contacts(form, pose, (force_n,), math.inf)[0]  # the strain is a figure of its own
+        return find_contacts(form, pose, forces_n, math.inf)
     except TraceError:
-        return None
+        return []
+
+
+def _share(form: PadForm, pose: Pose, force_n: float) -> float:
+    found = try_contacts(form, pose, force_n)
+    return found[0].share if found else 0.0
 
 
 def _find_turn_on(form: PadForm, tilt_deg: float, share: float) -> float:
@@ -108,6 +113,5 @@ def _find_turn_on(form: PadForm, tilt_deg: float, share: float) -> float:
         before, force = force, form.turn_on_n / share
         if abs(force - before) <= 0.01 * force:
             break
-        contact = _try(form, Pose(tilt_deg), max(force, _LEAST_FORCE_N))
-        share = contact.share if contact else 0.0
+        share = _share(form, Pose(tilt_deg), max(force, _LEAST_FORCE_N))
     return force

@@ -1,93 +1,144 @@
-"""Section of the page: what the sensor feels, over the place of a force on the pad and over the tilt of the finger."""
+"""Picture of what the sensor feels, for page, studio and `picture --pad`: share by place and tilt, force over depth."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+
+import numpy as np
 
 from fingertip.design import Design
 from fingertip.pad.contacts import map_shares
 from fingertip.pad.form import PadForm
-from fingertip.pad.survey import FORCE_N, GRASP_DEG, TILTS_DEG, survey_pad
-from fingertip.page.html import Markup, element, join
-from fingertip.page.svg import Axis, Frame, figure_svg, line, number, text
+from fingertip.pad.layer import Contact
+from fingertip.pad.pose import Pose
+from fingertip.pad.survey import FORCE_N, GRASP_DEG, ROLL_DEG, TILTS_DEG, PadSurvey, survey_pad, try_contacts
+from fingertip.page.html import Markup, element, figure, join
+from fingertip.page.svg import Axis, Frame, figure_svg, legend, number, text
 
-_PX_PER_MM = 8.0
+_COLOURS = {0.3: "var(--series-3)", FORCE_N: "var(--series-1)", 3.0: "var(--series-2)", 8.0: "var(--slip)"}
+"""Force on the plate [N] -> colour of its curve."""
+_DEPTH_COLOURS = {0.0: "var(--series-1)", 10.0: "var(--series-2)"}
+"""Tilt [deg] -> colour of its force over indentation."""
+_MARKED_DEG = (-5, 0, 5, 10, 15, 20)
 _CELL_MM = 0.75
 _LEAST_SHOWN = 0.02
-_LEFT, _TOP, _GAP, _PLOT_WIDTH = 70.0, 30.0, 110.0, 420.0
+_WIDTH, _HEIGHT, _LEFT, _TOP, _BOTTOM = 680.0, 590.0, 45.0, 88.0, 508.0
+_MAP_WIDTH, _PLOT_LEFT, _PLOT_WIDTH, _PLOT_BOTTOM, _DEPTH_TOP = 230.0, 340.0, 325.0, 313.0, 385.0
+_LINE = 18.0
+"""Distance of two lines of text [px]."""
 
 
-def render_pad(design: Design) -> Markup:
-    """Render a map of the pad and a plot of the share over tilt, computed by the layer model."""
+def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) -> Markup:
+    """Render the figures of a pad in a sentence, and its picture."""
     survey, form = survey_pad(design), PadForm.of_design(design)
-    least = survey.least_share(*GRASP_DEG)
     grasp = f"{GRASP_DEG[0]:g} to {GRASP_DEG[1]:g}"
-    turn_on = _format_force(max(survey.turn_on_n[1:5]))
+    turn_on = max(survey.turn_on_n[1:5])
     said = (
-        f"At tilts of {grasp} degrees at least {least:.0%} of a force of {FORCE_N:g} N on a flat plate reaches the "
-        f"sensor, and it turns on at {turn_on} at the latest; rolled by 10 degrees it gets {survey.rolled_share:.0%}. "
+        f"At tilts of {grasp} degrees at least {survey.least_share(*GRASP_DEG):.0%} of a force of {FORCE_N:g} N on a "
+        f"flat plate reaches the sensor; it turns on at {f'{turn_on:.2g} N' if turn_on < math.inf else 'no force'} "
+        f"at the worst of them. Rolled by {ROLL_DEG:g} degrees it gets {survey.rolled_share:.0%}. "
         f"Computed by the {form.model}, with silicone of {form.young_mpa:.2g} MPa on rigid bone."
     )
+    return join((element("p", said), figure(draw_pad(design, still_wanted), "", "what the sensor feels")))
+
+
+def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) -> Markup:
+    """Draw the share of a force over its place on the pad and over tilt, and the force over the indentation."""
+    form, by_tilt, rolled = PadForm.of_design(design), dict[float, list[Contact]](), dict[float, list[Contact]]()
+    for tilt in range(int(TILTS_DEG[0]), int(TILTS_DEG[-1]) + 1):
+        still_wanted()
+        by_tilt[tilt] = try_contacts(form, Pose(tilt), *_COLOURS)
+        rolled[tilt] = try_contacts(form, Pose(tilt, ROLL_DEG), FORCE_N)
+    title = f"{design.name}: what the sensor feels on a flat plate ({form.model}, {form.young_mpa:.2g} MPa)"
+    parts = [*_draw_places(form, by_tilt), *_draw_tilts(survey_pad(design), by_tilt, rolled), *_draw_depths(form)]
+    return figure_svg(_WIDTH, _HEIGHT, title, text(_LEFT, _LINE, title, weight="bold"), *parts)
+
+
+def _draw_places(form: PadForm, by_tilt: dict[float, list[Contact]]) -> list[Markup]:
+    """Draw the pad from the palmar side, tip up: share of a force on a small place, active area, and touches."""
     length, half = form.outer.spans[-1].z[2], form.outer.section.half_width
-    width = 2 * half * _PX_PER_MM
-    height = length * _PX_PER_MM
-    shares = Axis(0.0, 1.0, f"share of {FORCE_N:g} N that reaches the sensor")
-    frame = Frame(
-        Axis(TILTS_DEG[0], TILTS_DEG[-1], "tilt of the finger, tip down [degrees]"), shares,
-        _LEFT + width + _GAP, _TOP, _PLOT_WIDTH, height - 20.0,
-    )  # fmt: skip
-    points = list(zip(TILTS_DEG, survey.shares, strict=True))
-    plot = [frame.axes(), frame.span(*GRASP_DEG, "var(--band)", 0.45), frame.line(points, "var(--series-1)", 2.0)]
-    plot += [_dot(*frame.point(*point), "var(--series-1)") for point in points]
-    whole = _LEFT + width + _GAP + _PLOT_WIDTH + 20.0
-    title = "What the sensor feels: share of a force by its place on the pad, and by the tilt of the finger"
-    return join((
-        element("p", said),
-        figure_svg(whole, _TOP + height + 40.0, title, *_draw_places(form, half, length), *plot),
-    ))  # fmt: skip
-
-
-def _format_force(force_n: float) -> str:
-    return "no force" if force_n == math.inf else f"{force_n:.2g} N"
-
-
-def _draw_places(form: PadForm, half: float, length: float) -> list[Markup]:
-    """Draw the pad from the palmar side, tip up: the share of a force on a small place, and the active area."""
-
-    def place(x: float, z: float) -> tuple[float, float]:
-        return _LEFT + (x + half) * _PX_PER_MM, _TOP + (length - z) * _PX_PER_MM
-
-    heights = [length * i / 60 for i in range(61)]
-    widths = [form.outer.section.half_width * form.outer.scale_at(z) for z in heights]
-    outline = [place(w, z) for w, z in zip(widths, heights, strict=True)]
-    outline += [place(-w, z) for w, z in zip(reversed(widths), reversed(heights), strict=True)]
-    d = "M" + "L".join(f"{number(x)} {number(y)}" for x, y in outline) + "Z"
+    scale = min((_BOTTOM - _TOP) / length, _MAP_WIDTH / (2 * half))
+    across, along = Axis(-half, half, "across [mm]"), Axis(0.0, length, "distance from the collar [mm]")
+    frame = Frame(across, along, _LEFT, _BOTTOM - length * scale, 2 * half * scale, length * scale)
+    parts = [
+        text(_LEFT, _TOP - 44, "ring: active area of the sensor"),
+        text(_LEFT, _TOP - 44 + _LINE, "dots: where a plate touches, by tilt"),
+        frame.axes(wanted_y=7),
+    ]
     x_mm, dz_mm, shares = map_shares(form)
     step = max(1, round(_CELL_MM / (x_mm[1] - x_mm[0])))
-    size = number(_CELL_MM * _PX_PER_MM + 0.2)
-    cells = []
-    for i in range(0, len(x_mm), step):
-        for j in range(0, len(dz_mm), step):
-            x, z, share = float(x_mm[i]), float(dz_mm[j]) + form.sensor_z_mm, float(shares[i, j])
-            if share >= _LEAST_SHOWN and abs(x) < form.outer.section.half_width * form.outer.scale_at(z):
-                px, py = place(x - _CELL_MM / 2, z + _CELL_MM / 2)
-                cells.append(
-                    element("rect", x=number(px), y=number(py), width=size, height=size, fill="var(--series-1)",
-                            fill_opacity=f"{share:.2f}")
-                )  # fmt: skip
-    centre = place(0.0, form.sensor_z_mm)
-    ring = element(
-        "circle", cx=number(centre[0]), cy=number(centre[1]), r=number(form.active_radius_mm * _PX_PER_MM),
-        fill="none", stroke="var(--series-3)", stroke_width=2,
+    size = number(_CELL_MM * scale + 0.2)
+    for x, row in zip(x_mm[::step], shares[::step, ::step], strict=True):
+        for z, share in zip(dz_mm[::step] + form.sensor_z_mm, row, strict=True):
+            if share >= _LEAST_SHOWN and abs(x) < half * form.outer.scale_at(z):
+                parts.append(_shade(*frame.point(x - _CELL_MM / 2, z + _CELL_MM / 2), size, size, share))
+    heights = [length * math.sin(math.pi * i / 120) for i in range(61)]
+    for side in (-half, half):
+        parts.append(frame.line([(side * form.outer.scale_at(z), z) for z in heights], "var(--text)", 1.0))
+    x, y = frame.point(0.0, form.sensor_z_mm)
+    parts.append(
+        element("circle", cx=number(x), cy=number(y), r=number(form.active_radius_mm * scale), fill="none",
+                stroke="var(--series-2)", stroke_width=2)
     )  # fmt: skip
-    low = place(-half, 0.0)
-    return [
-        element("path", d=d, fill="none", stroke="var(--text)", stroke_width=1), *cells, ring,
-        line(low, place(half, 0.0), "var(--text)", 1),
-        text(centre[0], _TOP - 10, "place on the pad; ring: active area", "middle"),
-        text(centre[0], low[1] + 17, "collar", "middle"),
+    named = math.inf
+    for tilt in _MARKED_DEG:
+        if by_tilt[tilt]:
+            y = frame.point(0.0, by_tilt[tilt][1].centre_mm[1] + form.sensor_z_mm)[1]
+            parts.append(_dot(x, y, "var(--ground)", f"{tilt:g}°"))
+            if abs(y - named) >= 12.0:  # px, so that no label lies on another
+                parts.append(text(frame.left + frame.width + 6, y + 4, f"{tilt:g}°"))
+                named = y
+    parts.append(text(_LEFT, _HEIGHT - 24, "share of a force on a small place:"))
+    for i in range(5):
+        parts.append(_shade(_LEFT + 46 * i, _HEIGHT - 16, "14", "12", 0.2 * (i + 1)))
+        parts.append(text(_LEFT + 46 * i + 18, _HEIGHT - 6, f"{0.2 * (i + 1):.1f}"))
+    return parts
+
+
+def _draw_tilts(
+    survey: PadSurvey, by_tilt: dict[float, list[Contact]], rolled: dict[float, list[Contact]]
+) -> list[Markup]:
+    shares = Axis(0.0, 1.0, "share of the force that reaches the sensor")
+    tilts = Axis(TILTS_DEG[0], TILTS_DEG[-1], "tilt of the finger, tip down [degrees]")
+    frame = Frame(tilts, shares, _PLOT_LEFT, _TOP, _PLOT_WIDTH, _PLOT_BOTTOM - _TOP)
+    names = [(colour, "", f"{force:g} N") for force, colour in _COLOURS.items()]
+    curves = [([(tilt, found[0].share) for tilt, found in rolled.items() if found], _COLOURS[FORCE_N], 1.5, "6 4")]
+    for i, colour in enumerate(_COLOURS.values()):
+        curves.append(([(tilt, found[i].share) for tilt, found in by_tilt.items() if found], colour, 2.0, ""))
+    parts = [
+        legend(_PLOT_LEFT, _TOP - 44, names),
+        legend(_PLOT_LEFT, _TOP - 44 + _LINE, (
+            (_COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°"), ("var(--band)", "band", "a grasp"),
+        )),
+        frame.axes(), frame.span(*GRASP_DEG, "var(--band)"), *(frame.line(*curve) for curve in curves if curve[0]),
     ]  # fmt: skip
+    for tilt, share in zip(TILTS_DEG, survey.shares, strict=True):
+        parts.append(_dot(*frame.point(tilt, share), _COLOURS[FORCE_N], f"share {share:.4f} at a tilt of {tilt:g}°"))
+    return parts
 
 
-def _dot(x: float, y: float, colour: str) -> Markup:
-    return element("circle", cx=number(x), cy=number(y), r=3, fill=colour)
+def _draw_depths(form: PadForm) -> list[Markup]:
+    forces = np.geomspace(0.05, max(_COLOURS), 12).tolist()
+    by_tilt = {
+        tilt: [(c.depth_mm, c.force_n) for c in try_contacts(form, Pose(tilt), *forces)] for tilt in _DEPTH_COLOURS
+    }
+    deepest = max((points[-1][0] for points in by_tilt.values() if points), default=1.0)
+    frame = Frame(
+        Axis(0.0, deepest, "indentation [mm]"), Axis(0.0, max(_COLOURS), "force [N]"),
+        _PLOT_LEFT, _DEPTH_TOP, _PLOT_WIDTH, _BOTTOM - _DEPTH_TOP,
+    )  # fmt: skip
+    names = [(colour, "", f"at a tilt of {tilt:g}°") for tilt, colour in _DEPTH_COLOURS.items()]
+    curves = [frame.line([(0.0, 0.0), *by_tilt[tilt]], colour, 2.0) for tilt, colour in _DEPTH_COLOURS.items()]
+    return [frame.axes(), legend(_PLOT_LEFT + 70, _DEPTH_TOP - 8, names), *curves]
+
+
+def _dot(x: float, y: float, colour: str, said: str) -> Markup:
+    return element(
+        "circle", element("title", said), cx=number(x), cy=number(y), r=3.5, fill=colour, stroke="var(--text)"
+    )
+
+
+def _shade(x: float, y: float, width: str, height: str, share: float) -> Markup:
+    size = {"width": width, "height": height}
+    return element("rect", x=number(x), y=number(y), **size, fill="var(--series-1)", fill_opacity=f"{share:.2f}")

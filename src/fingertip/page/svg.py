@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from fingertip.page.html import Markup, element, join
+from fingertip.page.html import Markup, element, join, read_asset
 
 Points = Iterable[tuple[float, float]]
 _TICK_STEPS = (1.0, 2.0, 5.0, 10.0)
@@ -99,6 +100,15 @@ def figure_svg(width: float, height: float, title: str, *parts: str) -> Markup:
         "svg", element("title", title), *parts, viewBox=f"0 0 {number(width)} {number(height)}", role="img",
         width=number(width), height=number(height), class_="plot", font_size="12",
     )  # fmt: skip
+
+
+def write_svg(plot: Markup) -> bytes:
+    """Write a plot as a file of its own, in the light colours of the page and on its ground."""
+    colours = dict(re.findall(r"(--[\w-]+): ([^;]+);", read_asset("page.css").partition("@media")[0]))
+    ground = element("rect", width="100%", height="100%", fill="var(--ground)")
+    whole = plot.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" ', 1)
+    whole = whole.replace("</title>", f"</title>{ground}", 1)
+    return re.sub(r"var\((--[\w-]+)\)", lambda name: colours[name[1]], whole).encode()
 
 
 def text(x: float, y: float, content: str, anchor: str = "start", weight: str = "") -> Markup:

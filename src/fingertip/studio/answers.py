@@ -27,7 +27,11 @@ from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.foundation.errors import FingertipError
+from fingertip.pad.contacts import is_quick
+from fingertip.pad.form import PadForm
+from fingertip.page.html import note
 from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
+from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict, shapes_of_parameters
 from fingertip.studio.worker import StillWanted
 
@@ -96,7 +100,8 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     meshes = {name: evaluator.mesh(solid) for name, solid in solids.items()}
-    checks = [*check_assembly(design, evaluator, solids), *check_parts(design, evaluator, meshes)]
+    with_pad = is_quick(PadForm.of_design(design))
+    checks = [*check_assembly(design, evaluator, solids), *check_parts(design, evaluator, meshes, with_pad=with_pad)]
     strength = assess_strength(design, evaluator)
     checks += check_strength(design, strength)
     still_wanted()
@@ -110,12 +115,24 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     }
 
 
+def answer_pad(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+    """Draw what the sensor feels. With an insert that takes half a minute, for which the button of all checks asks."""
+    return {"pad": render_pad(design, still_wanted) if is_quick(PadForm.of_design(design)) else note(_SLOW_PAD)}
+
+
+_SLOW_PAD = (
+    "What the sensor feels with this insert takes finite elements, ten to forty seconds. The button 'make the files "
+    "and check all' asks for it, and for the checks of the pad, which are not among those that follow each change."
+)
+
+
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
     evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
     found = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator)
     strength = None if found.strength is None else strength_data(found.strength)
-    return _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
+    checked = _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
+    return checked | {"pad": render_pad(design)}
 
 
 def _describe_checks(

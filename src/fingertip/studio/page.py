@@ -108,7 +108,9 @@ def render_studio(design: Design, token: str) -> bytes:
     form = render_form(make_form(json_schema()), design, shapes_of_parameters(design))
     model = element(
         "div", element("h2", "Model", id="model"), render_no_view(),
-        render_model(items, _ORIGIN, saves_files=False), class_="model",
+        render_model(items, _ORIGIN, saves_files=False),
+        element("div", element("h3", "What the sensor feels"), element("div", "", id="pad"), class_="felt"),
+        class_="model",
     )  # fmt: skip
     beside = element("div", model, element("div", element("h2", "Parameters", id="parameters"), form), class_="beside")
     body = (

@@ -30,6 +30,7 @@ from fingertip.studio.answers import (
     DOWNLOADS,
     answer_all_checks,
     answer_checks,
+    answer_pad,
     answer_parts,
     describe_issues,
     read_design,
@@ -48,6 +49,7 @@ _TIMEOUT_S = 60.0
 _ANSWERS: Mapping[str, Callable[[Design, StillWanted], dict[str, Any]]] = {
     "parts": answer_parts,
     "checks": answer_checks,
+    "pad": answer_pad,
     "all-checks": answer_all_checks,
 }
 """Name in the address -> function that answers."""

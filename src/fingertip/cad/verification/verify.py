@@ -76,7 +76,9 @@ def verify(
     return VerifiedParts(meshes, contents, prints, tuple(checks), strength)
 
 
-def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
+def check_parts(
+    design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh], *, with_pad: bool = True
+) -> Iterator[Check]:
     """Check print size, walls, clearances and mold function of those parts that have a mesh in `meshes`."""
     for name, mesh in meshes.items():
         if PARTS[name].is_printed:
@@ -84,7 +86,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
             yield check_overhang(design, evaluator, name, mesh)
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
-        yield from check_pad(design)
+        yield from check_pad(design) if with_pad else ()
     if "bone" in meshes:
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:

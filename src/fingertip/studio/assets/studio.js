@@ -149,19 +149,23 @@
     }
   }
 
-  async function check(address) {
-    say('checking', '');
+  async function askUnlessChanged(address) {
     const asked = ask(address);
-    // A change that comes meanwhile is sent at once: the server then gives the checks up.
+    // A change that comes meanwhile is sent at once: the server then gives this up.
     const waiting = new Promise((resolve) => { interrupt = () => resolve(null); });
     const response = await Promise.race([asked, waiting]);
     interrupt = () => {};
     if (response === null) {
       asked.catch(() => {}); // nobody waits for its answer any more
-      return undefined;
+      return null;
     }
-    const answer = await receive(response);
-    if (!answer) return undefined;
+    return receive(response);
+  }
+
+  async function check(address) {
+    say('checking', '');
+    const answer = await askUnlessChanged(address);
+    if (!answer) return;
     byId('verdict').innerHTML = answer.verdict;
     byId('checks').innerHTML = answer.checks;
     globalThis.fingertipWatch(byId('checks'));
@@ -171,7 +175,8 @@
       button.dataset.moves = items.join(' ');
       button.hidden = items.length === 0;
     }
-    return undefined;
+    const drawn = answer.pad ? answer : changedAt === null && await askUnlessChanged('pad');
+    if (drawn) byId('pad').innerHTML = drawn.pad;
   }
   let interrupt = () => {};
 

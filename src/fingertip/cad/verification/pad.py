@@ -21,7 +21,7 @@ def check_pad(design: Design) -> Iterator[Check]:
     survey = survey_pad(design)
     share, turn_on = survey.least_share(*GRASP_DEG), survey.worst_turn_on_n
     grasp, wide = (f"{low:g} to {high:g} degrees" for low, high in (GRASP_DEG, WIDE_DEG))
-    remedy = "a crown lets the pad touch over the sensor (skin.crown_radius_mm, see docs/pad.md)"
+    remedy = "a crown lets the pad touch over the sensor, a harder silicone carries more there (see docs/pad.md)"
     yield _warn(
         "pad.share", share, 0.0, "", share < WANTED_SHARE,
         f"at tilts of {grasp} as little as {share:.0%} of {FORCE_N:g} N reaches the sensor; {remedy}.",

@@ -33,7 +33,7 @@ DETECTORS = (*COMPILED_DETECTORS, "fft")
 _LOAD = """
 import json, time
 import numpy as np
-from fingertip import jit
+from fingertip.foundation import jit
 from fingertip.design import Design
 from fingertip.slip import make_detector
 detectors = [make_detector(name, Design()) for name in ("digital", "fast")]

@@ -16,7 +16,6 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
-from fingertip.pad.response import Backing
 from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.runs.timeline import mount_pad
@@ -46,7 +45,7 @@ def solve_with_scipy(design: Design, run: SceneRun, earlier_n: Array, tolerance:
     time_s = slide.start_s - BEFORE_S + np.arange(round((BEFORE_S + AFTER_S) * RATE_HZ) + 1) / RATE_HZ
     shear_m, force_n = _solve_contact(run, time_s, tolerance)
     shear_n = -run.pad.tangential_stiffness_n_per_m(run.force_n) * shear_m
-    tactile_v = _convert(design, earlier_n, run.pad.sensed_n(force_n, shear_n))
+    tactile_v = _convert(design, run.pad.sensed_n(earlier_n), run.pad.sensed_n(force_n, shear_n))
     return TrialReference(
         time_s, force_n, tactile_v, _solve_board(AnalogBoard.from_design(design), tactile_v, tolerance)
     )
@@ -60,7 +59,8 @@ def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Arra
     m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m
     mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
     begin, peak, a = slide.start_s, slide.peak_m_s, slide.acceleration_m_s2
-    omega, follow = 2 * math.pi * pad.resonance_hz(load), 2 * math.pi * pad.backing.resonance_hz
+    omega, zeta = 2 * math.pi * pad.resonance_hz(load), pad.backing.damping_ratio
+    follow = 2 * math.pi * pad.backing.resonance_hz
     stiffness = pad.normal_stiffness_n_per_m(1.0) * load / (load + LOAD_SCALE_N) ** (2 / 3)
     scale = 1 / math.sqrt(load + LOAD_SCALE_N)
     profile = run.make_profile()
@@ -91,7 +91,7 @@ def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Arra
         out[2] = load * scale * bending
         out[3] = follow * (height - hand)
         out[4] = w
-        out[5] = omega * (omega * (drive - y) - 2 * Backing.damping_ratio * w)
+        out[5] = omega * (omega * (drive - y) - 2 * zeta * w)
         return out
 
     integrate = importlib.import_module("scipy.integrate")

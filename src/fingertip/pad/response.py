@@ -36,7 +36,7 @@ _LEAST_REFERENCE = 0.02
 
 @dataclass(frozen=True)
 class Backing:
-    """Holder of the finger: a mass that moves with it, on a spring, and the damping of the pad between."""
+    """Hand or arm that holds the finger: a mass that moves with it, on a spring, and the damping of the pad between."""
 
     mass_kg: float = 0.035
     """Mass of hand or robot arm that moves with the finger. Assumption: on the pad of fsr400 it resonates at some 90 Hz

@@ -163,8 +163,8 @@ ELASTO_PLASTIC = "elasto-plastic bristles"
 VARIATIONS: tuple[Variation, ...] = (
     Variation("surface accelerates at 0.5 m/s2", {"scene.slide.acceleration_m_s2": Factor(0.5)}),
     Variation("surface accelerates at 4 m/s2", {"scene.slide.acceleration_m_s2": Factor(4.0)}),
-    Variation("resonance 60 Hz", {"scene.contact.mass_kg": Factor(2.25)}),
-    Variation("resonance 135 Hz", {"scene.contact.mass_kg": Factor(1 / 2.25)}),
+    Variation("resonance two thirds as high", {"scene.contact.mass_kg": Factor(2.25)}),
+    Variation("resonance half as high again", {"scene.contact.mass_kg": Factor(1 / 2.25)}),
     Variation("half the force", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)}),
     Variation("half the noise", {"detector.noise_v": Factor(0.5)}),
     Variation("twice the noise", {"detector.noise_v": Factor(2.0)}),

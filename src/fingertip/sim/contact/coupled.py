@@ -46,7 +46,7 @@ class NormalContact:
     """Undamped resonance while touching [Hz]."""
     damping_ratio: float
     hand_ratio: float = 0.02
-    """Ratio of the hand's stiffness behind the pad to the contact's: 90 N/m to some 10 kN/m (`pad.response`)."""
+    """Ratio of the hand's stiffness behind the pad to the contact's; some 0.008 in trials (`pad.response`)."""
 
     def __post_init__(self) -> None:
         raise_issues(

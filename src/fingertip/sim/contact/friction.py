@@ -88,8 +88,8 @@ class Friction:
     def with_stick_slip(self) -> Friction:
         """Friction that falls with speed so far and so widely that a pad swings on its mount. Assumption.
 
-        Near 0.04 m/s and from some 2 N on the pad also sticks at moments. Slower slides stay smooth, because the curve
-        is flat there, and at light loads the damping of the mount is stronger.
+        From 0.03 to 0.08 m/s and from some 2 N on the pad also sticks at moments, a straight one from 3 N on. Slower
+        slides stay smooth, because the curve is flat there, and at light loads the damping of the mount is stronger.
         """
         return Friction(2.2 * self.mu_c, self.mu_c, STICK_SLIP_STRIBECK_M_S, self.sigma0, 0.1, 0.15)
 

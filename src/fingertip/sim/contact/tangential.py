@@ -36,7 +36,7 @@ MAX_PHASE = 0.5
 """Longest step, as the angle by which the stuck pad oscillates on its bristles in one step [rad].
 
 Up to this limit the largest error of the friction was 0.4 % of the load, in 400 random contacts of any stiffness, mass
-and Stribeck velocity, and 0.02 % in nine of ten (tests/sim/test_tangential.py). The article's trials are at 0.3."""
+and Stribeck velocity, and 0.02 % in nine of ten (tests/sim/test_tangential.py). The article's trials are below 0.2."""
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ class Contact(ParameterTable):
     stick_slip: bool = Field(
         False,
         description="Whether friction falls with speed so much that the pad swings on its mount, and sticks at moments "
-        "under a firm grip. It does so near 0.04 m/s; slower and faster slides stay smooth. Assumption.",
+        "under a firm grip. It does so at 0.03 to 0.08 m/s; slower and faster slides are smoother. Assumption.",
     )
 
 

@@ -20,7 +20,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, ShareText, describe_share
 
 BASE_HZ = 10_000.0
-"""Points per second: forces within 0.1 mN, envelopes within 1 mV of vanishing steps (docs/accuracy.md)."""
+"""Points per second: forces within 0.1 mN, envelopes within 1 mV of vanishing steps, mostly (docs/accuracy.md)."""
 _SNAP = 1e-6
 """Distance from a point, in steps, at which an instant counts as that point."""
 

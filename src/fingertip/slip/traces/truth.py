@@ -24,7 +24,7 @@ INCIPIENT_S = 0.007
 """Duration of incipient slip [s].
 
 A pad creeps faster and faster before its slip is gross. On the article's trials, as simulated, it exceeds 1 mm/s 4 to
-7 ms before. A detector that turns ON in that time and remains ON has detected this slip; it was not ON already."""
+6 ms before. A detector that turns ON in that time and remains ON has detected this slip; it was not ON already."""
 
 
 @dataclass(frozen=True)

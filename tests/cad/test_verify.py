@@ -115,7 +115,7 @@ VARIANTS = {
     ],
     "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],
-    "custom sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=30"],
+    "custom sensor": ["sensor.model=custom", "custom_sensor.head_diameter_mm=6", "custom_sensor.length_mm=36"],
     "no draft": ["mold.draft_deg=0"],
     "compensated": ["printer.scale_percent=100.4", "name=A_very-long_name_with-forty_characters_1"],
 }  # fmt: skip

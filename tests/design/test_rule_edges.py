@@ -21,6 +21,7 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
 from fingertip.foundation.errors import DesignError, Issue
+from tests.conftest import design_file
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
 from tests.design.test_rules import CASES
 from tools.fuzz.remedies import as_changes, read_remedy
@@ -31,7 +32,7 @@ TIGHT = 1e-3
 """Largest relative distance of the bound that a rule states from the edge of the rule."""
 LOOSE = {
     "skin_is_thick_enough": 0.002,  # leaves the slack of the section's measurement
-    "travel_free": 0.02,  # whole degrees
+    "travel_free": 0.03,  # whole degrees, found in steps of the travel
     "bent_stop_long_enough": 0.02,  # whole degrees
     "chaplet_stands_on_bone": 0.025,  # found in steps of the height
     "bone_is_held": 0.02,  # found by search, on the safe side
@@ -42,7 +43,7 @@ LOOSE = {
     "threshold_within_supply": 0.011,  # recommends 99 % of what the supply allows
 }
 """Rules that state another bound than their edge, and how far apart the two may be."""
-WITHOUT_BOUND = {"taper_reaches_tip", "flat_edges_within_skin"}
+WITHOUT_BOUND = {"taper_reaches_tip", "flat_edges_within_skin", "sensor_fits_flat"}
 """Rules whose edge has no closed form; their remedies are searched for."""
 MAX_EDGES = 3
 """Parameters in which the edge of one rule is sought."""
@@ -57,9 +58,10 @@ def check_rules(tables: DesignTables) -> list[BrokenRule]:
 def find_broken() -> Mapping[Rule, BrokenRule]:
     """Each rule with a design that breaks it, and as little else as any that was tried."""
     designs = []
-    for case in CASES:
+    for case in (case if isinstance(case, str) else str(case.values[0]) for case in CASES):
         with contextlib.suppress(ValidationError):  # some cases break a bound, before any rule
-            designs += [DesignTables(**load_tables([], case.split()).tables)] if "=" in case.split()[0] else []
+            name, *changes = case.split() if "=" not in case.split()[0] else ("fsr400", *case.split())
+            designs.append(DesignTables(**load_tables([design_file(name)], changes).tables))
     electronic = {name: levels for name, levels in list_levels().items() if name.startswith(("board.", "detector."))}
     designs += (DEFAULTS.with_values({name: end}) for name in NUMERIC for end in find_ends(name))
     designs += (DEFAULTS.with_values(row) for row in make_covering_array(electronic))
@@ -116,6 +118,8 @@ def test_the_edge_of_a_rule(rule: Rule) -> None:
 def check_tightness(rule: Rule, edge: float, violation: Violation) -> None:
     """Check that a rule states its own edge: a bound further in would refuse values that pass."""
     name = rule.check.__name__
+    if edge in violation.alternatives.values():
+        return
     ends = [end for interval in violation.passing for end in interval if math.isfinite(end)]
     assert bool(ends) == (name not in WITHOUT_BOUND), violation
     distance = min((abs(end - edge) for end in ends), default=0.0)

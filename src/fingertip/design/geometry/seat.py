@@ -262,6 +262,8 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     sections: dict[float, Sequence[bool]] = dict.fromkeys(_bends(dims), (False,))
     sections |= dict.fromkeys((0.0, join, *tip), (True, False))
     for z, sides in sorted(sections.items()):
+        if dims.outer.palmar_scale_at(z) == 0.0:
+            continue  # a crown or a platform of a design that rules refuse may bend past the tip
         # The rates at which both sides of the outer surface narrow, relative to their size there [1/mm].
         dorsal, palmar = (
             (1.0 - scale_at(z + _STEP_MM) / scale_at(z)) / _STEP_MM

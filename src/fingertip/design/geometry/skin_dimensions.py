@@ -131,8 +131,10 @@ class SkinDimensions:
 
     @cached_property
     def platform_radius(self) -> float:
-        """Radius of the platform: that of the pocket and of the rim around it."""
-        return self.sensor.head_diameter_mm / 2 + self._design.sensor.clearance_mm + self._design.bone.rim_mm
+        """Radius of the platform: that of the pocket, or of a tail that is wider, and of the rim around it."""
+        clearance = self._design.sensor.clearance_mm
+        widest = max(self.sensor.head_diameter_mm / 2 + clearance, math.hypot(self.tail_half_width, clearance))
+        return widest + self._design.bone.rim_mm
 
     @cached_property
     def neck_half_width(self) -> float:

@@ -50,7 +50,7 @@ def printer(
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
     keep: Annotated[
-        list[str] | None, typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
+        list[str] | None, typer.Option(metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
     ] = None,
     changes: SetOption = None,
 ) -> None:
@@ -206,7 +206,7 @@ def sensor(
     ] = None,
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
-    scale: Annotated[float | None, typer.Option("--scale", help="Volts per count, if the readings are counts.")] = None,
+    scale: Annotated[float | None, typer.Option(help="Volts per count, if the readings are counts.")] = None,
     changes: SetOption = None,
 ) -> None:
     """Calibrate the force curve of a sensor, from readings under known weights.

@@ -30,17 +30,15 @@ def detect(
         ),
     ],
     design: Annotated[
-        Path | None, typer.Option("--design", help="Design file or bundled name; the default design if left out.")
+        Path | None, typer.Option(help="Design file or bundled name; the default design if left out.")
     ] = None,
-    detector: Annotated[str, typer.Option("--detector", help=describe_detectors())] = DEFAULT,
+    detector: Annotated[str, typer.Option(help=describe_detectors())] = DEFAULT,
     rate_hz: Annotated[
-        float | None,
-        typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),
+        float | None, typer.Option(help="Sampling rate of the trace; if the file holds times, they must agree with it.")
     ] = None,
     calibrate: Annotated[
         str | None,
         typer.Option(
-            "--calibrate",
             metavar="START:END",
             help="Interval in which nothing happens, in seconds after the first sample, such as 4.0:4.5; thresholds "
             "follow from the noise there. Best in the held grasp.",
@@ -50,9 +48,7 @@ def detect(
     time_scale: Annotated[
         str,
         typer.Option(
-            "--time-scale",
-            metavar="SECONDS",
-            help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns.",
+            metavar="SECONDS", help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns."
         ),
     ] = "s",
     columns: Annotated[
@@ -63,7 +59,7 @@ def detect(
             help="Name of a column in the file, such as voltage_v=AI0, or its number from 1; repeatable.",
         ),
     ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the detection to write (PNG).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Plot of the detection to write (PNG).")] = None,
     changes: SetOption = None,
 ) -> None:
     """Detect slip in a trace with the article's chain or another detector.

@@ -96,16 +96,16 @@ def sheet(
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
-    from fingertip.catalogues.output_files import SHEET, STEPS_FOLDER
+    from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER
     from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
-    from fingertip.tasks.build import steps_writer
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console).with_silicone(material)
     silicone = loaded.silicone.material
     file = _File(loaded, out, SHEET, force)
+    step_writer = STEPS.writer(loaded, file.path.parent / STEPS_FOLDER, force, file.path.parent)
     if pictures:
-        steps_writer(loaded, file.path.parent, force).check(())
+        step_writer.check(())
     prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
@@ -127,7 +127,7 @@ def sheet(
         from fingertip.pictures.steps.pictures import draw_steps
 
         drawn = draw_steps(loaded, data, [step.picture for step in steps(data)], console.progress)
-        steps_writer(loaded, file.path.parent, force).write(drawn)
+        step_writer.write(drawn)
     drawn_files = [f"{STEPS_FOLDER}/{name}" for name in drawn]
     file.write(render_sheet(data, drawn_files).encode())
     batch = data["batch"]

@@ -31,24 +31,18 @@ def simulate(
         Path | None,
         typer.Option("--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."),
     ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the outputs to write (PNG).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Plot of the outputs to write (PNG).")] = None,
     seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
     speed_m_s: Annotated[
-        float | None,
-        typer.Option(
-            "--speed-m-s", help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08)."
-        ),
+        float | None, typer.Option(help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08).")
     ] = None,
     surface: Annotated[str | None, typer.Option(help="smooth, medium, gross, wood, paper or plastic.")] = None,
     force_n: Annotated[
         float | None,
-        typer.Option(
-            "--force-n", help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."
-        ),
+        typer.Option(help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."),
     ] = None,
     grip: Annotated[
-        str | None,
-        typer.Option("--grip", help="Let the hand tighten its grip when this detector (fast, ...) reports slip."),
+        str | None, typer.Option(help="Let the hand tighten its grip when this detector (fast, ...) reports slip.")
     ] = None,
     changes: Annotated[
         list[str] | None,

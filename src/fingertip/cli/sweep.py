@@ -44,9 +44,9 @@ def sweep(
             help="Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design.",
         ),
     ] = False,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the rows as CSV.")] = None,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the rows as CSV.")] = None,
     parquet: Annotated[
-        Path | None, typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
+        Path | None, typer.Option(metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
     ] = None,
     outputs: Annotated[
         bool, typer.Option("--outputs", help="List the outputs that can be computed, and exit.")

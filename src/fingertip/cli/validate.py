@@ -18,10 +18,8 @@ def validate(
     design: OptionalDesignArgument = None,
     trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
     minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
-    detector: Annotated[
-        str, typer.Option("--detector", help="Detector that the requirements apply to; all are compared.")
-    ] = "fast",
-    seed: Annotated[int, typer.Option("--seed", help="First seed; every one from 5000000 on is held out.")] = 5_000_000,
+    detector: Annotated[str, typer.Option(help="Detector that the requirements apply to; all are compared.")] = "fast",
+    seed: Annotated[int, typer.Option(help="First seed; every one from 5000000 on is held out.")] = 5_000_000,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder; default: out/NAME/validation.")] = None,
     force: ForceOption = False,
     verbose: VerboseOption = False,

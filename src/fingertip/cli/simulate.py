@@ -110,22 +110,21 @@ def _simulate(
     simulation: Simulation, file: BinaryIO, path: Path, grip: str | None, plotted: bool, progress: Callable[[str], None]
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
-    from fingertip.sim import ManipulationResult, trace_file
     from fingertip.sim import report as summary
+    from fingertip.sim import trace_file
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None
     grips_s = None
     if grip is None:
-        result = simulation.run(progress=progress)
+        record = simulation.run(progress=progress)
     else:
         from fingertip.lab.campaign.closed_loop import run_with_grip
 
-        result, grips_s = run_with_grip(simulation, grip, progress)
-    record = result if isinstance(result, ManipulationResult) else result.record
-    trace_file.write_columns(file, path, result.time_s, result.columns)
+        record, grips_s = run_with_grip(simulation, grip, progress)
+    trace_file.write_columns(file, path, record.time_s, record.columns)
     picture = None
     if plotted:
         progress("drawing the plot")
-        picture = summary.draw(result, summary.as_text(record, grips_s)[0])
+        picture = summary.draw(record, summary.as_text(record, grips_s)[0])
     return record, grips_s, picture

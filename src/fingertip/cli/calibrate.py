@@ -85,7 +85,7 @@ def printer(
         raise FingertipError(issues)
     data, lines = _data(calibration), _format(calibration)
     try:
-        calibrated = fit.apply_calibration(loaded, calibration, out.stem if out else None)
+        calibrated = fit.apply_calibration(loaded, calibration.changes, out.stem if out else None)
     except DesignError as error:
         found = fit.find_kept(loaded, calibration, fit.CLEARANCES)
         remedy = "change the design as the other messages say, and print its coupon."
@@ -218,7 +218,8 @@ def sensor(
 
     Exit code 0: the force curve is calibrated, 2: the weighings are not usable.
     """
-    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings, read_weighings
+    from fingertip.calibration.printer import apply_calibration
+    from fingertip.calibration.sensor import calibrate_sensor, list_warnings, read_weighings
     from fingertip.design.files import to_toml
     from fingertip.foundation.files import write_file
 
@@ -232,7 +233,7 @@ def sensor(
     if issues or loaded is None or weighings is None:
         raise FingertipError(issues)
     calibration = calibrate_sensor(loaded, weighings, scale)
-    calibrated = apply_sensor_calibration(loaded, calibration)
+    calibrated = apply_calibration(loaded, calibration.changes)
     data, lines = _sensor_data(calibration), _format_sensor(calibration, calibrated)
     data["warnings"] = list_warnings(weighings)
     console.warn(data["warnings"])

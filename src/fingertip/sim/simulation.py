@@ -21,7 +21,8 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import FingertipError, Issue, TraceError, gather
+from fingertip.foundation.errors import FingertipError, Issue, gather
+from fingertip.foundation.validation import raise_issues
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
@@ -191,8 +192,7 @@ class Trial:
             issues.append(Issue("--force-n", f"{self.force_n:g} N is refused; {remedy}."))
         if self.seed < 0:
             issues.append(Issue("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
-        if issues:
-            raise TraceError(issues)
+        raise_issues(issues)
 
     @property
     def scene(self) -> SceneFile:

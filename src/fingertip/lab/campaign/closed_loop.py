@@ -39,6 +39,7 @@ from fingertip.sim import (
 )
 from fingertip.sim.signal.bridge import reads_whole_finger
 from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type, select_inputs
 from fingertip.slip.traces.truth import INCIPIENT_S
@@ -209,10 +210,8 @@ def run_closed_loop(
 
 
 def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[ManipulationFile, int]]:
-    counts: dict[str, int] = {}
-    for scene, seed in article_manipulations(first_seed):
-        counts[scene.name] = counts.get(scene.name, 0) + 1
-        if counts[scene.name] <= repeats:
+    for i, (scene, seed) in enumerate(article_manipulations(first_seed)):
+        if i % REPEATS_PER_MANIPULATION < repeats:
             yield scene.model_copy(update={"outputs": _OUTPUTS}), seed
 
 

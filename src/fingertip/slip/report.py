@@ -243,11 +243,7 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
     rows = [(DETECTED, detection.intervals, style.RED)]
     if slips is not None:
         rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), style.TRUTH))
-    for row, (_, parts, color) in enumerate(rows):
-        axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
-    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
-    axes.set_ylim(-0.6, len(rows) - 0.4)
-    axes.invert_yaxis()
+    draw_bars(axes, rows)
     axes.tick_params(axis="y", length=0)
     axes.grid(True, axis="x", color=style.GRID_COLOUR, linewidth=0.7)
     axes.set_axisbelow(True)
@@ -256,6 +252,15 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
         phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
         phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
         axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=style.TEXT_COLOUR)
+
+
+def draw_bars(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float = 0.0) -> None:
+    """Draw one row of intervals per name in a colour, each at least so long that it is seen [s]."""
+    for row, (_, parts, colour) in enumerate(rows):
+        spans = [(part.onset_s, max(part.end_s - part.onset_s, shortest_s)) for part in parts]
+        axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
 def draw_trace(trace: Trace) -> bytes:

@@ -196,7 +196,6 @@ class Trial:
 
     @property
     def scene(self) -> SceneFile:
-        """The trial as a scene."""
         low, high = FORCE_RANGE_N if self.force_n is None else (self.force_n, self.force_n)
         return SceneFile(
             scene="sliding_finger",

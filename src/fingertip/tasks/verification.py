@@ -9,13 +9,7 @@ from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
-from fingertip.foundation.output_set.swap import (
-    find_output_folder,
-    is_folder,
-    lock,
-    read_plan,
-    staging_folder,
-)
+from fingertip.foundation.output_set.swap import find_output_folder, is_folder, lock, read_plan, staging_folder
 from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")

@@ -35,8 +35,6 @@ from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 @dataclass(frozen=True)
 class ChainSettings:
-    """Settings of the chain."""
-
     sample_rate_hz: float
     cutoff_hz: float
     gain: float

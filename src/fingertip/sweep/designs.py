@@ -37,15 +37,10 @@ class DesignBuilder:
 
     def build(self, changes: Mapping[str, Value]) -> Design:
         """Build the design of a point. Raises DesignError."""
+        own_changes = {name: changes[name] for name in self._names}
         if not self._only_electronics_vary:
-            own_changes = {name: changes[name] for name in self._names}
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
-        tables: dict[str, dict[str, Any]] = {}
-        for name in self._names:
-            table, _, key = name.partition(".")
-            tables.setdefault(table, {})[key] = changes[name]
-        sections = {name: getattr(self._base, name).model_copy(update=new) for name, new in tables.items()}
-        design = self._base.model_copy(update=sections)
+        design = self._base.with_values(own_changes)
         if issues := list(describe_violations(design, ELECTRONIC_RULES)):
             raise DesignError(issues)
         return design

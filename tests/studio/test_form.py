@@ -11,7 +11,7 @@ from fingertip.design.parameters.declaration import find_bounds
 from fingertip.studio.answers import make_pointer
 from fingertip.studio.page import Field, make_form
 
-FIELDS = {field.path: field for fields in make_form().values() for field in fields}
+FIELDS = {field.parameter.path: field for fields in make_form().values() for field in fields}
 
 
 def test_fields_stand_in_the_order_of_the_file_with_sliders_between_the_declared_bounds() -> None:
@@ -21,7 +21,7 @@ def test_fields_stand_in_the_order_of_the_file_with_sliders_between_the_declared
 
 def slider_has_the_bounds(field: Field) -> bool:
     """Return whether the slider of a number ends at the declared bounds, and above the one that is excluded."""
-    declared = PARAMETERS[field.path]
+    declared = PARAMETERS[field.parameter.path]
     bounds, slider = find_bounds(declared), field.slider
     if not slider:
         return field.kind in ("choice", "text")
@@ -44,7 +44,7 @@ def test_sliders_have_some_hundred_steps_of_round_size() -> None:
             exponent, count = math.log10(slider.step), (slider.maximum - slider.minimum) / slider.step
             right = count + 1.001 >= 200 and count <= 2001 and exponent == pytest.approx(round(exponent))
         if not right:
-            wrong.append((field.path, slider))
+            wrong.append((field.parameter.path, slider))
     assert wrong == []
 
 

@@ -6,14 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pydantic.fields import FieldInfo
-
 from fingertip.design import Design
+from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import Bounds, find_bounds, find_unit, list_choices
+from fingertip.design.parameters.declaration import Bounds, find_bounds, list_choices
 from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_and_checks import shapes_of_parameters
+from fingertip.page.parameters_and_checks import describe_table, group_parameters, shapes_of_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items, make_pointer
 
 # Form of the studio as HTML: a slider and a number for each number, a list for each choice, a place for refusals.
@@ -38,19 +37,19 @@ def render_form(design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
 
 def _render_table(table: str, fields: Sequence[Field], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
     name, count = table or "design", len(fields)
-    description = " ".join((type(getattr(design, table)).__doc__ or "").split()) if table else ""
+    description = describe_table(design, table)
     title = (
         element("span", name, class_="code"), f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts", data_counts=name),
     )  # fmt: skip
     said = [element("p", description, class_="hint")] if description else []
-    rendered = (_render_field(field, design, moved.get(field.path, ())) for field in fields)
+    rendered = (_render_field(field, design, moved.get(field.parameter.path, ())) for field in fields)
     return element("details", element("summary", *title), *said, *rendered, class_="group", open=name == "skin")
 
 
 def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Markup:
-    name, value = f"f-{field.path}", design.value(field.path)
-    described = f"d-{field.path} e-{field.path}"
+    path = field.parameter.path
+    name, value, described = f"f-{path}", design.value(path), f"d-{path} e-{path}"
     controls: list[Markup] = []
     if field.kind == "choice":
         options = (element("option", word, value=word, selected=word == value) for word in field.choices)
@@ -59,25 +58,25 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Marku
         controls.append(element("input", type="text", id=name, value=str(value), aria_describedby=described))
     else:
         if slider := field.slider:
-            controls.append(_render_slider(field.path, slider, value))
+            controls.append(_render_slider(path, slider, value))
         number = repr(value).removesuffix(".0")
         controls.append(element("input", type="number", id=name, value=number, step="any", aria_describedby=described))
-        controls.append(element("span", field.unit, class_="unit"))
+        controls.append(element("span", field.parameter.unit, class_="unit"))
     shapes = element(
         "button", "show", type="button", data_moves=" ".join(items), aria_pressed="false", hidden=not items,
-        aria_label=f"{field.path}: show what it shapes", data_named=field.path,
+        aria_label=f"{path}: show what it shapes", data_named=path,
     )  # fmt: skip
-    reset = element("button", "undo", type="button", class_="reset", hidden=True, aria_label=f"undo {field.path}")
+    reset = element("button", "undo", type="button", class_="reset", hidden=True, aria_label=f"undo {path}")
     bounds = f" [{field.bounds}]" if field.bounds else ""
-    label = element("label", code(field.path.rpartition(".")[2]), for_=name, class_="code")
+    label = element("label", code(path.rpartition(".")[2]), for_=name, class_="code")
     return element(
         "div",
         element("div", label, shapes, reset, class_="head"),
         element("div", *controls, class_="control"),
-        element("p", f"{field.description}{bounds}", id=f"d-{field.path}", class_="hint"),
-        element("p", "", id=f"e-{field.path}", class_="refusal", hidden=True),
-        class_="field", id=f"p-{field.path}", tabindex="-1", data_path=field.path, data_kind=field.kind,
-        data_pointer=make_pointer(field.path),
+        element("p", f"{field.parameter.description}{bounds}", id=f"d-{path}", class_="hint"),
+        element("p", "", id=f"e-{path}", class_="refusal", hidden=True),
+        class_="field", id=f"p-{path}", tabindex="-1", data_path=path, data_kind=field.kind,
+        data_pointer=make_pointer(path),
     )  # fmt: skip
 
 
@@ -187,12 +186,9 @@ class Slider:
 class Field:
     """Field of the form: one parameter."""
 
-    path: str
-    """Dotted name, such as "skin.width_mm"."""
+    parameter: Parameter
     kind: str
     """One of "number", "integer", "choice" and "text"."""
-    unit: str
-    description: str
     choices: tuple[str, ...]
     bounds: str
     """Bounds of a number for people, such as "8 to 40"."""
@@ -202,18 +198,14 @@ class Field:
 
 def make_form() -> dict[str, list[Field]]:
     """Make the fields of each table; those that stand in no table are the table ""."""
-    tables: dict[str, list[Field]] = {}
-    for path, declared in PARAMETERS.items():
-        tables.setdefault(path.rpartition(".")[0], []).append(_make_field(path, declared))
-    return tables
+    return {table: list(map(_make_field, parameters)) for table, parameters in group_parameters().items()}
 
 
-def _make_field(path: str, declared: FieldInfo) -> Field:
+def _make_field(parameter: Parameter) -> Field:
+    declared = PARAMETERS[parameter.path]
     choices, bounds = list_choices(declared), find_bounds(declared)
-    kind = "choice" if choices else _KINDS[type(declared.default)]
-    slider = _make_slider(bounds, kind == "integer")
-    said = (find_unit(declared), declared.description or "", choices, _describe_bounds(bounds))
-    return Field(path, kind, *said, slider)
+    kind = "choice" if choices else _KINDS[type(parameter.default)]
+    return Field(parameter, kind, choices, _describe_bounds(bounds), _make_slider(bounds, kind == "integer"))
 
 
 def _make_slider(bounds: Bounds, is_whole: bool) -> Slider | None:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
@@ -141,14 +141,12 @@ class GripController:
 
 def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:
     """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
-    issues = []
+    issues: list[Issue] = []
     if simulation and not isinstance(simulation.scene, ManipulationFile):
         remedy = "give a manipulation, such as real_manipulation"
         issues.append(Issue("--grip", f"closes the loop of a hand; {remedy}."))
-    try:
-        find_detector_type(detector)
-    except FingertipError as error:
-        issues += [Issue("--grip", issue.message) for issue in error.issues]
+    with gather(issues):
+        find_detector_type(detector, "--grip")
     return issues
 
 

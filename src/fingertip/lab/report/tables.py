@@ -13,7 +13,7 @@ from fingertip.documents.template import WIDTH, lay_out_page, render, render_row
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
-from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, quantile_s, speed_m_s, surface
 from fingertip.lab.report import robustness
 from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, Spectrum, WindowResult
@@ -66,8 +66,7 @@ class StudyResults:
 
     def bound_s(self, fraction: float) -> float:
         """Bound by which a fraction of the slips can be found [s]."""
-        ranked = sorted(self.bounds_s)
-        return ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]
+        return quantile_s(self.bounds_s, len(self.bounds_s), fraction)
 
 
 def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:

@@ -182,10 +182,10 @@ def find_second_column(design: Design, name: str) -> str | None:
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
 
-def find_detector_type(name: str) -> DetectorType:
-    """Look up a type of detector by name. Raises TraceError."""
+def find_detector_type(name: str, field: str = "--detector") -> DetectorType:
+    """Look up a type of detector by name. Raises TraceError, about a field."""
     if name not in DETECTORS:
         from fingertip.design.parameters.declaration import suggest_name  # noqa: PLC0415
 
-        raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
+        raise TraceError(Issue(field, f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]

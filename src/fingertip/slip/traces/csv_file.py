@@ -37,7 +37,6 @@ from fingertip.slip.traces.trace import (
     ColumnMap,
     RawTrace,
     bounded_lines,
-    check_trace_file,
     max_lines,
     max_rows,
     shape_message,
@@ -55,11 +54,10 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1.
 
     With another delimiter than the comma, numbers may have a decimal comma. LabVIEW's measurement files (LVM) are read
-    by their own names of the columns. Raises TraceError.
+    by their own names of the columns. Raises TraceError or OSError.
     """
     name = str(path)
     try:
-        check_trace_file(path)
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
             adapted = adapt_columns(name, itertools.islice(bounded_lines(file, name), LVM_HEADER_LINES), columns)
@@ -69,8 +67,6 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
             below = next(lines, "")
     except UnicodeError:
         raise TraceError(Issue(name, NOT_TEXT)) from None
-    except OSError as error:
-        raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
     header = replace(header, is_loose=adapted is not columns)
     first_line = header.line + (2 if header.is_unit_line(below) else 1)
     source = _Source(path, encoding, header, first_line, adapted.with_simulated_names(header.names))
@@ -196,11 +192,8 @@ class _Samples:
 
 def _read_by_line(source: _Source) -> RawTrace:
     name, columns = str(source.path), source.columns
-    try:
-        with source.path.open(encoding=source.encoding, errors="replace") as file:
-            samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
-    except OSError as error:
-        raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
+    with source.path.open(encoding=source.encoding, errors="replace") as file:
+        samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
     notes = list(source.notes)
     if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
         notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, join_words
 from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL
 
 if TYPE_CHECKING:
@@ -139,8 +139,8 @@ def make_detector(name: str, design: Design, noise_v: float | None = None, thres
 
 def describe_detectors() -> str:
     """List the names with few words on each, the default first."""
-    *first, last = (f"{name} ({DETECTORS[name].words})" for name in sorted(DETECTORS, key=lambda name: name != DEFAULT))
-    return f"{', '.join(first)} or {last}."
+    words = (f"{name} ({DETECTORS[name].words})" for name in sorted(DETECTORS, key=lambda name: name != DEFAULT))
+    return f"{join_words(words, 'or')}."
 
 
 def select_inputs(source: object, name: str) -> tuple[Array, ...]:

@@ -143,7 +143,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
         "detector = make_detector('{name}', Design()); start = time.process_time(); "
         "detector.process(volts); print(time.process_time() - start)"
     )
-    loops = {"digital": analog_and_digital._CHAIN, "fast": fast_loop.LOOP, "analog": analog_and_digital._AVERAGE}
+    loops = {"digital": analog_and_digital._FILTER, "fast": fast_loop.LOOP, "analog": analog_and_digital._AVERAGE}
     return {
         "load_s": {"import_numba": imported, "first_loop": first, "next_loop": second, "policy": jit.LOAD_S},
         "break_even_samples": {name: loop.break_even for name, loop in loops.items()},

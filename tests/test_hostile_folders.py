@@ -29,7 +29,7 @@ import typer
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.output_files import FAB_FOLDER, PROVENANCE, REPORT, SHEET, SIGNAL
+from fingertip.catalogues.output_files import FAB_FOLDER, PRINTS, PROVENANCE, REPORT, SHEET, SIGNAL, STEPS
 from fingertip.cli import app
 from fingertip.cli.options import read_design
 from fingertip.design import Design
@@ -41,7 +41,7 @@ from fingertip.foundation.output_set.swap import recover
 from fingertip.slip.traces.truth import Origin, read_origin
 from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, plan_board, write_board
-from fingertip.tasks.build import parts_writer, prints_writer, steps_writer
+from fingertip.tasks.build import parts_writer
 from fingertip.tasks.firmware import firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip, run_python
@@ -243,8 +243,8 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
     top = base / "master" / "fsr400"
     parts = {f"{name}.stl": name.encode() for name in parts_by_name(design)} | {REPORT: b"{}", SHEET: b"# Casting\n"}
     parts_writer(design, top).write(parts)
-    prints_writer(design, top).write({"bone.stl": b"bone"})
-    steps_writer(design, top, False).write({"1.png": b"picture"})
+    PRINTS.writer(design, top / "print", top=top).write({"bone.stl": b"bone"})
+    STEPS.writer(design, top / "steps", top=top).write({"1.png": b"picture"})
     SIGNAL.writer(design, top / "signal").write({"trace.csv": TRACE.encode(), "detection.json": b'{"motion_s": 0.3}'})
     write_board(design, top / "board")
     fab = {"slip_filter_gerbers.zip": b"gerbers"}

@@ -27,7 +27,7 @@ from fingertip.foundation.version import __version__
 from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.coupled import NormalContact, integrate
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
-from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.contact.vibration import ContactResonance
 
 RATE_HZ = 2000.0
@@ -119,7 +119,7 @@ class ContactProblem:
         start = time.process_time()
         resonance = ContactResonance(1 / rate, self.normal.resonance_hz, self.normal.damping_ratio)
         normal = resonance.process(np.concatenate((hold, load)), np.concatenate((hold, load)))[len(hold) :]
-        moved = drag(_FRICTION, self.mount, 1 / rate, position, velocity, normal)
+        moved = DraggedPad(_FRICTION, self.mount, 1 / rate).process(position, velocity, normal)
         cpu_s = time.process_time() - start
         return Outcome(self.forces_n(moved.position_m[::parts], normal[::parts]), cpu_s)
 

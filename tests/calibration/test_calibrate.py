@@ -98,7 +98,7 @@ def test_surface_error_covers_95_of_100_surfaces() -> None:
 
 def test_calibrating_a_calibrated_design_changes_nothing_more() -> None:
     """The printer keeps its scale and offset; neither is counted twice."""
-    first = apply_calibration(Design(), calibration_of(Design()))
+    first = apply_calibration(Design(), calibration_of(Design()).changes)
     again = calibration_of(first, seed=1)
     for value in again.values:
         if value.path in ("printer.scale_percent", "printer.offset_mm", *CLEARANCES):
@@ -109,7 +109,7 @@ def test_calibrating_a_calibrated_design_changes_nothing_more() -> None:
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
 def test_calibrated_design_passes_all_rules(name: str) -> None:
     design = Design.load(name)
-    calibrated = apply_calibration(design, calibration_of(design))
+    calibrated = apply_calibration(design, calibration_of(design).changes)
     assert calibrated.printed_fit_mm == pytest.approx(design.printed_fit_mm, abs=1e-9)
 
 
@@ -118,9 +118,9 @@ def test_a_parameter_that_must_be_kept_is_found() -> None:
     design = Design.load("fsr402")
     made = calibration_of(design, offset_mm=0.15)
     with pytest.raises(DesignError, match=r"at least .*"):
-        apply_calibration(design, made)
+        apply_calibration(design, made.changes)
     assert find_kept(design, made, CLEARANCES) == "sensor.clearance_mm"
-    apply_calibration(design, calibration_of(design, offset_mm=0.15, keep=("sensor.clearance_mm",)))
+    apply_calibration(design, calibration_of(design, offset_mm=0.15, keep=("sensor.clearance_mm",)).changes)
 
 
 @pytest.mark.full
@@ -128,7 +128,7 @@ def test_a_parameter_that_must_be_kept_is_found() -> None:
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
 def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
     design = Design.load(name, changes=[f"mold.method={method}"])
-    calibrated = apply_calibration(design, calibration_of(design))
+    calibrated = apply_calibration(design, calibration_of(design).changes)
     checks = verify(calibrated, parts_by_name(calibrated), ("stl",), MeshEvaluator(0.01)).checks
     assert [check for check in checks if not check.passed] == []
 

@@ -14,7 +14,7 @@ from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
 from fingertip.sim.contact.coupled_loop import bristle_rate, normal_rate
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction
-from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from tests.oracles.steady_friction import steady_coefficient
 
@@ -96,7 +96,7 @@ def test_fixed_steps_of_a_trial_agree():
     rate = 8000.0
     time, ramp = grid(1.4, rate), TrapezoidalMove.with_speed(0.2, 0.04, 0.04)
     stage, speed, load = ramp.position_m(time), ramp.velocity_m_s(time), np.full_like(time, FORCE_N)
-    fixed = drag(FRICTION, MOUNT, 1 / rate, stage, speed, load)
+    fixed = DraggedPad(FRICTION, MOUNT, 1 / rate).process(stage, speed, load)
     controlled = integrate(FRICTION, MOUNT, NORMAL, 1 / rate, stage, speed, load, 1e-8)
     assert np.abs(fixed.velocity_m_s - controlled.velocity_m_s).max() < 1e-5
 

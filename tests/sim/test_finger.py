@@ -225,7 +225,7 @@ def test_stick_slip_lets_the_pad_stop_during_a_slide():
     for stick_slip in (False, True):
         contact = scene.contact.model_copy(update={"stick_slip": stick_slip})
         found = run_scene(Design(), scene.model_copy(update={"contact": contact}), 1)
-        since_s = found.time_s - found.record.slips[0].onset_s
+        since_s = found.time_s - found.slips[0].onset_s
         during = (since_s > 0.1) & (since_s < 0.5)
         still.append((found.columns["velocity_m_s"][during] < 1e-3).mean())
     assert still[0] == 0.0

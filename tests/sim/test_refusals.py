@@ -19,7 +19,7 @@ from fingertip.foundation.errors import FingertipError
 from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, run_manipulation, run_scene
 from fingertip.sim.contact.coupled import CoupledContact, NormalContact, integrate
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.tangential import Mount, drag
+from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode
 from fingertip.sim.signal.filter_board import AnalogStream, Comparator, ComparatorStream, simulate_board
 from tests.approved import check_text
@@ -127,7 +127,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         *(lambda c=c: integrate(FRICTION, MOUNT, NORMAL, 5e-4, *c) for c in (
             (at_7(-math.inf), STILL, STILL), (STILL, at_7(-math.inf), STILL), (STILL, STILL, at_7(-math.inf)),
         )),
-        lambda: drag(FRICTION, MOUNT, 5e-4, STILL, at_7(math.nan), STILL),
+        lambda: DraggedPad(FRICTION, MOUNT, 5e-4).process(STILL, at_7(math.nan), STILL),
         lambda: integrate(FRICTION, MOUNT, NORMAL, 0.0, STILL, STILL * math.nan, STILL[:3], -1.0),
     ],
 }  # fmt: skip

@@ -15,7 +15,7 @@ from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
-from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s, drag
+from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
 from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
 from fingertip.sim.simulation import Trial
 from tests.oracles.steady_friction import steady_coefficient
@@ -32,7 +32,9 @@ def pull(
 ) -> PadMotion:
     h = step_s
     time = np.arange(round(seconds / h)) * h
-    return drag(friction, mount, h, speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N))
+    return DraggedPad(friction, mount, h).process(
+        speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N)
+    )
 
 
 def test_breakaway_force_is_mu_s_times_load():
@@ -58,8 +60,7 @@ def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
     timeline = build_timeline(Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)
     time = np.arange(round(seconds * 2000) * substeps + 1) * h
-    motion = drag(
-        FRICTION, MOUNT, h, timeline.slide.position_m(time), timeline.slide.velocity_m_s(time),
+    motion = DraggedPad(FRICTION, MOUNT, h).process(timeline.slide.position_m(time), timeline.slide.velocity_m_s(time),
         timeline.load_n(PAD, time),
     )  # fmt: skip
     every = slice(None, None, substeps)
@@ -79,7 +80,7 @@ def test_bristles_relax_and_friction_vanishes_without_contact():
     time = np.arange(6000) * h
     load = np.where(time < 0.3, FORCE_N, 0.0)
     stage = np.minimum(1e-3 * time, 1e-4)
-    motion = drag(FRICTION, MOUNT, h, stage, np.where(time < 0.1, 1e-3, 0.0), load)
+    motion = DraggedPad(FRICTION, MOUNT, h).process(stage, np.where(time < 0.1, 1e-3, 0.0), load)
     assert motion.bristle_m[2990] > 1e-6
     assert abs(motion.bristle_m[-1]) < 1e-9
     assert motion.position_m[-1] == pytest.approx(1e-4, rel=1e-4)
@@ -122,7 +123,7 @@ def test_error_up_to_the_longest_admissible_step():
                 carriage = TrapezoidalMove.with_speed(0.01, 0.04, speed)
                 normal = load * (1 + 0.3 * np.sin(2 * math.pi * 5 * time))
                 at = carriage.position_m(time)
-                motion = drag(friction, mount, step / parts, at, carriage.velocity_m_s(time), normal)
+                motion = DraggedPad(friction, mount, step / parts).process(at, carriage.velocity_m_s(time), normal)
                 found[parts] = (mount.stiffness_n_per_m * (at - motion.position_m) / load)[::parts]
             assert np.abs(found[32] - found[64]).max() < 1e-4
             errors.append(np.abs(found[1] - found[64]).max())
@@ -134,7 +135,7 @@ def test_chunks_give_the_bits_of_the_whole():
     time = np.arange(4001) * 1.25e-4
     carriage, load = TrapezoidalMove.with_speed(0.1, 0.02, 0.06), FORCE_N * np.clip(time / 0.05, 0.0, 1.0)
     columns = (carriage.position_m(time), carriage.velocity_m_s(time), load)
-    whole = drag(FRICTION, MOUNT, 1.25e-4, *columns)
+    whole = DraggedPad(FRICTION, MOUNT, 1.25e-4).process(*columns)
     pad, cuts = DraggedPad(FRICTION, MOUNT, 1.25e-4), [0, 1, 2, 700, 701, 1500, 4001]
     parts = [pad.process(*(column[a:b] for column in columns)) for a, b in pairwise(cuts)]
     for name in ("position_m", "velocity_m_s", "bristle_m"):
@@ -152,7 +153,7 @@ def test_friction_is_passive_while_load_and_velocity_both_move(ratio):
     for phase in (0.0, 1.0, 2.0, 3.0):
         load = FORCE_N * (1 + 0.8 * np.sin(ratio * angle + phase))
         x, v = 1e-5 * (np.cos(angle) - 1), -1e-5 * 2 * math.pi * 10 * np.sin(angle)
-        motion = drag(FRICTION, mount, h, x, v, load)
+        motion = DraggedPad(FRICTION, mount, h).process(x, v, load)
         pull_n = mount.stiffness_n_per_m * (x - motion.position_m) + mount.damping_n_s_per_m * (v - motion.velocity_m_s)
         work = np.cumsum(h * pull_n * motion.velocity_m_s) - mount.mass_kg * motion.velocity_m_s**2 / 2
         stored = FRICTION.sigma0 * motion.bristle_m**2 * (load + LOAD_SCALE_N) / 2

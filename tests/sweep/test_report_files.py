@@ -21,7 +21,7 @@ from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep import report
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report import RowSource, write_csv, write_parquet, write_report
+from fingertip.sweep.report import write_csv, write_parquet, write_report
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.statistics import classify_points
 from tests.approved import check_figures
@@ -212,7 +212,7 @@ class GeneratedRows:
 
 @pytest.mark.parametrize("export", [write_csv, write_parquet])
 def test_export_uses_constant_memory(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, export: Callable[[RowSource, Path], None]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, export: Callable[[SweepDatabase, Path], None]
 ) -> None:
     monkeypatch.setattr("fingertip.sweep.report._GROUP_ROWS", 200)
     write_parquet(GeneratedRows(1), tmp_path / "first")  # not measured: what pyarrow allocates once
@@ -227,7 +227,7 @@ def test_export_uses_constant_memory(
 
 @pytest.mark.parametrize("export", [write_csv, write_parquet])
 def test_failed_export_leaves_the_existing_file_unchanged(
-    tmp_path: Path, export: Callable[[RowSource, Path], None]
+    tmp_path: Path, export: Callable[[SweepDatabase, Path], None]
 ) -> None:
     (tmp_path / "rows").write_bytes(b"old")
     for name in ("rows", "new/deeper/rows"):

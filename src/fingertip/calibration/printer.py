@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.calibration.readings import Length, Measured
@@ -231,14 +232,13 @@ def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collec
     return Calibration(fit, tuple(value for value in values if value.path not in keep), tuple(kept))
 
 
-def apply_calibration(design: Design, calibration: Calibration, name: str | None = None) -> Design:
-    """Make the calibrated design, under a name of its own if one is given: its files then stand in another folder.
+def apply_calibration(design: Design, changes: Mapping[str, Any], name: str | None = None) -> Design:
+    """Make a calibrated design, under a name of its own if one is given: its files then stand in another folder.
 
     Raises DesignError.
     """
-    tables = design.with_values(calibration.changes).model_dump()
-    tables["name"] = name or design.name
-    return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
+    tables = design.with_values(changes).model_dump() | {"name": name or design.name}
+    return Design.from_tables(tables, design.model_dump(), tuple(changes))
 
 
 def list_calibrated() -> tuple[str, ...]:
@@ -250,8 +250,7 @@ def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str
     for path in candidates:
         fewer = replace(calibration, values=tuple(value for value in calibration.values if value.path != path))
         with contextlib.suppress(DesignError):
-            tables = design.with_values(fewer.changes).model_dump()
-            Design.without_remedies(**tables)
+            Design.without_remedies(**design.with_values(fewer.changes).model_dump())
             return path
     return None
 

@@ -175,10 +175,7 @@ def check_readings(tables: Mapping[str, Any], design: Design, source: str) -> tu
     if IDENTITY not in tables and not lengths.keys() & tables.keys():
         remedy = "`fingertip coupon` writes one to fill in"
         raise DesignError(Issue(source, f"is not a file of caliper readings; {remedy}."))
-    issues = list(_find_issues(tables, design, lengths))
-    if not issues:
-        issues = list(_find_missing(tables, lengths.values()))
-    if issues:
+    if issues := list(_find_issues(tables, design, lengths)) or list(_find_missing(tables, lengths.values())):
         raise DesignError(issues)
     measured = (Measured(length, tuple(map(float, tables.get(name, ())))) for name, length in lengths.items())
     return tuple(each for each in measured if each.readings_mm or each.length.kind == "wall")

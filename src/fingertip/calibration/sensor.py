@@ -20,6 +20,7 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import t_quantile
+from fingertip.foundation.validation import raise_issues
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, fit_conductance_curve
 from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
 
@@ -99,7 +100,8 @@ def parse_weighings(text: str, source: str) -> Weighings:
     for number, line in lines[1:]:
         cells = split_cells(line, delimiter)
         try:
-            force, reading = (float(_plain(cells[place], delimiter)) for place in places)
+            plain = (unquote(cells[place]) for place in places)
+            force, reading = (float(cell if delimiter == "," else cell.replace(",", ".")) for cell in plain)
         except (ValueError, IndexError):
             issues.append(
                 Issue(f"{source}, line {number}", f"{quote_value(line.strip())} is not a weighing; write two numbers.")
@@ -122,13 +124,8 @@ def parse_weighings(text: str, source: str) -> Weighings:
             "are needed for a curve and its interval."
         )
         issues.append(Issue(source, message))
-    if issues:
-        raise TraceError(issues)
+    raise_issues(issues)
     return Weighings(source, kind, loaded, unloaded)
-
-
-def _plain(cell: str, delimiter: str) -> str:
-    return unquote(cell) if delimiter == "," else unquote(cell).replace(",", ".")
 
 
 # Power law fitted to weighings, with the interval of a force that is read off it. The conductance G under a force F
@@ -173,10 +170,6 @@ class PowerLaw:
     def conductance_at(self, force_n: float) -> float:
         """Conductance of the curve [S] at a force above the turn-on [N]."""
         return self.conductance_s * math.pow(force_n - self.turn_on_n, self.exponent)
-
-    def force_at(self, conductance_s: float) -> float:
-        """Force of the curve [N] at a conductance [S]."""
-        return self.turn_on_n + math.pow(conductance_s / self.conductance_s, 1.0 / self.exponent)
 
     def interval_n(self, conductance_s: float) -> tuple[float, float]:
         """Interval that holds the true force [N] for one reading of a conductance [S] with 95 % probability.
@@ -282,8 +275,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         else:
             forces.append(row.force_n)
             conductances.append(found)
-    if issues:
-        raise TraceError(issues)
+    raise_issues(issues)
     law = fit_power_law(forces, conductances, turn_on)
     if law.exponent <= 0.0:
         message = "the readings do not grow with the load; check the order of the columns, and the wiring."
@@ -300,12 +292,6 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         message = "the readings scatter so much that a force has no upper bound; weigh more often, or over more loads."
         raise TraceError(Issue(weighings.source, message))
     return calibration
-
-
-def apply_sensor_calibration(design: Design, calibration: SensorCalibration) -> Design:
-    """Make the calibrated design. Raises DesignError if a figure is out of bounds."""
-    tables = design.with_values(calibration.changes).model_dump()
-    return Design.from_tables(tables, design.model_dump(), tuple(calibration.changes))
 
 
 def list_warnings(weighings: Weighings) -> list[str]:

@@ -60,10 +60,6 @@ class Batch:
     a_g: float
     b_g: float
 
-    @property
-    def waste_g(self) -> float:
-        return self.total_g - self.in_mold_g
-
 
 def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes:
     """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance. Raises GeometryError."""

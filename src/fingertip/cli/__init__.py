@@ -17,12 +17,11 @@ from fingertip.cli.completion import VARIABLE, answer_shell
 from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault
 from fingertip.cli.design import completion, new, params, schema
 from fingertip.cli.detect import detect
-from fingertip.cli.documents import acceptance, drawing, page, picture, sheet
+from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, studio
 from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.options import command
 from fingertip.cli.pad import pad
 from fingertip.cli.simulate import simulate
-from fingertip.cli.studio import studio
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import bench, validate
 from fingertip.foundation import interruption

@@ -59,11 +59,11 @@ def board(
         bool, typer.Option("--analysis", help="Also analyse noise, offsets, tolerances (10 000 boards), sensitivities.")
     ] = False,
     bode: Annotated[
-        Path | None, typer.Option("--bode", metavar="FILE", help="Write the Bode table of each stage as CSV.")
+        Path | None, typer.Option(metavar="FILE", help="Write the Bode table of each stage as CSV.")
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."),
+        typer.Option(metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."),
     ] = None,
     bring_up: Annotated[
         bool,
@@ -72,7 +72,6 @@ def board(
     readings: Annotated[
         Path | None,
         typer.Option(
-            "--readings",
             metavar="FILE",
             help="Write nothing; compare the readings of a soldered board with their limits; name the likely fault and "
             "exit 1 if one fails.",

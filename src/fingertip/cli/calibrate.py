@@ -50,7 +50,7 @@ def printer(
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
     keep: Annotated[
-        list[str] | None, typer.Option("--keep", metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
+        list[str] | None, typer.Option(metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
     ] = None,
     changes: SetOption = None,
 ) -> None:
@@ -85,7 +85,7 @@ def printer(
         raise FingertipError(issues)
     data, lines = _data(calibration), _format(calibration)
     try:
-        calibrated = fit.apply_calibration(loaded, calibration, out.stem if out else None)
+        calibrated = fit.apply_calibration(loaded, calibration.changes, out.stem if out else None)
     except DesignError as error:
         found = fit.find_kept(loaded, calibration, fit.CLEARANCES)
         remedy = "change the design as the other messages say, and print its coupon."
@@ -206,7 +206,7 @@ def sensor(
     ] = None,
     out: CalibratedDesignOption = None,
     force: ForceCalibratedOption = False,
-    scale: Annotated[float | None, typer.Option("--scale", help="Volts per count, if the readings are counts.")] = None,
+    scale: Annotated[float | None, typer.Option(help="Volts per count, if the readings are counts.")] = None,
     changes: SetOption = None,
 ) -> None:
     """Calibrate the force curve of a sensor, from readings under known weights.
@@ -218,7 +218,8 @@ def sensor(
 
     Exit code 0: the force curve is calibrated, 2: the weighings are not usable.
     """
-    from fingertip.calibration.sensor import apply_sensor_calibration, calibrate_sensor, list_warnings, read_weighings
+    from fingertip.calibration.printer import apply_calibration
+    from fingertip.calibration.sensor import calibrate_sensor, list_warnings, read_weighings
     from fingertip.design.files import to_toml
     from fingertip.foundation.files import write_file
 
@@ -232,7 +233,7 @@ def sensor(
     if issues or loaded is None or weighings is None:
         raise FingertipError(issues)
     calibration = calibrate_sensor(loaded, weighings, scale)
-    calibrated = apply_sensor_calibration(loaded, calibration)
+    calibrated = apply_calibration(loaded, calibration.changes)
     data, lines = _sensor_data(calibration), _format_sensor(calibration, calibrated)
     data["warnings"] = list_warnings(weighings)
     console.warn(data["warnings"])

@@ -84,7 +84,6 @@ def sweep_progress(console: Console, size: int) -> Iterator[Callable[[RunState],
             console.progress(ShareText(format_state(state), state.done / size))
 
     yield show
-    console.end_progress()
 
 
 def format_state(state: RunState) -> str:
@@ -190,9 +189,6 @@ class Console:
         if not self.quiet:
             text = escape_message(message)
             self._display.show(ShareText(text, message.share) if isinstance(message, ShareText) else text)
-
-    def end_progress(self) -> None:
-        self._display.clear()
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:

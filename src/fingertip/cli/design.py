@@ -33,21 +33,18 @@ def new(
     console: Console,
     name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
     sensor: Annotated[
-        str | None,
-        typer.Option("--sensor", help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default."),
+        str | None, typer.Option(help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default.")
     ] = None,
     preset: Annotated[
         str | None,
         typer.Option(
-            "--preset",
             help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
-            "child_thumb.",
+            "child_thumb."
         ),
     ] = None,
     hand: Annotated[
         str | None,
         typer.Option(
-            "--hand",
             metavar="FILE",
             help="File with the sizes of your hand's joint, or a bundled hand: flexible_flyer or david_finger.",
         ),

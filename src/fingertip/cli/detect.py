@@ -30,17 +30,15 @@ def detect(
         ),
     ],
     design: Annotated[
-        Path | None, typer.Option("--design", help="Design file or bundled name; the default design if left out.")
+        Path | None, typer.Option(help="Design file or bundled name; the default design if left out.")
     ] = None,
-    detector: Annotated[str, typer.Option("--detector", help=describe_detectors())] = DEFAULT,
+    detector: Annotated[str, typer.Option(help=describe_detectors())] = DEFAULT,
     rate_hz: Annotated[
-        float | None,
-        typer.Option("--rate-hz", help="Sampling rate of the trace; if the file holds times, they must agree with it."),
+        float | None, typer.Option(help="Sampling rate of the trace; if the file holds times, they must agree with it.")
     ] = None,
     calibrate: Annotated[
         str | None,
         typer.Option(
-            "--calibrate",
             metavar="START:END",
             help="Interval in which nothing happens, in seconds after the first sample, such as 4.0:4.5; thresholds "
             "follow from the noise there. Best in the held grasp.",
@@ -50,9 +48,7 @@ def detect(
     time_scale: Annotated[
         str,
         typer.Option(
-            "--time-scale",
-            metavar="SECONDS",
-            help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns.",
+            metavar="SECONDS", help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns."
         ),
     ] = "s",
     columns: Annotated[
@@ -63,7 +59,7 @@ def detect(
             help="Name of a column in the file, such as voltage_v=AI0, or its number from 1; repeatable.",
         ),
     ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the detection to write (PNG).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Plot of the detection to write (PNG).")] = None,
     changes: SetOption = None,
 ) -> None:
     """Detect slip in a trace with the article's chain or another detector.
@@ -82,24 +78,22 @@ def detect(
         check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes)
-    names, seconds = _parse_columns(columns or []), _parse_time_scale(time_scale)
-    # A window from --set is for this recording's rate, a window from a design file for that file's rate.
-    keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
+    options: dict[str, Any] = {
+        "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
+        "time_scale": _parse_time_scale(time_scale), "progress": console.progress,
+        # A window from --set is for this recording's rate, a window from a design file for that file's rate.
+        "keep_window": "detector.window_samples" in load_tables([], changes or ()).changed,
+    }  # fmt: skip
     if str(trace) == "-":
-        detect_standard_input(console, loaded, detector, rate_hz, scale, seconds, names, keep_window, plot, calibrate)
+        detect_standard_input(console, loaded, detector, options, plot, calibrate)
         return
     found = detect_file(
         trace,
         loaded,
         detector,
-        rate_hz=rate_hz,
         calibrate_s=None if calibrate is None else _parse_interval(calibrate),
-        scale=scale,
-        time_scale=seconds,
-        columns=names,
         adapt_to_file=False if design else None,
-        keep_window=keep_window,
-        progress=console.progress,
+        **options,
     )
     console.warn(found.warnings)
     if plot is not None:
@@ -145,11 +139,7 @@ def detect_standard_input(
     console: Console,
     design: Design,
     detector: str,
-    rate_hz: float | None,
-    scale: float,
-    time_scale: float,
-    columns: Mapping[str, str],
-    keep_window: bool,
+    options: Mapping[str, Any],
     plot: Path | None,
     calibrate: str | None,
 ) -> None:
@@ -166,17 +156,7 @@ def detect_standard_input(
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(
-            sys.stdin,
-            design,
-            detector,
-            rate_hz=rate_hz,
-            scale=scale,
-            time_scale=time_scale,
-            columns=columns,
-            keep_window=keep_window,
-            progress=console.progress,
-        )
+        found = detect_stream(sys.stdin, design, detector, **options)
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)

@@ -1,4 +1,4 @@
-"""Commands that show a design: casting sheet, acceptance sheet, drawings, pictures and page."""
+"""Commands that show a design: casting sheet, acceptance sheet, drawings, pictures, page and studio."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from fingertip.cli.options import (
     DesignArgument,
     ForceOption,
     MaterialOption,
+    OptionalDesignArgument,
     SetOption,
     command,
     find_file_issues,
@@ -96,16 +97,16 @@ def sheet(
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
-    from fingertip.catalogues.output_files import SHEET, STEPS_FOLDER
+    from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER
     from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
-    from fingertip.tasks.build import steps_writer
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console).with_silicone(material)
     silicone = loaded.silicone.material
     file = _File(loaded, out, SHEET, force)
+    step_writer = STEPS.writer(loaded, file.path.parent / STEPS_FOLDER, force, file.path.parent)
     if pictures:
-        steps_writer(loaded, file.path.parent, force).check(())
+        step_writer.check(())
     prints: dict[str, PrintEstimate] | None = None
     program = find_slicer() if slicer else None
     if slicer and program is None:
@@ -127,7 +128,7 @@ def sheet(
         from fingertip.pictures.steps.pictures import draw_steps
 
         drawn = draw_steps(loaded, data, [step.picture for step in steps(data)], console.progress)
-        steps_writer(loaded, file.path.parent, force).write(drawn)
+        step_writer.write(drawn)
     drawn_files = [f"{STEPS_FOLDER}/{name}" for name in drawn]
     file.write(render_sheet(data, drawn_files).encode())
     batch = data["batch"]
@@ -225,3 +226,39 @@ def page(
         {"page": str(path), "bytes": size, "remarks": list(remarks)},
         f"page: {path}, {size / 1e6:.1f} MB; open it in a browser, no network is needed",
     )
+
+
+DEFAULT_PORT = 8350
+"""Port at which the page is served unless another one is named."""
+
+
+@command
+def studio(
+    console: Console,
+    design: OptionalDesignArgument = None,
+    port: Annotated[
+        int | None, typer.Option(metavar="N", help=f"Port to listen on; {DEFAULT_PORT} by default, 0 for any free one.")
+    ] = None,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
+    changes: SetOption = None,
+) -> None:
+    """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""
+    import contextlib
+    import webbrowser
+
+    from fingertip.foundation.files import TemporaryFolder
+    from fingertip.foundation.interruption import INTERRUPTIONS
+    from fingertip.studio.server import StudioServer
+
+    loaded = load_design(design, changes, console)
+    with StudioServer(loaded, DEFAULT_PORT if port is None else port) as server:
+        with contextlib.suppress(*INTERRUPTIONS):  # the way to end it, no failure
+            console.result({"url": server.url, "port": server.server_port}, f"studio: {server.url}")
+            console.progress("Ctrl-C ends it")
+            with contextlib.ExitStack() as stack:
+                if not no_browser:
+                    way_in = server.write_way_in(stack.enter_context(TemporaryFolder()))
+                    if not webbrowser.open(way_in.as_uri()):
+                        console.progress("no browser was found; open the address above in one of this machine")
+                server.serve_forever()
+        console.progress("studio ended")

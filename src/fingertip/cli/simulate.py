@@ -31,24 +31,18 @@ def simulate(
         Path | None,
         typer.Option("--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."),
     ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Plot of the outputs to write (PNG).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Plot of the outputs to write (PNG).")] = None,
     seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
     speed_m_s: Annotated[
-        float | None,
-        typer.Option(
-            "--speed-m-s", help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08)."
-        ),
+        float | None, typer.Option(help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08).")
     ] = None,
     surface: Annotated[str | None, typer.Option(help="smooth, medium, gross, wood, paper or plastic.")] = None,
     force_n: Annotated[
         float | None,
-        typer.Option(
-            "--force-n", help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."
-        ),
+        typer.Option(help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."),
     ] = None,
     grip: Annotated[
-        str | None,
-        typer.Option("--grip", help="Let the hand tighten its grip when this detector (fast, ...) reports slip."),
+        str | None, typer.Option(help="Let the hand tighten its grip when this detector (fast, ...) reports slip.")
     ] = None,
     changes: Annotated[
         list[str] | None,
@@ -116,22 +110,21 @@ def _simulate(
     simulation: Simulation, file: BinaryIO, path: Path, grip: str | None, plotted: bool, progress: Callable[[str], None]
 ) -> tuple[SceneRecord | ManipulationResult, tuple[float, ...] | None, bytes | None]:
     """Simulate and write the trace; return what is known about it, the moments of grip, and the plot if asked for."""
-    from fingertip.sim import ManipulationResult, trace_file
     from fingertip.sim import report as summary
+    from fingertip.sim import trace_file
 
     if grip is None and not plotted:
         return simulation.write(file, path, progress), None, None
     grips_s = None
     if grip is None:
-        result = simulation.run(progress=progress)
+        record = simulation.run(progress=progress)
     else:
         from fingertip.lab.campaign.closed_loop import run_with_grip
 
-        result, grips_s = run_with_grip(simulation, grip, progress)
-    record = result if isinstance(result, ManipulationResult) else result.record
-    trace_file.write_columns(file, path, result.time_s, result.columns)
+        record, grips_s = run_with_grip(simulation, grip, progress)
+    trace_file.write_columns(file, path, record.time_s, record.columns)
     picture = None
     if plotted:
         progress("drawing the plot")
-        picture = summary.draw(result, summary.as_text(record, grips_s)[0])
+        picture = summary.draw(record, summary.as_text(record, grips_s)[0])
     return record, grips_s, picture

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -44,9 +44,9 @@ def sweep(
             help="Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design.",
         ),
     ] = False,
-    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the rows as CSV.")] = None,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the rows as CSV.")] = None,
     parquet: Annotated[
-        Path | None, typer.Option("--parquet", metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
+        Path | None, typer.Option(metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
     ] = None,
     outputs: Annotated[
         bool, typer.Option("--outputs", help="List the outputs that can be computed, and exit.")
@@ -142,23 +142,17 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
             interruption.forget_signal()
     counts = database.count_by_status()
     rows = sum(counts.values())
+    data = {"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}
     if interrupted:
         console.progress(f"interrupted with {rows} of {plan.size} points in {folder}; continue with --resume")
-        console.result({"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}, "")
+        console.result(data, "")
         return interrupted
-    data: dict[str, Any] = {
-        "name": plan.file.name,
-        "folder": folder.as_posix(),
-        "points": plan.size,
-        "rows": rows,
-        **counts,
-        "computed_now": state.written,
-    }
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
     elapsed_s = time.perf_counter() - start_s
     rate = f"{state.written} points in {elapsed_s:.1f} s, {state.written / elapsed_s:.3g} points/s"
     console.progress(rate if state.written else "every point already had its row")
     console.progress(f"to report on them: fingertip sweep --show --out {folder.as_posix()}")
+    data = {"name": plan.file.name, **data, "computed_now": state.written}
     console.result(data, f"{rows} of {plan.size} points in {folder}: {statuses}")
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
@@ -154,6 +154,5 @@ def adapt_detector(
         names.append("window")
     if not (uses_threshold and remains):
         names.append("threshold")
-    joined = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-    report(f"{prefix}{joined} adapted to {rate_hz:g} Hz; {values}")
+    report(f"{prefix}{join_words(names)} adapted to {rate_hz:g} Hz; {values}")
     return adapted

@@ -54,8 +54,6 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class FileDetection:
-    """Result of detection on a file."""
-
     detection: Detection
     trace: Trace
     """Validated trace, with the board's output if that was simulated."""

@@ -86,15 +86,9 @@ def cost_table() -> str:
     costs = read_costs()
     rows = [_COLUMNS, ("---", *["---:"] * (len(_COLUMNS) - 1))]
     for name, target in costs["targets"].items():
-        counts = target["instructions"]
-        rows.append(
-            (
-                name,
-                *(f"{size} B" for size in (target["flash_bytes"], costs["state_bytes"], target["stack_bytes"])),
-                *(str(counts[signal]) for signal in ("quiet", "campaign", "slip")),
-                str(target["max_instructions"]),
-            )
-        )
+        sizes = (target["flash_bytes"], costs["state_bytes"], target["stack_bytes"])
+        means = (target["instructions"][signal] for signal in ("quiet", "campaign", "slip"))
+        rows.append((name, *(f"{size} B" for size in sizes), *map(str, means), str(target["max_instructions"])))
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 from fingertip.design import Design
@@ -105,8 +106,7 @@ def check_closed_loop(summary: ClosedLoopSummary, limits: RequirementLimits) -> 
     yield Requirement("false grips", false, most, "", "at most", text)
 
 
-def _ms(seconds: float) -> str:
-    return format_ms(seconds, "infinite")
+_ms = partial(format_ms, otherwise="infinite")
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +212,7 @@ def validate(
         ranges.append(run_campaign(design, plan, (detector,), (1.0,), first_seed=seed).at_nominal_threshold(detector))
         work.advance(i / SEED_RANGES)
     work.begin("wider mix")
-    mix_size = MixSize.for_trials(plan.trials)
+    mix_size = MixSize(max(4, plan.trials), max(4, 2 * plan.trials // 5))
     mix = summarise_mix(run_detector(detector, design, generate_mix(design, mix_size, first_seed + MIX_SEED_OFFSET)))
     work.begin("closed loop")
     loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))

@@ -22,7 +22,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value
 from fingertip.design.geometry.solids import Solid
-from fingertip.design.parameters import PARAMETERS, ParameterTable
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, list_choices
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.files import open_atomic
@@ -30,6 +30,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, code, element, embed, read_asset, render_document
 from fingertip.page.parameters_and_checks import (
     describe_effect,
+    describe_table,
     group_parameters,
     parameters_of_shapes,
     shapes_of_parameters,
@@ -262,8 +263,7 @@ def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
     sections = []
     for name, entries in tables.items():
         parts = [element("h2", name or "design", id=f"t-{name}")]
-        table = getattr(design, name) if name else None
-        if said := " ".join((type(table).__doc__ or "").split()) if isinstance(table, ParameterTable) else "":
+        if said := describe_table(design, name):
             parts.append(element("p", said))
         listed = (_render_entry(design, one, pictures.get(one.path), moved) for one in entries)
         parts.append(element("ul", *listed, class_="atlas"))

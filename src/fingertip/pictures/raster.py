@@ -127,13 +127,10 @@ def _outline(depth: Array, scale: float) -> NDArray[np.bool_]:
     """Find the pixels at which the depth drops by more than 1 mm to a neighbour, or the background begins."""
     step = np.zeros(depth.shape, dtype=bool)
     near = np.where(np.isfinite(depth), depth, -1e9)
-    for axis in (0, 1):
-        jump = np.diff(near, axis=axis)
-        ahead = [slice(None), slice(None)]
-        behind = [slice(None), slice(None)]
-        ahead[axis], behind[axis] = slice(1, None), slice(None, -1)
-        step[tuple(ahead)] |= jump > scale
-        step[tuple(behind)] |= jump < -scale
+    for away, steps in ((near, step), (near.T, step.T)):
+        jump = np.diff(away, axis=0)
+        steps[1:] |= jump > scale
+        steps[:-1] |= jump < -scale
     return step
 
 

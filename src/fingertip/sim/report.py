@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,8 @@ from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
 from fingertip.sim.signal.parameters import OUTPUTS
+from fingertip.slip.report import draw_bars
 from fingertip.slip.traces.truth import STICK_S, intervals, merge
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> dict[str, Any]:
@@ -106,7 +104,11 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
         style_axes(axes, "both")
         output = OUTPUTS[name]
         if name == "slip":
-            _draw_slip_bars(axes, result.time_s, rows, fingers)
+            slips = (intervals(result.time_s, row.astype(np.bool_)) for row in rows)
+            draw_bars(axes, [(finger or "true slip", slip, TRUTH) for finger, slip in zip(fingers, slips, strict=True)])
+            axes.tick_params(axis="y", length=0)
+            if len(rows) > 1:
+                axes.set_ylabel("true slip")
         else:
             slip = result.columns.get("slip")
             for part in () if slip is None else intervals(result.time_s, slip.astype(np.bool_)):
@@ -123,19 +125,6 @@ def draw(result: SceneResult | ManipulationResult, title: str) -> bytes:
     panels[-1].set_xlim(float(result.time_s[0]), float(result.time_s[-1]))
     figure.align_ylabels()
     return to_png(figure)
-
-
-def _draw_slip_bars(axes: Axes, time_s: AnyArray, rows: AnyArray, fingers: tuple[str, ...]) -> None:
-    for i, row in enumerate(rows):
-        slips = intervals(time_s, row.astype(np.bool_))
-        spans = [(slip.onset_s, slip.end_s - slip.onset_s) for slip in slips]
-        axes.broken_barh(spans, (i - 0.35, 0.7), color=TRUTH, linewidth=0)
-    axes.set_yticks(range(len(rows)), [name or "true slip" for name in fingers])
-    axes.set_ylim(-0.6, len(rows) - 0.4)
-    axes.invert_yaxis()
-    axes.tick_params(axis="y", length=0)
-    if len(rows) > 1:
-        axes.set_ylabel("true slip")
 
 
 def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) -> None:

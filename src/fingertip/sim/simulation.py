@@ -21,7 +21,8 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import FingertipError, Issue, TraceError
+from fingertip.foundation.errors import FingertipError, Issue, gather
+from fingertip.foundation.validation import raise_issues
 from fingertip.sim.contact.surfaces import SURFACES
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
@@ -111,11 +112,9 @@ def load_simulation(
     design: Design | None = None
     scene: SceneFile | ManipulationFile | None = None
     path = design_file if is_scene else file  # a file of any other kind is refused as a design
-    try:
+    with gather(issues):
         design = Design.load(*([path] if path else []), changes=design_changes)
-    except FingertipError as error:
-        issues.extend(error.issues)
-    try:
+    with gather(issues):
         if file is None or not is_scene:
             scene = Trial(**options, seed=seed).scene
         else:
@@ -124,8 +123,6 @@ def load_simulation(
                 text = f'"{value}"' if isinstance(value, str) else repr(value)
                 scene_changes += [f"{name}={text}" for name in model.options[option]]
             scene = model.load(file, changes=scene_changes)
-    except FingertipError as error:
-        issues.extend(error.issues)
     if speed_m_s is not None and isinstance(scene, SceneFile) and not scene.slide.distance_m:
         remedy = "leave it out, or let the finger slide with --set slide.distance_m=0.04"
         issues.append(Issue("--speed-m-s", f"{speed_m_s:g} m/s has no effect, because nothing slides here; {remedy}."))
@@ -138,10 +135,8 @@ def _find_files(file: str | Path | None, design_file: str | Path | None) -> tupl
     found: list[Path | None] = []
     issues: list[Issue] = []
     for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
-        try:
+        with gather(issues):
             found.append(find_file(given, *kinds) if given else None)
-        except FingertipError as error:
-            issues.extend(error.issues)
     if issues:
         raise FingertipError(issues)
     return found[0], found[1]
@@ -197,12 +192,10 @@ class Trial:
             issues.append(Issue("--force-n", f"{self.force_n:g} N is refused; {remedy}."))
         if self.seed < 0:
             issues.append(Issue("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
-        if issues:
-            raise TraceError(issues)
+        raise_issues(issues)
 
     @property
     def scene(self) -> SceneFile:
-        """The trial as a scene."""
         low, high = FORCE_RANGE_N if self.force_n is None else (self.force_n, self.force_n)
         return SceneFile(
             scene="sliding_finger",

@@ -9,7 +9,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue
+from fingertip.foundation.validation import raise_issues
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
@@ -163,8 +164,7 @@ def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float
         remedy = f"record it, or use --detector {DEFAULT}, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
-    if issues:
-        raise TraceError(issues)
+    raise_issues(issues)
     instance = make_detector(detector, design, noise_v)
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)

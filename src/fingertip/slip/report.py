@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -153,55 +152,50 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     return style.to_png(figure)
 
 
-@dataclass(frozen=True)
-class _Onset:
-    """First slip that was detected, or the first detection where the truth is unknown."""
-
-    begin_s: float | None
-    """True onset; None if it is unknown."""
-    detected_s: float | None
-    """Time at which the detector turns ON; None if it does not."""
+Onset = tuple[float | None, float | None]
+"""True onset and the detector's ON of one slip [s]; None stands for what is unknown, or does not occur."""
 
 
-def _find_onset(detection: Detection, slips: Sequence[Interval] | None) -> _Onset | None:
-    """Find the onset to draw larger; None if nothing slips and nothing is detected."""
+def _find_onset(detection: Detection, slips: Sequence[Interval] | None) -> Onset | None:
+    """Find the onset to draw larger, of the first slip that was detected; None if nothing slips or is detected."""
     if detection.score is None or not slips:
-        return _Onset(None, detection.intervals[0].onset_s) if detection.intervals else None
+        return (None, detection.intervals[0].onset_s) if detection.intervals else None
     pairs = zip(detection.score.slips, detection.score.delays_s, strict=True)
     found = next(((slip.onset_s, delay) for slip, delay in pairs if delay is not None), None)
-    return _Onset(slips[0].onset_s, None) if found is None else _Onset(found[0], found[0] + found[1])
+    return (slips[0].onset_s, None) if found is None else (found[0], found[0] + found[1])
 
 
-def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: _Onset) -> None:
+def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) -> None:
     _draw_statistic(axes, trace, detection)
-    at = onset.begin_s if onset.begin_s is not None else onset.detected_s
+    true_s, detected_s = onset
+    at = true_s if true_s is not None else detected_s
     assert at is not None
     begin_s = at if trace.origin.motion_s is None else min(at, trace.origin.motion_s)
     low, high = begin_s - _BEFORE_S, at + _AFTER_S
-    if onset.detected_s is not None and onset.detected_s > high:
-        high = onset.detected_s + _BEFORE_S
+    if detected_s is not None and detected_s > high:
+        high = detected_s + _BEFORE_S
     axes.set_xlim(max(low, float(trace.time_s[0])), min(high, float(trace.time_s[-1])))
     inside = (trace.time_s >= low) & (trace.time_s <= high)
     statistic, threshold = detection.output.statistic_v[inside], detection.output.threshold_v[inside]
     top = 1000 * 1.9 * max(float(np.nanmax(threshold)), 0.6 * float(np.nanmax(statistic)))
     axes.set_ylim(0.0, top)
-    for moment, line in ((onset.begin_s, "-"), (onset.detected_s, "--")):
+    for moment, line in ((true_s, "-"), (detected_s, "--")):
         if moment is not None:
             axes.axvline(moment, color=style.BLUE, linewidth=1.2, linestyle=line)
     said = "first detection, enlarged; true slip is unknown"
-    if onset.begin_s is not None and onset.detected_s is not None:
-        delay_ms = 1000 * (onset.detected_s - onset.begin_s)
+    if true_s is not None and detected_s is not None:
+        delay_ms = 1000 * (detected_s - true_s)
         said = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
         axes.annotate(
-            "", (onset.begin_s, 0.86 * top), (onset.detected_s, 0.86 * top),
+            "", (true_s, 0.86 * top), (detected_s, 0.86 * top),
             arrowprops={"arrowstyle": "<->", "color": style.BLUE, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
         axes.annotate(
-            f"{delay_ms:.1f} ms", (min(onset.begin_s, onset.detected_s), 0.86 * top), xytext=(-6, 0),
+            f"{delay_ms:.1f} ms", (min(true_s, detected_s), 0.86 * top), xytext=(-6, 0),
             textcoords="offset points", ha="right", va="center", fontsize=10, fontweight="bold", color=style.BLUE,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )  # fmt: skip
-    elif onset.begin_s is not None:
+    elif true_s is not None:
         said = "first onset, enlarged: it is not detected"
     axes.set_title(said, loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
@@ -249,11 +243,7 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
     rows = [(DETECTED, detection.intervals, style.RED)]
     if slips is not None:
         rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), style.TRUTH))
-    for row, (_, parts, color) in enumerate(rows):
-        axes.broken_barh([(p.onset_s, p.end_s - p.onset_s) for p in parts], (row - 0.35, 0.7), color=color, linewidth=0)
-    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
-    axes.set_ylim(-0.6, len(rows) - 0.4)
-    axes.invert_yaxis()
+    draw_bars(axes, rows)
     axes.tick_params(axis="y", length=0)
     axes.grid(True, axis="x", color=style.GRID_COLOUR, linewidth=0.7)
     axes.set_axisbelow(True)
@@ -262,6 +252,15 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
         phrases += [format_motion_delay(d) for d in detection.motion_delays_s or () if d is not None]
         phrases.append(f"false intervals: {len(detection.score.false_intervals)}")
         axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=style.TEXT_COLOUR)
+
+
+def draw_bars(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float = 0.0) -> None:
+    """Draw one row of intervals per name in a colour, each at least so long that it is seen [s]."""
+    for row, (_, parts, colour) in enumerate(rows):
+        spans = [(part.onset_s, max(part.end_s - part.onset_s, shortest_s)) for part in parts]
+        axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
 def draw_trace(trace: Trace) -> bytes:

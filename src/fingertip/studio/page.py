@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from fingertip.design import Design
-from fingertip.design.files import json_schema
+from fingertip.design.files import Parameter
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import Bounds, find_bounds, list_choices
 from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_and_checks import shapes_of_parameters
+from fingertip.page.parameters_and_checks import describe_table, group_parameters, shapes_of_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items, make_pointer
 
 # Form of the studio as HTML: a slider and a number for each number, a list for each choice, a place for refusals.
@@ -21,7 +22,7 @@ _LOGARITHMIC_STEP = 0.002
 """Step of a logarithmic slider, half a percent of the value."""
 
 
-def render_form(groups: Iterable[Group], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
+def render_form(design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
     return element(
         "form",
         element(
@@ -29,26 +30,26 @@ def render_form(groups: Iterable[Group], design: Design, moved: Mapping[str, tup
             element("input", type="search", id="find", autocomplete="off"), class_="row",
         ),
         element("ul", "", id="other-refusals", class_="refusal", hidden=True),
-        *(_render_group(group, design, moved) for group in groups),
+        *(_render_table(table, fields, design, moved) for table, fields in make_form().items()),
         id="form", novalidate=True, autocomplete="off",
     )  # fmt: skip
 
 
-def _render_group(group: Group, design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
-    name = group.name or "design"
-    count = len(group.fields)
+def _render_table(table: str, fields: Sequence[Field], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
+    name, count = table or "design", len(fields)
+    description = describe_table(design, table)
     title = (
         element("span", name, class_="code"), f": {count} parameter{'s' if count > 1 else ''}",
         element("span", "", class_="counts", data_counts=name),
     )  # fmt: skip
-    fields = (_render_field(field, design, moved.get(field.path, ())) for field in group.fields)
-    said = [element("p", group.description, class_="hint")] if group.description else []
-    return element("details", element("summary", *title), *said, *fields, class_="group", open=name == "skin")
+    said = [element("p", description, class_="hint")] if description else []
+    rendered = (_render_field(field, design, moved.get(field.parameter.path, ())) for field in fields)
+    return element("details", element("summary", *title), *said, *rendered, class_="group", open=name == "skin")
 
 
 def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Markup:
-    name, value = f"f-{field.path}", design.value(field.path)
-    described = f"d-{field.path} e-{field.path}"
+    path = field.parameter.path
+    name, value, described = f"f-{path}", design.value(path), f"d-{path} e-{path}"
     controls: list[Markup] = []
     if field.kind == "choice":
         options = (element("option", word, value=word, selected=word == value) for word in field.choices)
@@ -57,32 +58,25 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Marku
         controls.append(element("input", type="text", id=name, value=str(value), aria_describedby=described))
     else:
         if slider := field.slider:
-            controls.append(_render_slider(field.path, slider, value))
-        controls.append(
-            element(
-                "input",
-                type="number",
-                id=name,
-                value=repr(value).removesuffix(".0"),
-                step="any",
-                aria_describedby=described,
-            )
-        )
-        controls.append(element("span", field.unit, class_="unit"))
+            controls.append(_render_slider(path, slider, value))
+        number = repr(value).removesuffix(".0")
+        controls.append(element("input", type="number", id=name, value=number, step="any", aria_describedby=described))
+        controls.append(element("span", field.parameter.unit, class_="unit"))
     shapes = element(
         "button", "show", type="button", data_moves=" ".join(items), aria_pressed="false", hidden=not items,
-        aria_label=f"{field.path}: show what it shapes", data_named=field.path,
+        aria_label=f"{path}: show what it shapes", data_named=path,
     )  # fmt: skip
-    reset = element("button", "undo", type="button", class_="reset", hidden=True, aria_label=f"undo {field.path}")
+    reset = element("button", "undo", type="button", class_="reset", hidden=True, aria_label=f"undo {path}")
     bounds = f" [{field.bounds}]" if field.bounds else ""
+    label = element("label", code(path.rpartition(".")[2]), for_=name, class_="code")
     return element(
         "div",
-        element("div", element("label", code(field.key), for_=name, class_="code"), shapes, reset, class_="head"),
+        element("div", label, shapes, reset, class_="head"),
         element("div", *controls, class_="control"),
-        element("p", f"{field.description}{bounds}", id=f"d-{field.path}", class_="hint"),
-        element("p", "", id=f"e-{field.path}", class_="refusal", hidden=True),
-        class_="field", id=f"p-{field.path}", tabindex="-1", data_path=field.path, data_kind=field.kind,
-        data_pointer=field.pointer,
+        element("p", f"{field.parameter.description}{bounds}", id=f"d-{path}", class_="hint"),
+        element("p", "", id=f"e-{path}", class_="refusal", hidden=True),
+        class_="field", id=f"p-{path}", tabindex="-1", data_path=path, data_kind=field.kind,
+        data_pointer=make_pointer(path),
     )  # fmt: skip
 
 
@@ -105,7 +99,7 @@ _ORIGIN = (
 
 def render_studio(design: Design, token: str) -> bytes:
     items = make_items(design)
-    form = render_form(make_form(json_schema()), design, shapes_of_parameters(design))
+    form = render_form(design, shapes_of_parameters(design))
     model = element(
         "div", element("h2", "Model", id="model"), render_no_view(),
         render_model(items, _ORIGIN, saves_files=False),
@@ -168,12 +162,13 @@ def _render_checks() -> Markup:
     )  # fmt: skip
 
 
-# Fields of the form, made from the JSON schema of design files.
+# Fields of the form, made from the declarations of the parameters.
 
 _STEPS = 200
 """Least number of steps of a slider."""
 _LOGARITHMIC_RATIO = 1000.0
 """Ratio of the bounds from which a slider is logarithmic."""
+_KINDS = {float: "number", int: "integer", str: "text"}
 
 
 @dataclass(frozen=True)
@@ -191,87 +186,42 @@ class Slider:
 class Field:
     """Field of the form: one parameter."""
 
-    path: str
-    """Dotted name, such as "skin.width_mm"."""
-    pointer: str
-    """JSON pointer to its value in a design (RFC 6901), such as "/skin/width_mm"."""
+    parameter: Parameter
     kind: str
     """One of "number", "integer", "choice" and "text"."""
-    default: Any
-    unit: str
-    description: str
-    choices: tuple[str, ...] = ()
-    bounds: str = ""
+    choices: tuple[str, ...]
+    bounds: str
     """Bounds of a number for people, such as "8 to 40"."""
-    slider: Slider | None = None
+    slider: Slider | None
     """Slider of a number; None if it has a bound on one side only."""
 
-    @property
-    def key(self) -> str:
-        """Name within its table."""
-        return self.path.rpartition(".")[2]
+
+def make_form() -> dict[str, list[Field]]:
+    """Make the fields of each table; those that stand in no table are the table ""."""
+    return {table: list(map(_make_field, parameters)) for table, parameters in group_parameters().items()}
 
 
-@dataclass(frozen=True)
-class Group:
-    """Fields of one table; the fields that stand in no table are the group ""."""
-
-    name: str
-    description: str
-    fields: tuple[Field, ...]
+def _make_field(parameter: Parameter) -> Field:
+    declared = PARAMETERS[parameter.path]
+    choices, bounds = list_choices(declared), find_bounds(declared)
+    kind = "choice" if choices else _KINDS[type(parameter.default)]
+    return Field(parameter, kind, choices, _describe_bounds(bounds), _make_slider(bounds, kind == "integer"))
 
 
-def make_form(schema: Mapping[str, Any]) -> tuple[Group, ...]:
-    """Make the form of a JSON schema whose objects are nested at most once. Raises ValueError."""
-    loose: list[Field] = []
-    groups: list[Group] = []
-    for name, entry in schema["properties"].items():
-        table = _resolve(schema, entry)
-        if "properties" in table:
-            fields = tuple(_make_field((name, key), inner) for key, inner in table["properties"].items())
-            groups.append(Group(name, " ".join(table.get("description", "").split()), fields))
-        else:
-            loose.append(_make_field((name,), table))
-    return (Group("", "", tuple(loose)), *groups) if loose else tuple(groups)
-
-
-def _resolve(schema: Mapping[str, Any], entry: Mapping[str, Any]) -> Mapping[str, Any]:
-    reference = entry.get("$ref")
-    if reference is None:
-        return entry
-    found: Any = schema
-    for step in reference.removeprefix("#/").split("/"):
-        found = found[step]
-    return {**found, **{key: value for key, value in entry.items() if key != "$ref"}}
-
-
-def _make_field(steps: tuple[str, ...], entry: Mapping[str, Any]) -> Field:
-    path, kind = ".".join(steps), entry.get("type")
-    common = (entry.get("default"), entry.get("unit", ""), entry.get("description", ""))
-    if kind == "string":
-        choices = tuple(entry.get("enum", ()))
-        return Field(path, make_pointer(path), "choice" if choices else "text", *common, choices)
-    if kind in ("number", "integer"):
-        slider = _make_slider(entry, kind == "integer")
-        return Field(path, make_pointer(path), kind, *common, (), _describe_bounds(entry), slider)
-    raise ValueError(f"{path}: there is no field for the type {kind!r}")
-
-
-def _make_slider(entry: Mapping[str, Any], is_whole: bool) -> Slider | None:
-    above = entry.get("exclusiveMinimum")
-    low, high = entry.get("minimum", above), entry.get("maximum")
+def _make_slider(bounds: Bounds, is_whole: bool) -> Slider | None:
+    low, high = bounds.above if bounds.minimum is None else bounds.minimum, bounds.maximum
     if low is None or high is None:
         return None
     step = 10.0 ** math.floor(math.log10((high - low) / _STEPS))
     if is_whole:
         step = max(1.0, step)
-    if above is not None:
+    if bounds.above is not None:
         low += step
     return Slider(low, high, step, low > 0 and high / low > _LOGARITHMIC_RATIO)
 
 
-def _describe_bounds(entry: Mapping[str, Any]) -> str:
-    low, above, high = entry.get("minimum"), entry.get("exclusiveMinimum"), entry.get("maximum")
+def _describe_bounds(bounds: Bounds) -> str:
+    low, above, high = bounds.minimum, bounds.above, bounds.maximum
     start = f"above {above:g}" if above is not None else f"{low:g}" if low is not None else ""
     if high is None:
         return f"at least {start}" if low is not None else start

@@ -11,7 +11,7 @@ import hashlib
 import os
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import partial, partialmethod
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
@@ -37,15 +37,10 @@ class DesignBuilder:
 
     def build(self, changes: Mapping[str, Value]) -> Design:
         """Build the design of a point. Raises DesignError."""
+        own_changes = {name: changes[name] for name in self._names}
         if not self._only_electronics_vary:
-            own_changes = {name: changes[name] for name in self._names}
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
-        tables: dict[str, dict[str, Any]] = {}
-        for name in self._names:
-            table, _, key = name.partition(".")
-            tables.setdefault(table, {})[key] = changes[name]
-        sections = {name: getattr(self._base, name).model_copy(update=new) for name, new in tables.items()}
-        design = self._base.model_copy(update=sections)
+        design = self._base.with_values(own_changes)
         if issues := list(describe_violations(design, ELECTRONIC_RULES)):
             raise DesignError(issues)
         return design
@@ -221,15 +216,6 @@ class CachedManifold:
     def _evaluate_body(self, i: int) -> Manifold:
         return self.manifold.decompose()[i]
 
-    def __xor__(self, other: CachedManifold) -> CachedManifold:
-        return self._derive("__xor__", other)
-
-    def __sub__(self, other: CachedManifold) -> CachedManifold:
-        return self._derive("__sub__", other)
-
-    def __add__(self, other: CachedManifold) -> CachedManifold:
-        return self._derive("__add__", other)
-
     def __getattr__(self, name: str) -> Any:
         """Forward any other method to manifold3d's object; its result is cached if `_DERIVED` or `_MEASURED`."""
         if name.startswith("__"):
@@ -251,3 +237,7 @@ class CachedManifold:
     def _derive(self, name: str, *arguments: Any) -> CachedManifold:
         key = self._compute_key(name, *arguments)
         return CachedManifold(self._evaluator, key, lambda: self._call(name, *arguments))
+
+    __xor__ = partialmethod(_derive, "__xor__")
+    __sub__ = partialmethod(_derive, "__sub__")
+    __add__ = partialmethod(_derive, "__add__")

@@ -242,7 +242,6 @@ class DaskEngine:
 
     def find_crashed_points(self) -> None:
         """Find nothing: Dask itself reports the tasks that were lost."""
-        return None
 
     def end_if_stuck(self) -> None:
         """Do nothing: the scheduler notices workers that are lost."""

@@ -22,7 +22,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation import extras
-from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather
+from fingertip.foundation.errors import Issue, SweepError, gather
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis
@@ -84,10 +84,8 @@ class SweepPlan:
         if file:
             issues += sweep_file.check_objectives(file)
             issues += _check_point_count(file, axes)
-            try:
-                find_detector_type(file.detector)
-            except FingertipError as error:
-                issues += (Issue("detector", issue.message) for issue in error.issues)
+            with gather(issues):
+                find_detector_type(file.detector, "detector")
         if file and design and not issues:
             plan = cls(file, tuple(axes), design, scene)
             issues += _check_consistency(plan)

@@ -14,7 +14,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
@@ -88,7 +88,6 @@ class PointEvaluator:
         self._trace_axes = _find_cache_axes(TRACES, plan)
         self._group_results: LruCache[Any, OutputValues] = LruCache(MAX_GROUP_RESULTS)
         self._trials: LruCache[Any, RecordedTrial] = LruCache(MAX_TRACE_BYTES)
-        self._mesh_evaluator: CachedEvaluator | None = None
         self._no_outputs = (math.nan,) * len(plan.outputs)
 
     def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
@@ -101,7 +100,7 @@ class PointEvaluator:
             more = f" (and {len(others)} more: {fields})" if others else ""
             return point, "refused", first.field, first.message + more, self._no_outputs
         load_trial = partial(self._load_trial, changes)
-        context = PointContext(design, scene, self.plan.file, self.load_mesh_evaluator, load_trial)
+        context = PointContext(design, scene, self.plan.file, lambda: self.mesh_evaluator, load_trial)
         try:
             values: OutputValues = {}
             for group, cache_axes in self._groups:
@@ -118,11 +117,10 @@ class PointEvaluator:
         outputs = tuple(round_for_output(values[name]) for name in self.plan.outputs)
         return point, "ok", issue.field, issue.message, outputs
 
-    def load_mesh_evaluator(self) -> CachedEvaluator:
-        if self._mesh_evaluator is None:
-            restrict_kernel_to_one_thread()
-            self._mesh_evaluator = CachedEvaluator(self.plan.file.tolerance_mm)
-        return self._mesh_evaluator
+    @cached_property
+    def mesh_evaluator(self) -> CachedEvaluator:
+        restrict_kernel_to_one_thread()
+        return CachedEvaluator(self.plan.file.tolerance_mm)
 
     def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
         issues: list[Issue] = []

@@ -41,10 +41,10 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
 from fingertip.documents.board.readme import folder_readme
-from fingertip.foundation.errors import InputFileError, Issue, OutputError, escape_control, shorten
-from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
+from fingertip.foundation.errors import Issue, OutputError, escape_control, shorten
 from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_parameters
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
+from fingertip.tasks.verification import compare_with_design
 
 BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
@@ -224,22 +224,11 @@ def _refuse_edited(folder: Path) -> None:
 
 def board_differences(design: Design, folder: str | Path) -> list[str]:
     """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
-    found: list[str] = []
     expected = board_files(design)
     if (Path(folder) / BRING_UP).exists():
         expected |= bring_up_files(design)
     expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
-    for name, data in expected.items():
-        path = Path(folder) / name
-        try:
-            existing = read_input(path, OUTPUT_LIMIT, below=Path(folder))
-        except InputFileError as error:
-            found += map(str, error.issues)
-            continue
-        if existing != data:
-            found.append(f"{path}: differs from what this design gives.")
-            found += _first_difference(existing, data)
-    return found
+    return compare_with_design(Path(folder), expected, _first_difference)
 
 
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:

@@ -122,9 +122,9 @@ def build(
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
     writer = parts_writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
-    print_writer = prints_writer(design, folder, force)
+    print_writer = PRINTS.writer(design, folder / PRINT_FOLDER, force, folder)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
-    picture_writer = steps_writer(design, folder, force)
+    picture_writer = STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
     picture_writer.check(())
 
     with contextlib.ExitStack() as stack:
@@ -184,16 +184,6 @@ def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
     """Writer of the files that describe a design's parts, in a folder."""
     adopted = () if read_manifest(folder) else _files_of_version_one(folder)
     return PART_FILES.writer(design, folder, force, adopted=adopted)
-
-
-def steps_writer(design: Design, folder: Path, force: bool) -> SetWriter:
-    """Writer of the pictures of the casting steps, in the folder of the casting sheet."""
-    return STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
-
-
-def prints_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
-    """Writer of the files for the printer, in the folder of a design's parts."""
-    return PRINTS.writer(design, folder / PRINT_FOLDER, force, folder)
 
 
 def _replace_subset(

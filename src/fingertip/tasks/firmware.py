@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.catalogues.output_files import BUFFER, FIRMWARE, MANIFEST, PROPERTIES, README, TIMER
@@ -10,8 +9,7 @@ from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
 from fingertip.firmware.packaging import library_manifest, library_properties
 from fingertip.firmware.sources import library_sources, read_template
-from fingertip.foundation.errors import InputFileError
-from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
+from fingertip.tasks.verification import compare_with_design
 
 SOURCES, EXAMPLES = "src", "examples"
 """Folders of the library, as Arduino names them."""
@@ -66,20 +64,6 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
 
 
 def firmware_differences(design: Design, folder: str | Path) -> list[str]:
-    return [
-        difference
-        for place, contents in firmware_files(design).items()
-        for difference in _compare(Path(folder), place, contents)
-    ]
-
-
-def _compare(folder: Path, place: str, contents: Mapping[str, bytes]) -> list[str]:
-    found = []
-    for name, data in contents.items():
-        path = folder / place / name
-        try:
-            if read_input(path, OUTPUT_LIMIT, below=folder) != data:
-                found.append(f"{path}: differs from what this design gives.")
-        except InputFileError as error:
-            found += map(str, error.issues)
-    return found
+    folders = firmware_files(design).items()
+    expected = {f"{place}/{name}": data for place, contents in folders for name, data in contents.items()}
+    return compare_with_design(Path(folder), expected)

@@ -53,7 +53,6 @@ class Made:
     drawings: tuple[Path, ...]
     """Dimensioned drawings; none if no STEP files were asked for, whose kernel they need."""
     board: tuple[Path, ...]
-    """Files of the board."""
     signal: tuple[Path, ...]
     """Files of the simulated trial."""
     detection: FileDetection

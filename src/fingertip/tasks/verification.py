@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
-from fingertip.foundation.output_set.swap import (
-    find_output_folder,
-    is_folder,
-    lock,
-    read_plan,
-    staging_folder,
-)
+from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
+from fingertip.foundation.output_set.swap import find_output_folder, is_folder, lock, read_plan, staging_folder
 from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
@@ -45,6 +40,23 @@ def verify_sets(folder: Path) -> tuple[int, list[str]]:
         reason = error.strerror or str(error)
         message = f"cannot be read ({reason}); name a folder that a command wrote."
         raise OutputError(Issue(str(error.filename or folder), message)) from error
+
+
+def compare_with_design(
+    folder: Path, expected: Mapping[str, bytes], explain: Callable[[bytes, bytes], list[str]] = lambda *_: []
+) -> list[str]:
+    """Describe how files of a folder differ from those that a design gives, with more lines on each; empty if equal."""
+    found: list[str] = []
+    for name, data in expected.items():
+        path = folder / name
+        try:
+            existing = read_input(path, OUTPUT_LIMIT, below=folder)
+        except InputFileError as error:
+            found += map(str, error.issues)
+            continue
+        if existing != data:
+            found += [f"{path}: differs from what this design gives.", *explain(existing, data)]
+    return found
 
 
 def _look_through(top: Path) -> tuple[list[Path], dict[Path, Path], list[Issue]]:

@@ -63,7 +63,7 @@ from fingertip.board.parts.symbols import LOCKING_CONNECTORS
 from fingertip.design import Design
 from fingertip.documents.board.readme import collect_board
 from fingertip.documents.template import format_ohm, render
-from fingertip.foundation.errors import BoardError
+from fingertip.foundation.errors import BoardError, join_words
 
 Row = tuple[str, ...]
 
@@ -221,7 +221,7 @@ def _figures(limits: Limits, unit: str) -> tuple[str, str]:
 
 
 def _join(words: list[str]) -> str:
-    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
+    return join_words(words) if words else ""
 
 
 # Places for the probes where no test point is: an end of a part, named by its side as seen from the front, with sensor

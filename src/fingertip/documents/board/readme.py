@@ -50,7 +50,7 @@ _PRECISE = {
 def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: BoardValues, design: Design) -> bytes:
     placement, limits = configuration.placement, values.voltage_limits
     adc_range = describe_adc_range(limits)
-    text = render(
+    return render(
         "board/readme.md",
         **collect_board(values, design),
         supply_name=configuration.supply.description.replace("buffered mid-supply", "VMID (buffered mid-supply)"),
@@ -58,9 +58,7 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         name=circuit.name,
-        models=project.MODEL_FOLDER,
-        model_variable=project.MODEL_VARIABLE,
-        kicad_models=project.MODEL_FOLDER_OF_KICAD,
+        project=project,
         ignored_checks=[
             (rules, *check)
             for rules, checks in (("ERC", project.IGNORED_IN_SCHEMATIC), ("DRC", project.IGNORED_ON_BOARD))
@@ -76,7 +74,6 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         amplifier=CATALOGUE[values.amplifier],
         touches=describe_touches(),
         diode_v=DIODE_V,
-        aliasing=values.aliasing,
         band_hz=signal_band_hz(design.board.cutoff_hz),
         loads=", ".join(
             f"{load.amplifier} {format_figure(load.min_ohm, 3)} ohm ({format_figure(1e3 * load.max_current_a, 2)} mA)"
@@ -89,22 +86,18 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         cable_ohm=CABLE_OHM,
         vref_ratio=VREF_RATIO,
         needed_pins=NEEDED_PINS,
-        ripple=values.supply_ripple,
         ripple_sensor=describe_sensor(values.supply_ripple),
         supply_range_v=SUPPLY_RANGES_V[values.supply],
         switch_ohm=MAX_SWITCH_OHM,
         power_up_s=POWER_UP_S,
         pull_up_ohm=PULL_UP_OHM,
-        offset=values.output_offset,
-        noise=values.noise,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
         **_collect_order(circuit, configuration),
         bridge_shift_v=_find_bridge_shift_v(values, design.board.supply_v),
         missing_numbers=missing_numbers_note(circuit),
         rotations=load_sources()[load_rotations()[0].source],
-    )
-    return text.encode()
+    ).encode()
 
 
 def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
@@ -39,6 +39,7 @@ from fingertip.sim import (
 )
 from fingertip.sim.signal.bridge import reads_whole_finger
 from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import find_detector_type, select_inputs
 from fingertip.slip.traces.truth import INCIPIENT_S
@@ -140,14 +141,12 @@ class GripController:
 
 def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:
     """Report an unknown detector, and a simulation without a hand. None stands for a simulation that did not load."""
-    issues = []
+    issues: list[Issue] = []
     if simulation and not isinstance(simulation.scene, ManipulationFile):
         remedy = "give a manipulation, such as real_manipulation"
         issues.append(Issue("--grip", f"closes the loop of a hand; {remedy}."))
-    try:
-        find_detector_type(detector)
-    except FingertipError as error:
-        issues += [Issue("--grip", issue.message) for issue in error.issues]
+    with gather(issues):
+        find_detector_type(detector, "--grip")
     return issues
 
 
@@ -209,10 +208,8 @@ def run_closed_loop(
 
 
 def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[ManipulationFile, int]]:
-    counts: dict[str, int] = {}
-    for scene, seed in article_manipulations(first_seed):
-        counts[scene.name] = counts.get(scene.name, 0) + 1
-        if counts[scene.name] <= repeats:
+    for i, (scene, seed) in enumerate(article_manipulations(first_seed)):
+        if i % REPEATS_PER_MANIPULATION < repeats:
             yield scene.model_copy(update={"outputs": _OUTPUTS}), seed
 
 

@@ -38,25 +38,16 @@ class MixSize:
     noisy: int = 48
     """Trials in each condition of `fingertip.lab.campaign.mix_signals.NOISES`."""
 
-    @classmethod
-    def for_trials(cls, trials: int) -> MixSize:
-        return cls(max(4, trials), max(4, 2 * trials // 5))
-
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
     seeds = itertools.count(first_seed)
     trials = [scene for scene, _ in article_trials()]
     with compiled():
-        for _ in range(size.events):
-            yield mix_signals.grip_change(design, next(seeds))
-        for _ in range(size.events):
-            yield mix_signals.fast_closing(design, next(seeds))
-        for _ in range(math.ceil(size.events / 3)):
-            yield mix_signals.taps(design, next(seeds))
-        for _ in range(math.ceil(size.events / 7)):
-            yield from mix_signals.grip_steps(design, next(seeds))
-        for _ in range(math.ceil(size.events / 7)):
-            yield from mix_signals.manipulation(design, next(seeds))
+        for draw, share in ((mix_signals.grip_change, 1), (mix_signals.fast_closing, 1), (mix_signals.taps, 3)):
+            yield from (draw(design, next(seeds)) for _ in range(math.ceil(size.events / share)))
+        for draw_hand in (mix_signals.grip_steps, mix_signals.manipulation):
+            for _ in range(math.ceil(size.events / 7)):
+                yield from draw_hand(design, next(seeds))
         for _ in range(size.events):
             yield mix_signals.abrupt_burst(design, next(seeds), *BURSTS_V)
         for _ in range(math.ceil(size.events / 2)):

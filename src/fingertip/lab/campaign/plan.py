@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.validation import raise_issues
 from fingertip.sim import SceneFile
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
@@ -102,8 +103,7 @@ class CampaignPlan:
             issues.append(Issue("--trials", f"{self.trials} is refused; choose 1 to 100000 (article: 120)."))
         if not 0.5 <= self.negative_minutes <= 10_000:
             issues.append(Issue("--minutes", f"{self.negative_minutes:g} min is refused; choose 0.5 to 10000 min."))
-        if issues:
-            raise TraceError(issues)
+        raise_issues(issues)
 
 
 def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:

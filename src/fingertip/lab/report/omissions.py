@@ -23,7 +23,7 @@ from fingertip.lab.studies.sensitivity import (
     STICK_SLIP,
     VariationResult,
 )
-from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
+from fingertip.lab.studies.steps import GOAL_SHARE
 from fingertip.sim.contact.surfaces import SURFACES
 
 _EXPLAINED = {"patch": PATCH_AVERAGE, "stick_slip": STICK_SLIP, "both": BOTH, "elasto_plastic": ELASTO_PLASTIC}
@@ -38,11 +38,16 @@ def as_markdown(
     detector: str,
 ) -> str:
     """Write the page; `missed` are the messages of requirements."""
+    shifts = studies.steps.shifts
     return render(
         "validation/omissions.md",
         **STATED,
         **collect_effects(studies.variations, studies.patch_radius_m),
-        **collect_steps(studies.steps),
+        steps=studies.steps,
+        goal_share=GOAL_SHARE,
+        goal_missed=[row.detector for row in shifts if not row.meets_goal],
+        found_once=[f"{row.detector} {row.one_grid_only}" for row in shifts if row.one_grid_only],
+        largest_errors=[f"{row.signal} {format_milli(row.worst, row.signal)}" for row in studies.steps.errors],
         detector=detector,
         missed=missed,
         failures=[_collect_failures(name, result.at_nominal_threshold(name)) for name in result.detectors],
@@ -69,16 +74,6 @@ def collect_effects(variations: Sequence[VariationResult], patch_radius_m: float
         "isfinite": math.isfinite,
         "ms": format_ms,
         "mn": format_mn,
-    }
-
-
-def collect_steps(steps: StepSensitivity) -> dict[str, Any]:
-    return {
-        "steps": steps,
-        "goal_share": GOAL_SHARE,
-        "goal_missed": [row.detector for row in steps.shifts if not row.meets_goal],
-        "found_once": [f"{row.detector} {row.one_grid_only}" for row in steps.shifts if row.one_grid_only],
-        "largest_errors": [f"{row.signal} {format_milli(row.worst, row.signal)}" for row in steps.errors],
     }
 
 

@@ -75,14 +75,8 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     for i, speed in enumerate(speeds):
         values = [1000 * both[(name, speed)][0] if (name, speed) in both else math.nan for name in names]
         x = [n + 0.25 * (i - (len(speeds) - 1) / 2) for n in range(len(names))]
-        label = f"{100 * speed:g} cm/s"
-        top.bar(
-            x,
-            [v if math.isfinite(v) else 0 for v in values],
-            0.22,
-            label=label,
-            color=style.SHADES[i % len(style.SHADES)],
-        )
+        heights, colour = [v if math.isfinite(v) else 0 for v in values], style.SHADES[i % len(style.SHADES)]
+        top.bar(x, heights, 0.22, label=f"{100 * speed:g} cm/s", color=colour)
     found = [(n, 1000 * groups[name][0], 1000 * groups[name][1]) for n, name in enumerate(names) if groups[name][2]]
     means, deviations = [mean for _, mean, _ in found], [deviation for _, _, deviation in found]
     colour = COLOURS.get(detector, OTHER_COLOUR)

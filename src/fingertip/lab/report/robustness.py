@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
-from fingertip.foundation.numerics import poisson_interval
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.run import DetectorResult
 from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number
@@ -79,7 +79,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
 
 def step_table(steps: StepSensitivity) -> list[str]:
     """Table of the shifts of each detector's delay with the time step, and of the largest errors of the signals."""
-    count = f"{steps.trials} trial{'s' * (steps.trials != 1)}"
+    count, shift_ms = f"{steps.trials} trial{'s' * (steps.trials != 1)}", partial(format_ms, otherwise="not found")
     lines = [
         "",
         f"effect of the time step: {count}, with a step {steps.refinement} times as fine and the same noise; goal: in "
@@ -88,8 +88,8 @@ def step_table(steps: StepSensitivity) -> list[str]:
         f"{'shift of':12} {'beyond one sample':>18} {'median':>10} {'p90':>10} {'worst':>10}   goal",
     ]
     lines += [
-        f"{row.detector:12} {f'{row.beyond_sample} of {row.trials}':>18} {_shift_ms(row.median_s):>10} "
-        f"{_shift_ms(row.p90_s):>10} {_shift_ms(row.worst_s):>10}   {'met' if row.meets_goal else 'MISSED'}"
+        f"{row.detector:12} {f'{row.beyond_sample} of {row.trials}':>18} {shift_ms(row.median_s):>10} "
+        f"{shift_ms(row.p90_s):>10} {shift_ms(row.worst_s):>10}   {'met' if row.meets_goal else 'MISSED'}"
         for row in steps.shifts
     ]
     lines.append("largest error in a trial:")
@@ -99,29 +99,18 @@ def step_table(steps: StepSensitivity) -> list[str]:
     return lines
 
 
-def _shift_ms(seconds: float) -> str:
-    return format_ms(seconds, "not found")
-
-
-def format_rate(result: DetectorResult) -> str:
-    """Alarms per minute with their interval, such as ``0.02 (0.00-0.11)``."""
-    low, high = result.alarm_interval
-    return f"{result.alarms_per_minute:.2f} ({low:.2f}-{high:.2f})"
-
-
-def pool_ranges(ranges: Sequence[DetectorResult]) -> tuple[int, float, float, float]:
-    """Pool the alarms of all ranges: their number, the time [min], and the interval of the rate [1/min]."""
-    alarms, minutes = sum(r.limited_alarms for r in ranges), sum(r.limited_minutes for r in ranges)
-    low, high = poisson_interval(alarms)
-    return (alarms, minutes, low / minutes, high / minutes) if minutes else (alarms, minutes, 0.0, math.inf)
+def pool_ranges(ranges: Sequence[DetectorResult]) -> DetectorResult:
+    """Pool the trials of all ranges of seeds, whose thresholds are the same."""
+    return DetectorResult(1.0, tuple(trial for result in ranges for trial in result.trials))
 
 
 def ranges_as_data(ranges: Sequence[DetectorResult]) -> dict[str, Any]:
-    alarms, minutes, low, high = pool_ranges(ranges)
+    pooled = pool_ranges(ranges)
+    low, high = pooled.alarm_interval
     return {
         "ranges": [{"alarms": r.limited_alarms, "minutes": round(r.limited_minutes, 3)} for r in ranges],
-        "alarms": alarms,
-        "minutes": round(minutes, 3),
+        "alarms": pooled.limited_alarms,
+        "minutes": round(pooled.limited_minutes, 3),
         "alarms_per_minute_95": [round(low, 5), to_number(high)],
     }
 
@@ -147,12 +136,14 @@ def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
 
 
 def mix_table(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], detector: str) -> list[str]:
-    alarms, minutes, low, high = pool_ranges(ranges)
+    pooled = pool_ranges(ranges)
+    low, high = pooled.alarm_interval
     counts = ", ".join(f"{r.limited_alarms} in {r.limited_minutes:.1f} min" for r in ranges)
     lines = [
         "",
         f"alarms of {detector} over {len(ranges)} ranges of seeds: {counts};",
-        f"together {alarms} in {minutes:.1f} min, with 95 % probability {low:.3f} to {high:.3f} per minute",
+        f"together {pooled.limited_alarms} in {pooled.limited_minutes:.1f} min, with 95 % probability {low:.3f} to "
+        f"{high:.3f} per minute",
         "",
         f"{detector} on the wider mix; delays since gross slip, p90 also since motion; disturbed: events with alarm;",
         f"{ENCODER_NOTE}:",

@@ -6,13 +6,14 @@ import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 from fingertip.documents.template import WIDTH, lay_out_page, render, render_rows
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
-from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
+from fingertip.lab.campaign.run import CampaignResult, DetectorResult, quantile_s, speed_m_s, surface
 from fingertip.lab.report import robustness
 from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, Spectrum, WindowResult
@@ -65,8 +66,7 @@ class StudyResults:
 
     def bound_s(self, fraction: float) -> float:
         """Bound by which a fraction of the slips can be found [s]."""
-        ranked = sorted(self.bounds_s)
-        return ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]
+        return quantile_s(self.bounds_s, len(self.bounds_s), fraction)
 
 
 def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
@@ -94,7 +94,11 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         "sampling_rates": list(map(to_data, studies.rates)),
         "board_variants": list(map(to_data, studies.boards)),
         "article_board": list(map(to_data, studies.article)),
-        "article_protocol": protocol_as_data(studies.protocol),
+        "article_protocol": {
+            "encoder_hz": ENCODER_HZ,
+            "rows": [asdict(row) for row in list_protocol_rows(studies.protocol)],
+            "results": list(map(to_data, studies.protocol.results)),
+        },
         "motor_discrimination": list(map(to_data, studies.motor)),
         "knock_rejection": list(map(to_data, studies.knocks)),
         "closed_loop": [
@@ -151,8 +155,7 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
     return {"mean_s": to_number(mean), "deviation_s": to_number(deviation), "found": count}
 
 
-def _ms(seconds: float) -> str:
-    return format_ms(seconds, "  missed ", "6.1f")
+_ms = partial(format_ms, otherwise="  missed ", form="6.1f")
 
 
 def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str:
@@ -183,7 +186,8 @@ def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str
         nominal = result.at_nominal_threshold(name)
         alarms, minutes = nominal.alarms(), nominal.minutes()
         separate = "   ".join(f"{alarms[c] / minutes[c]:{len(c)}.1f}" for c in REPORTED_SEPARATELY if c in minutes)
-        rate = robustness.format_rate(nominal)
+        low, high = nominal.alarm_interval
+        rate = f"{nominal.alarms_per_minute:.2f} ({low:.2f}-{high:.2f})"
         lines.append(f"{name:8} {100 * nominal.on_share:6.1f}% {rate:>20}   {separate}".rstrip())
     lines += [
         "ON: share of a slip, after its detection, in which the detector is ON.",
@@ -331,12 +335,3 @@ def protocol_as_lines(study: ProtocolStudy) -> list[str]:
         lines.append(f"{row.figure:34} {row.article:>29}{cells}".rstrip())
         lines += textwrap.wrap(row.differs, WIDTH, initial_indent="    ", subsequent_indent="    ")
     return lines
-
-
-def protocol_as_data(study: ProtocolStudy) -> dict[str, Any]:
-    """Return the table and the numbers behind it for JSON; what is not known is null."""
-    return {
-        "encoder_hz": ENCODER_HZ,
-        "rows": [asdict(row) for row in list_protocol_rows(study)],
-        "results": list(map(to_data, study.results)),
-    }

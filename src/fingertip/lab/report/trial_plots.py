@@ -25,8 +25,8 @@ from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
 from fingertip.slip.detectors.registry import select_inputs
-from fingertip.slip.report import shade_encoder_band
-from fingertip.slip.traces.truth import Interval, intervals
+from fingertip.slip.report import draw_bars, shade_encoder_band
+from fingertip.slip.traces.truth import intervals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -245,7 +245,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
         ("suppressed", intervals(periods, flags[:, 0] & flags[:, 1]), style.REFERENCE),
         ("true slip", intervals(t, any_finger_slips(manipulation)), style.TRUTH),
     )
-    _draw_rows(detections, rows, 0.01)
+    draw_bars(detections, rows, 0.01)
     detections.set_ylabel(f"detections\nof {trial.detector}")
     for decision in trial.decisions:
         if decision.tightened:
@@ -274,17 +274,8 @@ def _draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]
     """Draw one row of ON intervals per name, the true slip last."""
     assert trace.slip is not None
     rows = [(name, intervals(trace.time_s, on), COLOURS.get(name, style.BLUE)) for name, on in flags.items()]
-    _draw_rows(axes, [*rows, ("true slip", intervals(trace.time_s, trace.slip), style.TRUTH)], 0.004)
+    draw_bars(axes, [*rows, ("true slip", intervals(trace.time_s, trace.slip), style.TRUTH)], 0.004)
     style.style_axes(axes, "x")
-
-
-def _draw_rows(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float) -> None:
-    """Draw one row of intervals per name, each at least so long that it is seen [s]."""
-    for row, (_, found, colour) in enumerate(rows):
-        spans = [(i.onset_s, max(i.end_s - i.onset_s, shortest_s)) for i in found]
-        axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
-    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
-    axes.set_ylim(len(rows) - 0.4, -0.6)
 
 
 def _shade(axes: Axes, trace: Trace) -> None:

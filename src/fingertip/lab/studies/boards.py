@@ -9,7 +9,6 @@ before it. A lower threshold finds slip sooner, and reports more load changes as
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.design import Design
@@ -41,15 +40,6 @@ class BoardResult:
     alarms_per_minute: float
 
 
-def _valid_variants(design: Design) -> Iterator[Design]:
-    """Designs with each variant, where its rules allow it: another variant may need other values."""
-    for variant in VARIANTS:
-        try:
-            yield with_variant(design, variant)
-        except DesignError:
-            continue
-
-
 def with_variant(design: Design, variant: str) -> Design:
     """Copy of the design with another board variant; its band limit is moved above the vibrations if necessary."""
     tables = design.model_dump()
@@ -65,7 +55,11 @@ def study_board_variants(
     """Run the same cases on each board, at the design's threshold and at the one that its noise allows."""
     cases = list(generate_cases(CampaignPlan(trials, negative_minutes), first_seed))
     results = []
-    for changed in _valid_variants(design):
+    for variant in VARIANTS:
+        try:
+            changed = with_variant(design, variant)
+        except DesignError:  # another variant may need other values
+            continue
         rule_v = simulate_quiescent_level(changed).rounded_threshold_v
         design_v = changed.detector.threshold_v
         pair = run_cases(changed, cases, {"analog": (1.0, rule_v / design_v)})["analog"]

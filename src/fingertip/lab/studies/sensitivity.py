@@ -216,15 +216,6 @@ class VariationResult:
     """RMS vibration of the normal force in slip, median of the trials [N]; NaN without slip."""
 
 
-@dataclass(frozen=True)
-class _VariationRun:
-    variation: Variation
-    pooled: DetectorResult
-    onsets_s: tuple[float, ...]
-    """True onset in each trial, NaN without slip."""
-    vibrations_n: tuple[float, ...]
-
-
 def study_assumptions(
     design: Design,
     detector: str,
@@ -235,11 +226,25 @@ def study_assumptions(
     """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
     plan = CampaignPlan(trials, _NEGATIVE_MINUTES)
     cases = [case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY]
-    runs = [_run_variation(design, detector, variation, cases) for variation in (UNCHANGED, *variations)]
-    return [_compare(run, runs[0]) for run in runs]
+    all_variations = (UNCHANGED, *variations)
+    runs = [_run_variation(design, detector, variation, cases) for variation in all_variations]
+    before, onsets_before_s, _ = runs[0]
+    results = []
+    for variation, (pooled, onsets_s, vibrations_n) in zip(all_variations, runs, strict=True):
+        median_s, before_s = pooled.delay_s(0.5), before.delay_s(0.5)
+        is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
+        change_s = median_s - before_s if is_comparable else math.nan
+        onset_s = median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
+        detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
+        effects = (onset_s, median_of_known(vibrations_n))
+        results.append(VariationResult(variation.label, variation.is_realistic, *detection, *effects))
+    return results
 
 
-def _run_variation(design: Design, detector: str, variation: Variation, cases: Sequence[Case]) -> _VariationRun:
+def _run_variation(
+    design: Design, detector: str, variation: Variation, cases: Sequence[Case]
+) -> tuple[DetectorResult, list[float], list[float]]:
+    """Run the cases with a change: the pooled result, and true onset and vibration in each trial, NaN without slip."""
     changed_design = variation.vary_design(design)
     collected: list[TrialResult] = []
     onsets_s, vibrations_n = [], []
@@ -251,14 +256,4 @@ def _run_variation(design: Design, detector: str, variation: Variation, cases: S
             if case.cause == "slip":
                 onsets_s.append(find_onset_s(changed_design, changed_case, trace))
                 vibrations_n.append(measure_vibration_n(trace))
-    return _VariationRun(variation, DetectorResult(1.0, tuple(collected)), tuple(onsets_s), tuple(vibrations_n))
-
-
-def _compare(run: _VariationRun, base: _VariationRun) -> VariationResult:
-    pooled, median_s, before_s = run.pooled, run.pooled.delay_s(0.5), base.pooled.delay_s(0.5)
-    is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
-    change_s = median_s - before_s if is_comparable else math.nan
-    onset_s = median_of_known(now - before for now, before in zip(run.onsets_s, base.onsets_s, strict=True))
-    detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
-    label, is_realistic = run.variation.label, run.variation.is_realistic
-    return VariationResult(label, is_realistic, *detection, onset_s, median_of_known(run.vibrations_n))
+    return DetectorResult(1.0, tuple(collected)), onsets_s, vibrations_n

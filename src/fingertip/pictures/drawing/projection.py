@@ -10,7 +10,6 @@ from pathlib import Path
 
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Solid
-from fingertip.foundation import errors
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import end_with_parent, python_command, python_environment
@@ -20,11 +19,10 @@ from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
 
 ANSWER_FILE = "answer.pickle"
-"""File with the views of each part, or with the name and the issues of a `FingertipError`."""
+"""File with the views of each part, or with a `FingertipError`."""
 Job = tuple[tuple[str, Solid, tuple[ViewName, ...]], ...]
 """Name, solid and views of each part."""
 PartViews = dict[str, dict[ViewName, ProjectedView]]
-Failure = tuple[str, tuple[Issue, ...]]
 
 
 def run_job(job: Job) -> PartViews:
@@ -43,11 +41,11 @@ def run_job(job: Job) -> PartViews:
 def main() -> None:
     """Run the job on stdin and write its result or its error."""
     end_with_parent()
-    answer: PartViews | Failure
+    answer: PartViews | FingertipError
     try:
         answer = run_job(pickle.load(sys.stdin.buffer))
     except FingertipError as error:
-        answer = (type(error).__name__, error.issues)
+        answer = error
     (Path(sys.argv[1]) / ANSWER_FILE).write_bytes(pickle.dumps(answer))
 
 
@@ -79,7 +77,7 @@ def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
         if not answer_file.exists():
             last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
             raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({last[0]}); check the design with build."))
-        answer: PartViews | Failure = pickle.loads(answer_file.read_bytes())
-    if isinstance(answer, tuple):
-        raise getattr(errors, answer[0])(answer[1])
+        answer: PartViews | FingertipError = pickle.loads(answer_file.read_bytes())
+    if isinstance(answer, FingertipError):
+        raise answer
     return answer

@@ -114,13 +114,6 @@ class DraggedPad:
         return PadMotion(x[known:], v[known:], z[known:])
 
 
-def drag(
-    friction: Friction, mount: Mount, step_s: float, carriage_m: Array, carriage_m_s: Array, normal_n: Array
-) -> PadMotion:
-    """Follow a pad over a whole motion at once (see `DraggedPad`). Raises TraceError."""
-    return DraggedPad(friction, mount, step_s).process(carriage_m, carriage_m_s, normal_n)
-
-
 def _drag_loop(
     curve: tuple[float, float, float],
     sigma: tuple[float, float, float, float, float],

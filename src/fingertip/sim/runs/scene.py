@@ -92,28 +92,11 @@ class SceneRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class SceneResult:
-    """Recorded signals of a scene."""
+class SceneResult(SceneRecord):
+    """Recorded signals of a scene, and the facts about it."""
 
-    record: SceneRecord
-    signals: FingerSignals
+    signals: FingerSignals = field(kw_only=True)
     """Signals that the scene records; the others are None."""
-
-    @property
-    def scene(self) -> SceneFile:
-        return self.record.scene
-
-    @property
-    def seed(self) -> int:
-        return self.record.seed
-
-    @property
-    def force_n(self) -> float:
-        return self.record.force_n
-
-    @property
-    def stages(self) -> tuple[StageCost, ...]:
-        return self.record.stages
 
     @property
     def time_s(self) -> Array:
@@ -132,7 +115,7 @@ class SceneResult:
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         return Trace(
             found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v,
-            found.sampled_filtered_v, Origin(True, self.record.motion_s),
+            found.sampled_filtered_v, Origin(True, self.motion_s),
         )  # fmt: skip
 
 
@@ -307,7 +290,7 @@ def run_scene(
     """
     chunks: list[FingerSignals] = []
     record = stream_scene(design, scene, chunks.append, seed, progress, grid)
-    return SceneResult(record, FingerSignals.join(chunks))
+    return SceneResult(**vars(record), signals=FingerSignals.join(chunks))
 
 
 def stream_scene(

@@ -74,11 +74,6 @@ class Bridge:
         scale = (v0 - v1) / (f1 - f0) ** exponent
         return cls(ConductanceCurve(f0, scale, exponent), TactileResponse(v0, 1.0, 0.0, 1.0))
 
-    @classmethod
-    def select(cls, design: Design, name: str) -> Bridge:
-        """Select the bridge of a scene: "board" or "article"."""
-        return cls.of_article() if name == "article" else cls.of_board(design)
-
     def voltage_v(self, force_n: Array) -> Array:
         """Tactile voltage [V] at the forces that the sensor shows [N]."""
         curve, response = self.curve, self.response

@@ -227,30 +227,13 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     return sample_v(design, AntiAliasFilter.ahead_of(ADC_ENVELOPE, design).process(envelope_v), None)
 
 
-class EnvelopeStream:
-    """Sampled envelopes of several fingers' boards for voltages that come in chunks; any chunks give the same bits."""
-
-    def __init__(self, design: Design) -> None:
-        self._design = design
-        self._boards: AnalogStream | None = None
-        self._filters: list[AntiAliasFilter] = []
-
-    def process(self, voltage_v: Array) -> Array:
-        """Return the sampled envelopes of the next samples [V], (fingers, samples) like the voltages [V]."""
-        if self._boards is None:
-            step_s = 1 / self._design.detector.sample_rate_hz
-            self._boards = AnalogStream(AnalogBoard.from_design(self._design), step_s, len(voltage_v))
-            self._filters = [AntiAliasFilter.ahead_of(ADC_ENVELOPE, self._design) for _ in voltage_v]
-        envelope_v = self._boards.process(voltage_v)[1]
-        pairs = zip(envelope_v, self._filters, strict=True)
-        return np.stack([sample_v(self._design, poles.process(row), None) for row, poles in pairs])
-
-
 class SimulatedBoardDetector(Detector):
     """Detector `analog` behind the design's simulated board, of raw voltages in any chunks."""
 
     def __init__(self, design: Design) -> None:
-        self._board, self._detector = EnvelopeStream(design), AnalogDetector.for_design(design)
+        self._board = AnalogStream(AnalogBoard.from_design(design), 1 / design.detector.sample_rate_hz)
+        self._poles = AntiAliasFilter.ahead_of(ADC_ENVELOPE, design)
+        self._design, self._detector = design, AnalogDetector.for_design(design)
 
     @property
     def threshold_v(self) -> float:
@@ -265,11 +248,15 @@ class SimulatedBoardDetector(Detector):
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Process the next samples of the tactile voltage [V], any number of them, and return as many outputs."""
         samples = np.asarray(voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v), dtype=np.float64)
-        return self._detector.process(self._board.process(samples[None])[0] if len(samples) else samples)
+        return self._detector.process(self._convert(samples) if len(samples) else samples)
 
     def step(self, voltage_v: float) -> bool:
         """Process one sample [V] and return whether slip is ON."""
-        return self._detector.step(float(self._board.process(np.array([[voltage_v]]))[0, 0]))
+        return self._detector.step(float(self._convert(np.array([voltage_v]))[0]))
+
+    def _convert(self, voltage_v: Array) -> Array:
+        """Return the sampled envelope of the next samples [V]; any chunks give the same bits."""
+        return sample_v(self._design, self._poles.process(self._board.process(voltage_v[None])[1][0]), None)
 
 
 def compute_bridge_v(design: Design, force_n: Array) -> Array:

@@ -239,7 +239,8 @@ class _BridgeVoltage:
         # The slide moves the finger towards its tip, so the surface holds the skin back, towards the base. Assumption.
         self._shear_n_per_m = -setup.pad.tangential_stiffness_n_per_m(setup.held_n)
         with meter.stage("bridge"):
-            self._bridge = Bridge.select(setup.design, setup.path.sensing.bridge)
+            is_board = setup.path.sensing.bridge == "board"
+            self._bridge = Bridge.of_board(setup.design) if is_board else Bridge.of_article()
         self._interference = InterferenceSource(
             grid, setup.path.drift, setup.path.cable, setup.path.noise, setup.event_origin_s,
             lambda purpose: open_stream(setup.seed[0], setup.seed[1], purpose),

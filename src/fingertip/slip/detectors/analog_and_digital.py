@@ -35,8 +35,6 @@ from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
 @dataclass(frozen=True)
 class ChainSettings:
-    """Settings of the chain."""
-
     sample_rate_hz: float
     cutoff_hz: float
     gain: float
@@ -93,8 +91,8 @@ class SlipChain(Detector):
         smoothing = 1 - math.exp(-2 * math.pi * settings.envelope_cutoff_hz / settings.sample_rate_hz)
         self._coefficients = (*first, *second, smoothing)
         self._state = [0.0] * STATES
-        self._ring_buffer = [0.0] * settings.window_samples
         self._started = False
+        self._average = AnalogDetector(settings.sample_rate_hz, settings.window_samples, settings.threshold_v)
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> SlipChain:
@@ -113,29 +111,28 @@ class SlipChain(Detector):
     @property
     def threshold_v(self) -> float:
         """Window mean above which slip is ON [V]."""
-        return self.settings.threshold_v
+        return self._average.threshold_v
 
     @property
     def memory_s(self) -> float:
         """Window length [s]."""
-        return self.settings.window_samples / self.settings.sample_rate_hz
+        return self._average.memory_s
 
     def process(self, voltage_v: Iterable[float]) -> ChainOutput:
         """Process the next samples [V], any number of them, and return one output per sample."""
         samples = as_samples(voltage_v)
         if len(samples):
             self._start(float(samples[0]))
-        filtered, envelope, mean = np.zeros((3, len(samples)))
-        _CHAIN(self._coefficients, samples, self._state, self._ring_buffer, filtered, envelope, mean)
-        threshold_v = self.settings.threshold_v
-        return ChainOutput(mean, np.full(len(mean), threshold_v), mean > threshold_v, filtered, envelope)
+        filtered, envelope = np.zeros((2, len(samples)))
+        _FILTER(self._coefficients, samples, self._state, filtered, envelope)
+        return ChainOutput(**vars(self._average.process(envelope)), filtered_v=filtered, envelope_v=envelope)
 
     def step(self, voltage_v: float) -> bool:
         """Process one sample [V] and return whether slip is ON."""
         self._start(voltage_v)
-        mean = [0.0]
-        _CHAIN.plain(self._coefficients, (voltage_v,), self._state, self._ring_buffer, [0.0], [0.0], mean)
-        return mean[0] > self.settings.threshold_v
+        envelope = [0.0]
+        _FILTER.plain(self._coefficients, (voltage_v,), self._state, [0.0], envelope)
+        return self._average.step(envelope[0])
 
     def _start(self, voltage_v: float) -> None:
         """Set the steady state of a constant input before the first sample: both sections' outputs are exactly 0."""
@@ -144,25 +141,22 @@ class SlipChain(Detector):
             self._state[FIRST_ORDER] = -self._coefficients[0] * voltage_v
 
 
-FIRST_ORDER, SECOND_ORDER_1, SECOND_ORDER_2, ENVELOPE, SUM, POSITION = range(6)
+FIRST_ORDER, SECOND_ORDER_1, SECOND_ORDER_2, ENVELOPE = range(4)
 """Indices into the loop's state."""
-STATES = 6
+STATES = 4
 
 
-def _chain_loop(
+def _filter_loop(
     coefficients: tuple[float, ...],
     samples: Sequence[float],
     state: MutableSequence[float],
-    ring_buffer: MutableSequence[float],
     filtered: MutableSequence[float],
     envelopes: MutableSequence[float],
-    means: MutableSequence[float],
 ) -> None:
     # First-order section (g), second-order section (b, a), smoothing factor of the envelope.
     g0, g1, g_a1, b0, b1, b2, a1, a2, smoothing = coefficients
     s, s1, s2 = state[FIRST_ORDER], state[SECOND_ORDER_1], state[SECOND_ORDER_2]
-    envelope, total = state[ENVELOPE], state[SUM]
-    position, length = int(state[POSITION]), len(ring_buffer)
+    envelope = state[ENVELOPE]
     for i in range(len(samples)):
         # High-pass filter: both sections in transposed direct form II.
         x = samples[i]
@@ -174,25 +168,12 @@ def _chain_loop(
 
         # Half-wave rectifier and one-pole envelope filter.
         envelope += smoothing * ((y if y > 0.0 else 0.0) - envelope)
-
-        # Moving average: replace the oldest envelope in the window by the newest. The whole buffer is summed once per
-        # revolution, so that rounding errors of the running sum do not accumulate.
-        total += envelope - ring_buffer[position]
-        ring_buffer[position] = envelope
-        position += 1
-        if position == length:
-            position, total = 0, 0.0
-            for j in range(length):
-                total += ring_buffer[j]
-
         filtered[i] = y
         envelopes[i] = envelope
-        means[i] = total / length
-    state[FIRST_ORDER], state[SECOND_ORDER_1], state[SECOND_ORDER_2] = s, s1, s2
-    state[ENVELOPE], state[SUM], state[POSITION] = envelope, total, float(position)
+    state[FIRST_ORDER], state[SECOND_ORDER_1], state[SECOND_ORDER_2], state[ENVELOPE] = s, s1, s2, envelope
 
 
-_CHAIN = CompiledLoop(_chain_loop, outputs=5, samples="samples", plain_us=0.55)
+_FILTER = CompiledLoop(_filter_loop, outputs=3, samples="samples", plain_us=0.4)
 
 
 def high_pass(settings: ChainSettings) -> tuple[FirstOrder, SecondOrder]:

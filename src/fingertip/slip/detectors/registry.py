@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, join_words
 from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL
 
 if TYPE_CHECKING:
@@ -139,8 +139,8 @@ def make_detector(name: str, design: Design, noise_v: float | None = None, thres
 
 def describe_detectors() -> str:
     """List the names with few words on each, the default first."""
-    *first, last = (f"{name} ({DETECTORS[name].words})" for name in sorted(DETECTORS, key=lambda name: name != DEFAULT))
-    return f"{', '.join(first)} or {last}."
+    words = (f"{name} ({DETECTORS[name].words})" for name in sorted(DETECTORS, key=lambda name: name != DEFAULT))
+    return f"{join_words(words, 'or')}."
 
 
 def select_inputs(source: object, name: str) -> tuple[Array, ...]:
@@ -182,10 +182,10 @@ def find_second_column(design: Design, name: str) -> str | None:
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
 
-def find_detector_type(name: str) -> DetectorType:
-    """Look up a type of detector by name. Raises TraceError."""
+def find_detector_type(name: str, field: str = "--detector") -> DetectorType:
+    """Look up a type of detector by name. Raises TraceError, about a field."""
     if name not in DETECTORS:
         from fingertip.design.parameters.declaration import suggest_name  # noqa: PLC0415
 
-        raise TraceError(Issue("--detector", f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
+        raise TraceError(Issue(field, f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
     return DETECTORS[name]

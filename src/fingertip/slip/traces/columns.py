@@ -7,9 +7,12 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.traces.trace import ColumnMap, is_force
+
+T = TypeVar("T")
 
 # Cells of a line of text: splitting, and parsing of numbers and of times as ISO 8601 writes them.
 
@@ -123,15 +126,25 @@ _TIMES, _COMMENT = "X_Value", "Comment"
 
 
 @dataclass
-class PassedOver:
-    """Lines that hold no sample: how many, and the number of the first one."""
+class NotedLines(Generic[T]):
+    """Lines that are passed over or cannot be used, of which a file may hold millions: their number, first and last."""
 
     count: int = 0
-    first: int = 0
+    first: tuple[int, T] | None = None
+    """Number of the first line, and what is noted of it."""
+    last: tuple[int, T] | None = None
 
-    def append(self, number: int) -> None:
+    def add(self, line: int, what: T) -> None:
         self.count += 1
-        self.first = self.first or number
+        self.last = (line, what)
+        self.first = self.first or self.last
+
+    def drop_last(self, line: int) -> None:
+        """Remove the last line if it has this number."""
+        if self.last is not None and self.last[0] == line:
+            self.count -= 1
+            self.last = None  # the one before is not known, and nobody asks for it
+            self.first = self.first if self.count else None
 
 
 def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> ColumnMap:
@@ -165,7 +178,7 @@ def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> Column
     return replace(columns, names={**columns.names, **added}, rate_hz=rate_hz)
 
 
-def without_headers(rows: Iterable[tuple[int, str]], passed_over: PassedOver) -> Iterator[tuple[int, str]]:
+def without_headers(rows: Iterable[tuple[int, str]], passed_over: NotedLines[str]) -> Iterator[tuple[int, str]]:
     """Yield numbered lines but those of the headers of segments, whose first line is added to `passed_over`."""
     within = False
     for number, line in rows:
@@ -173,7 +186,7 @@ def without_headers(rows: Iterable[tuple[int, str]], passed_over: PassedOver) ->
             first = _split(line)[0]
             if first in _SEGMENT_KEYS:
                 if not within:
-                    passed_over.append(number)
+                    passed_over.add(number, line)
                 within = first != _END
                 continue
         yield number, line

@@ -15,7 +15,6 @@ import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from fingertip.foundation.input_files import SAMPLES_LIMIT
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.columns import (
     LVM_HEADER_LINES,
-    PassedOver,
+    NotedLines,
     adapt_columns,
     count_decimals,
     parse_instant,
@@ -38,13 +37,11 @@ from fingertip.slip.traces.trace import (
     ColumnMap,
     RawTrace,
     bounded_lines,
-    check_trace_file,
     max_lines,
     max_rows,
     shape_message,
 )
 
-T = TypeVar("T")
 _TAIL_BYTES = 4096
 """Length of the end of a file that is examined for a number that was cut off [bytes]."""
 _TAIL_LINES = 10
@@ -57,11 +54,10 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1.
 
     With another delimiter than the comma, numbers may have a decimal comma. LabVIEW's measurement files (LVM) are read
-    by their own names of the columns. Raises TraceError.
+    by their own names of the columns. Raises TraceError or OSError.
     """
     name = str(path)
     try:
-        check_trace_file(path)
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
             adapted = adapt_columns(name, itertools.islice(bounded_lines(file, name), LVM_HEADER_LINES), columns)
@@ -71,8 +67,6 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
             below = next(lines, "")
     except UnicodeError:
         raise TraceError(Issue(name, NOT_TEXT)) from None
-    except OSError as error:
-        raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
     header = replace(header, is_loose=adapted is not columns)
     first_line = header.line + (2 if header.is_unit_line(below) else 1)
     source = _Source(path, encoding, header, first_line, adapted.with_simulated_names(header.names))
@@ -160,37 +154,16 @@ def _read_valid(source: _Source) -> RawTrace | None:
 
 
 @dataclass
-class _Faults(Generic[T]):
-    """Lines that cannot be used, of which a file may hold millions: their number, the first one and the last one."""
-
-    count: int = 0
-    first: tuple[int, T] | None = None
-    last: tuple[int, T] | None = None
-
-    def add(self, line: int, what: T) -> None:
-        self.count += 1
-        self.last = (line, what)
-        self.first = self.first or self.last
-
-    def drop_last(self, line: int) -> None:
-        """Remove the last line if it has this number."""
-        if self.last is not None and self.last[0] == line:
-            self.count -= 1
-            self.last = None  # the one before is not known, and nobody asks for it
-            self.first = self.first if self.count else None
-
-
-@dataclass
 class _Samples:
     """Samples of a file as they are read line by line, with what is wrong."""
 
     values: dict[str, array.array[float]]
     lines: array.array[int] = field(default_factory=lambda: array.array("q"))
-    uneven: _Faults[int] = field(default_factory=lambda: _Faults[int]())
+    uneven: NotedLines[int] = field(default_factory=lambda: NotedLines[int]())
     """Line number and number of cells of lines with another number of cells than the others."""
-    wrong: dict[str, _Faults[str]] = field(default_factory=dict)
+    wrong: dict[str, NotedLines[str]] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: PassedOver = field(default_factory=PassedOver)
+    passed_over: NotedLines[str] = field(default_factory=lambda: NotedLines[str]())
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
@@ -219,23 +192,20 @@ class _Samples:
 
 def _read_by_line(source: _Source) -> RawTrace:
     name, columns = str(source.path), source.columns
-    try:
-        with source.path.open(encoding=source.encoding, errors="replace") as file:
-            samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
-    except OSError as error:
-        raise TraceError(Issue(name, f"cannot be read ({error.strerror}); give the path of a trace.")) from None
+    with source.path.open(encoding=source.encoding, errors="replace") as file:
+        samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
     notes = list(source.notes)
     if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
         notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")
         samples.drop_last()
-    if samples.passed_over.count:
-        first, others = samples.passed_over.first, _count_others(samples.passed_over.count)
-        notes.append(f"{name}, line {first}: is a header or a comment among the samples{others}, and passed over")
+    if samples.passed_over.first:
+        line, others = samples.passed_over.first[0], _count_others(samples.passed_over.count)
+        notes.append(f"{name}, line {line}: is a header or a comment among the samples{others}, and passed over")
     if samples.start is not None:
         notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
     issues = list(_find_issues(name, source, samples))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
-    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", _Faults[str]()).count
+    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", NotedLines[str]()).count
     if samples.start is not None:  # dates are in seconds: their scale is an issue, and would make others
         columns = replace(columns, time_scale=1.0)
     trace = columns.make_trace(values)
@@ -246,13 +216,13 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
     header, places = source.header, source.places
     samples = _Samples(
-        {column: array.array("d") for column in places}, wrong={column: _Faults[str]() for column in places}
+        {column: array.array("d") for column in places}, wrong={column: NotedLines[str]() for column in places}
     )
     after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
     for number, line in without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
-            samples.passed_over.append(number)
+            samples.passed_over.add(number, line)
             after_header = True
             continue
         after_header = False
@@ -315,14 +285,11 @@ def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issu
             yield Issue(f"{name}, {column}", message)
     if samples.start is not None and source.columns.time_scale != 1.0:
         yield Issue("--time-scale", f"does not apply to the dates in {name}; leave it out.")
-    slip = samples.values.get("slip", ())
-    neither = _Faults[float]()
-    for number, flag in zip(samples.lines, slip, strict=False):
-        if flag not in (0, 1):
-            neither.add(number, flag)
-    if neither.first:
-        value = f"{neither.first[1]:g} in line {neither.first[0]}"
-        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(neither.count)}; write 0 or 1.")
+    slip = np.array(samples.values.get("slip", ()))
+    neither = np.flatnonzero((slip != 0) & (slip != 1))
+    if neither.size:
+        value = f"{slip[neither[0]]:g} in line {samples.lines[neither[0]]}"
+        yield Issue(f"{name}, slip", f"{value} is neither 0 nor 1{_count_others(neither.size)}; write 0 or 1.")
 
 
 def _count_others(count: int) -> str:

@@ -18,6 +18,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError
 from fingertip.foundation.input_files import check_archive
+from fingertip.foundation.validation import raise_issues
 from fingertip.slip.traces.array_files import LOADERS, RATE
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
@@ -233,8 +234,7 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             # MATLAB has no arrays of one dimension: a signal is a row or a column.
             is_line = array.ndim == 2 and 1 in array.shape
             values[column] = (array.ravel() if is_line else array).astype(np.float64)
-    if issues:
-        raise TraceError(issues)
+    raise_issues(issues)
     return RawTrace(name, columns.make_trace(values), in_volts=columns.in_volts, notes=tuple(notes))
 
 

@@ -7,9 +7,9 @@ import io
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from fingertip.foundation import extras
 from fingertip.foundation.files import open_atomic
@@ -81,16 +81,7 @@ def _format_front(summary: SweepSummary) -> bytes:
 _GROUP_ROWS = 65_536
 
 
-class RowSource(Protocol):
-    @property
-    def plan(self) -> SweepPlan:
-        """Plan of the sweep."""
-
-    def rows(self) -> Iterator[SweepRow]:
-        """Read every row in order of the points."""
-
-
-def write_csv(source: RowSource, path: Path) -> None:
+def write_csv(source: SweepDatabase, path: Path) -> None:
     """Write one line for each row: point, parameters, outputs (with the unit in their name), status, field, reason.
 
     Numbers read back exactly. An output that was not computed is empty; an unbounded one is inf. The same rows give
@@ -110,7 +101,7 @@ def write_csv(source: RowSource, path: Path) -> None:
         text.detach()
 
 
-def write_parquet(source: RowSource, path: Path) -> None:
+def write_parquet(source: SweepDatabase, path: Path) -> None:
     """Write the columns of `write_csv` with their types. Raises MissingLibraryError or OutputError."""
     pyarrow, parquet = load_pyarrow()
     types = {"point": pyarrow.int64()}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation import plot_style as style
 from fingertip.sweep.report import statistics
+from fingertip.sweep.report.summary import format_percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -172,17 +173,13 @@ def _choose_colours(classes: statistics.PointClasses) -> tuple[list[str], NDArra
     for name in names[1 : len(style.AREAS) + 1]:
         colours.append(_STATUS_COLOURS.get(name) or next(palette))
     codes = classes.indices
-    labels = [f"{name}  {_format_percent(counts[i] / total)}" for i, name in enumerate(names[: len(colours)])]
+    labels = [f"{name}  {format_percent(counts[i] / total, 1)}" for i, name in enumerate(names[: len(colours)])]
     if len(names) > len(colours):
         others = len(names) - len(colours)
         codes = np.minimum(codes, len(colours))
-        labels.append(f"others ({others})  {_format_percent(counts[len(colours) :].sum() / total)}")
+        labels.append(f"others ({others})  {format_percent(counts[len(colours) :].sum() / total, 1)}")
         colours.append(style.REFERENCE)
     return colours, codes, [Patch(color=c, label=label) for c, label in zip(colours, labels, strict=True)]
-
-
-def _format_percent(share: float) -> str:
-    return f"{100 * share:.1f} %" if share >= 0.001 or share == 0 else "< 0.1 %"
 
 
 def _add_heading(figure: Figure, classes: statistics.PointClasses, caption: str, legend: list[Patch]) -> None:

@@ -217,9 +217,14 @@ def draw_heat_map(
 ) -> bytes:
     """Draw an output over two axes: its best value and its mean over all other axes."""
     max_cells = max(5, min(_MAX_CELLS, math.isqrt(len(feasible) // 12)))
-    x, y = (make_scale(name, axes[name], _count_cells(axes[name], max_cells)) for name in (x_name, y_name))
+    # One cell for each value of a grid while they can be told apart.
+    counts = {name: len(np.unique(axes[name])) for name in axes}
+    x, y = (
+        make_scale(name, axes[name], counts[name] if counts[name] <= _MAX_CELLS else max_cells)
+        for name in (x_name, y_name)
+    )
     cells = statistics.compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
-    others = [name for name, column in axes.items() if name not in (x_name, y_name) and len(np.unique(column)) > 1]
+    others = [name for name, count in counts.items() if name not in (x_name, y_name) and count > 1]
     if cells.finite.max(initial=0) <= 1 and not others:
         figure = style.new_figure(8.5, 6.5)
         _draw_cells(figure, figure.subplots(), (x, y), cells.mean, cells.points, output, output)
@@ -310,12 +315,6 @@ def draw_pareto_front(
     plot.legend(frameon=False, fontsize=9)
     style.style_axes(plot, "both")
     return style.to_png(figure)
-
-
-def _count_cells(column: statistics.Column, max_cells: int) -> int:
-    """Count the cells of an axis: one per value of a grid while they can be told apart, else `max_cells`."""
-    count = len(np.unique(column))
-    return count if count <= _MAX_CELLS else max_cells
 
 
 def _draw_cells(

@@ -66,12 +66,7 @@ def to_json_data(summary: SweepSummary) -> dict[str, Any]:
     }
 
 
-def _to_json_object(
-    record: statistics.LimitingRule
-    | statistics.OutputSensitivity
-    | statistics.AxisInfluence
-    | statistics.AxisSensitivity,
-) -> dict[str, Any]:
+def _to_json_object(record: Any) -> dict[str, Any]:
     """Convert the fields of a record; `limiting_ranges` keep every digit of the axis."""
     data = {field.name: getattr(record, field.name) for field in fields(record)}
     data |= {name: _to_json_number(value) for name, value in data.items() if isinstance(value, float)}
@@ -228,8 +223,9 @@ def _format_range(low: Any, high: Any) -> str:
     return _format_value(low) if low == high else f"{_format_value(low)} to {_format_value(high)}"
 
 
-def format_percent(share: float) -> str:
-    return f"{100 * share:.0f} %" if share >= 0.01 or share == 0 else "< 1 %"
+def format_percent(share: float, decimals: int = 0) -> str:
+    least = 10.0 ** -(2 + decimals)
+    return f"{100 * share:.{decimals}f} %" if share >= least or share == 0 else f"< {100 * least:g} %"
 
 
 @dataclass(frozen=True)

@@ -325,8 +325,10 @@ def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str
 
 def test_a_thick_adhesive_under_the_film_on_the_ramp_passes() -> None:
     """Measured at right angles to the ramp, its gap is less than the thickness by which the slot is deeper."""
-    changes = "sensor.adhesive_thickness_mm=0.35", "sensor.clearance_mm=0.35", "bone.rim_mm=0.4", "printer.surface_error_mm=0"
-    check = run_checks(*changes, *THICK[3:])["sensor.pocket_clearance"]
+    check = run_checks(
+        "sensor.adhesive_thickness_mm=0.35", "sensor.clearance_mm=0.35", "bone.rim_mm=0.4", *THICK[3:],
+        "printer.surface_error_mm=0",
+    )["sensor.pocket_clearance"]  # fmt: skip
     assert check.value == pytest.approx(0.35 / math.hypot(1.0, 0.4), abs=1e-3)
     assert check.passed
 

@@ -50,7 +50,7 @@ class Cone:
     low_radius: float
     high_radius: float
     around_radius: float = 0.0
-    """Radius of a circle around it whose facets a mesh takes over, so that a wall between both is even [mm]; 0: none."""
+    """Radius of a circle around it whose division a mesh takes over, so that a wall between both is even; 0: none."""
 
 
 def cylinder(

@@ -52,7 +52,7 @@ def link_layer(
     is_closed: Callable[[Array], Mask] | None = None,
     without_steps: Array | None = None,
 ) -> Layer:
-    """Link the nodes of a layer; lengths and areas are those halfway from `without_steps`, if given, instead of `inner`.
+    """Link the nodes of a layer; lengths and areas are those halfway from `without_steps`, if given, not from `inner`.
 
     A quad over a step of the inner surface stands the steeper the finer the grid. Its large area would make the layer
     thin there, and block it.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from fingertip.design.geometry.solids import (
     Primitive,
     SuperconicSolid,
     cylinder,
+    difference,
     hexagon,
 )
 from tests.conftest import design_file
@@ -143,3 +145,12 @@ def test_triangle_without_area_is_removed_with_its_short_edge() -> None:
     mesh = MeshEvaluator(0.02).mesh(mold_palmar(design))
     assert not len(find_degenerate_triangles(mesh.vertices, mesh.triangles))
     assert count_open_edges(mesh) == 0
+
+
+@pytest.mark.parametrize("tolerance_mm", [0.1, 0.05, 0.03, 0.02])
+def test_a_wall_between_two_cylinders_is_even(tolerance_mm: float) -> None:
+    """The rim of a platform keeps its width: the facets of its pocket follow those around it."""
+    pocket, platform = (cylinder("y", (0.0, 0.0), -size, size, size) for size in (9.29, 9.74))
+    pocket, evaluator = replace(pocket, around_radius=9.74), MeshEvaluator(tolerance_mm)
+    outside = evaluator.manifold(difference(Box((-20.0, -5.0, -20.0), (20.0, 5.0, 20.0)), platform))
+    assert evaluator.manifold(pocket).min_gap(outside, 1.0) > 0.98 * 0.45

@@ -44,13 +44,23 @@ class Layer:
 
 
 def link_layer(
-    inner: Array, outer: Array, *, has_pole: bool, is_periodic: bool, is_closed: Callable[[Array], Mask] | None = None
+    inner: Array,
+    outer: Array,
+    *,
+    has_pole: bool,
+    is_periodic: bool,
+    is_closed: Callable[[Array], Mask] | None = None,
+    without_steps: Array | None = None,
 ) -> Layer:
+    """Link the nodes of a layer; lengths and areas are those halfway from `without_steps`, if given, not from `inner`.
+
+    A quad over a step of the inner surface stands the steeper the finer the grid. Its large area would make the layer
+    thin there, and block it.
+    """
     middle = 0.5 * (inner + outer)
+    middle_wrapped = middle if without_steps is None else 0.5 * (without_steps + outer)
     if is_periodic:
-        inner, outer, middle_wrapped = (np.concatenate((a, a[:, :1]), axis=1) for a in (inner, outer, middle))
-    else:
-        middle_wrapped = middle
+        inner, outer, middle_wrapped = (np.concatenate((a, a[:, :1]), axis=1) for a in (inner, outer, middle_wrapped))
     small_volume = hexahedron_volumes(inner, outer)
     small_area = np.linalg.norm(vector_areas(middle_wrapped), axis=2)
     volume, area = _sum_of_four(small_volume), _sum_of_four(small_area)
@@ -208,6 +218,7 @@ def build_skin_grid(
     outside = _points(outer.section, outer_z, outer_scale, palmar_scale, side[0], height[0], is_dorsal)
     inside = _points(body.section, inner_z, inner_scale, inner_scale, side[1], height[1], is_dorsal)
     inside[..., 1] = np.maximum(inside[..., 1], -flat)
+    without_platform = scale * inside
     if design.bone.platform_mm:
         dims = design.dimensions
         half, deep = (
@@ -218,7 +229,9 @@ def build_skin_grid(
         raised = (inside[..., 1] <= -flat) & (np.abs(inside[..., 0]) <= half - inset)
         inside[..., 1] = np.where(raised, inset - deep, inside[..., 1])
     inside, outside = scale * inside, shrinkage * outside
-    layer = link_layer(inside, outside, has_pole=True, is_periodic=True, is_closed=is_closed)
+    layer = link_layer(
+        inside, outside, has_pole=True, is_periodic=True, is_closed=is_closed, without_steps=without_platform
+    )
     surfaces = [vector_areas(np.concatenate((surface, surface[:, :1]), axis=1)) for surface in (inside, outside)]
     insert = np.stack([_sum_at_nodes(surfaces[0][..., k]) for k in range(3)], axis=1)
     face = np.concatenate((inside[:1], outside[:1]))

@@ -105,7 +105,7 @@ def _circle(radius: float, tolerance: float) -> list[Point2]:
 
 
 def _cone(c: Cone, tolerance: float) -> tuple[Array, Triangles]:
-    unit = _circle(1.0, tolerance / max(c.low_radius, c.high_radius))
+    unit = _circle(1.0, tolerance / max(c.low_radius, c.high_radius, c.around_radius))
     u0, v0 = c.centre
     ends = ((c.low, c.low_radius), (c.high, c.high_radius))
     return _connect_rings([[axis_point(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])

@@ -59,7 +59,8 @@ def sensor_recess(design: Design) -> Solid:
 def _head_pocket(design: Design, outside: float) -> Solid:
     dims = design.dimensions
     radius = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    return cylinder("y", (dims.sensor_z, 0.0), outside, dims.pocket_depth - dims.platform_depth, radius)
+    floor = dims.pocket_depth - dims.platform_depth
+    return cylinder("y", (dims.sensor_z, 0.0), outside, floor, radius, dims.platform_radius)
 
 
 def trough(design: Design, fold: TailFold) -> Solid:

@@ -27,6 +27,7 @@ from fingertip.cad.verification.strength import BoneStrength, Weakness
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
 from fingertip.design.geometry.features import SLIDING_MM, TailFold
+from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import union
 from fingertip.design.interfaces import interface_of
 
@@ -148,7 +149,9 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     """Check clearance and flat seat of the sensor: one that bends over an unsupported area reads a false force."""
     dims = design.dimensions
     solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
-    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm) - evaluator.tolerance_mm
+    # The depth of the slot is measured along y, so the gap under a film on the ramp is thinner.
+    oblique = math.hypot(1.0, RAMP_SLOPE) if design.bone.platform_mm else 1.0
+    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique) - evaluator.tolerance_mm
     in_pocket = body.trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y) if dims.fold else body
     if clearance > 0.0:
         yield check_min_distance("sensor.pocket_clearance", in_pocket, solid, clearance)

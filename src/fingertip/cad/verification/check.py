@@ -23,7 +23,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("plate_*.bed_excess", ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")),
     ("plate_*", _BUG),
     ("mold*.overhang", ("mold.bolt_diameter_mm", "mold.chaplet_screw", "mold.engraving_height_mm")),
-    ("*.overhang", ("bone.groove_depth_mm", "bone.interface", "mold.chaplet_diameter_mm")),
+    ("*.overhang", ("bone.groove_depth_mm", "bone.platform_mm", "bone.interface", "mold.chaplet_diameter_mm")),
     ("skin.min_thickness", ("skin.thickness_side_mm", "bone.palmar_fullness", "skin.min_thickness_mm")),
     (
         "skin.*retained*",

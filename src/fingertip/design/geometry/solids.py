@@ -49,11 +49,15 @@ class Cone:
     high: float
     low_radius: float
     high_radius: float
+    around_radius: float = 0.0
+    """Radius of a circle around it whose division a mesh takes over, so that a wall between both is even; 0: none."""
 
 
-def cylinder(axis: Axis, centre: tuple[float, float], low: float, high: float, radius: float) -> Cone:
-    """Create a cylinder about an axis-parallel line [mm]; `centre` as in `Cone`."""
-    return Cone(axis, centre, low, high, radius, radius)
+def cylinder(
+    axis: Axis, centre: tuple[float, float], low: float, high: float, radius: float, around_radius: float = 0.0
+) -> Cone:
+    """Create a cylinder about an axis-parallel line [mm]; `centre` and `around_radius` as in `Cone`."""
+    return Cone(axis, centre, low, high, radius, radius, around_radius)
 
 
 @dataclass(frozen=True)

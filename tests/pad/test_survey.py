@@ -85,6 +85,7 @@ def test_command_page_and_picture_show_the_survey(tmp_path):
     both = run_fingertip("picture", "article", "--pad", "--filling")
     assert both.returncode == 2
     assert "--filling" in both.stderr
+    assert "add that" in run_fingertip("pad", "article", "--friction", "0.3").stderr
 
 
 @pytest.mark.full

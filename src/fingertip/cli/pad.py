@@ -23,8 +23,11 @@ if TYPE_CHECKING:
 
 _WORST = ("strain", "bond_shear_mpa", "bond_tension_mpa")
 """Figures of which the largest over all tilts is stated."""
-_SMALL_STRAIN = 0.1
-"""Strain up to which the finite elements of small strains are not commented on."""
+_SMALL_STRAIN, _FAR_STRAIN = 0.1, 0.3
+"""Strain of the elements, and indentation over thickness, up to which small strains are not commented on."""
+_FRICTION = 0.5
+"""Friction of silicone on a dry plate. An assumption."""
+_REFUSED = "-: the plate reaches the rigid collar, or the strain is too large for this computation"
 _COARSE_MM, _STRAINED_DEG = 1.2, (0.0, 10.0)
 """Edges of the mesh [mm] and tilts of large strains."""
 _REFINED = 0.7
@@ -42,7 +45,9 @@ def pad(
     large_strain: Annotated[
         bool, typer.Option("--large-strain", help="Compare them with large strains and friction, some 2 minutes.")
     ] = False,
-    friction: Annotated[float, typer.Option(help="Friction on the plate, for --large-strain.", min=0, max=2)] = 0.5,
+    friction: Annotated[
+        float | None, typer.Option(help="Friction on the plate, for --large-strain.", min=0, max=2)
+    ] = None,
     changes: SetOption = None,
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
@@ -55,6 +60,8 @@ def pad(
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import FORCE_N, survey_pad
 
+    if friction is not None and not large_strain:
+        raise typer.BadParameter("acts only with --large-strain; add that.", param_hint="'--friction'")
     if fem or refine or large_strain:
         extras.require("--fem", "scipy")
     loaded = load_design(design, changes, console)
@@ -75,14 +82,16 @@ def pad(
         data[f"{name}_worst"] = {part: round(value, 4) for part, value in worst.items()}
     if fem or refine:
         stretch = loaded.silicone.material.elongation_percent.low
+        lines += [_REFUSED] if len(pressed) < len(found) else []
         lines += [
-            "finite elements: -: the plate reaches the rigid collar, or the strain is too large",
             f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %), "
-            f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension",
+            f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension,",
+            "on this mesh: at edges of the bone finer ones find more, so compare forms by them and no more",
         ]
         if worst["strain"] > _SMALL_STRAIN and not large_strain:
             lines.append("such strains are not small: --large-strain states what they change")
     if large_strain:
+        friction = _FRICTION if friction is None else friction
         data["large_strain"] = rows = _strain_far(console, form, friction)
         titles = "share and depth [mm]", "small strain", "large strain", f"with friction of {friction:g}"
         lines += [
@@ -93,6 +102,7 @@ def pad(
             _row(title, [f"{r[name][0]:.3f}  {r[name][1]:.3f}" if r[name] else "-" for r in rows], 17)
             for title, name in zip(titles[1:], ("small", "large", "friction"), strict=True)
         ]
+        lines += [] if all(row[name] for row in rows for name in ("small", "large", "friction")) else [_REFUSED]
     console.result(data, "\n".join(lines))
 
 
@@ -161,7 +171,9 @@ def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:
         _row(f"share of {FORCE_N:g} N", [f"{share:.2f}" for share in survey.shares]),
         _row("force at turn-on [N]", turn_on),
         f"share at a roll of {ROLL_DEG:g} deg and a tilt of {ROLLED_TILT_DEG:g}: {survey.rolled_share:.2f}",
-        f"evenness, least over largest share at 0 to 10 deg: {survey.evenness:.2f}",
-        f"stiffness at {FORCE_N:g} N: {survey.stiffness_n_per_mm:.1f} N/mm; indentation at {FIRM_N:g} N: "
-        f"{survey.strain:.0%} of the thickness",
+        f"evenness, least over largest share at the tilts of 0 to 10 deg above: {survey.evenness:.2f}",
+        f"at a tilt of {ROLLED_TILT_DEG:g} deg: slope of the force over the depth {survey.stiffness_n_per_mm:.1f} N/mm "
+        f"at {FORCE_N:g} N, depth {survey.strain:.0%} of the silicone there at {FIRM_N:g} N",
+        f"turn-on: {form.turn_on_n:g} N on the active area of a typical sensor; others differ by a factor of 2 to 8",
+        *(["such a strain is not small: --large-strain states what it changes"] if survey.strain > _FAR_STRAIN else []),
     ]

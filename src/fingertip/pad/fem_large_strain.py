@@ -97,7 +97,8 @@ class FarContact:
         for step in range(_MAX_STEPS):
             places = self.still + (self._join @ unknown).reshape(-1, 3) / self._area[:, None]
             tractions, slopes, slid = self.press(places)
-            matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
+            with np.errstate(invalid="ignore"):
+                matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
             residual = self._join.T @ tractions.ravel()
             residual[:-1] += held.ravel()
             residual[-1] -= load

@@ -109,7 +109,7 @@ def _draw_tilts(
     parts = [
         legend(_PLOT_LEFT, _TOP - 44, names),
         legend(_PLOT_LEFT, _TOP - 44 + _LINE, (
-            (_COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°"), ("var(--band)", "band", "a grasp"),
+            (_COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°"), ("var(--band)", "band", "checked"),
         )),
         frame.axes(), frame.span(*GRASP_DEG, "var(--band)"), *(frame.line(*curve) for curve in curves if curve[0]),
     ]  # fmt: skip

@@ -31,7 +31,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
     ("skin.min_thickness_misaligned", ("mold.fit_clearance_mm", "mold.chaplet_from_tip_mm", "skin.min_thickness_mm")),
     ("pad.strain", ("silicone.product", "skin.thickness_palmar_mm")),
-    ("pad.*", ("skin.crown_radius_mm", "skin.crown_offset_mm", "skin.crown_drop_mm", "skin.thickness_palmar_mm")),
+    ("pad.*", ("skin.crown_radius_mm", "skin.crown_offset_mm", "sensor.insert", "silicone.product")),
     ("skin.fitting_stretch", ("mold.max_stretch_percent", "bone.groove_depth_mm", "mold.sleeve_interference_mm")),
     ("bone.wall.channel*", ("bone.channel_diameter_mm", "bone.wall_mm")),
     ("bone.wall.sensor*", ("bone.rim_mm", "bone.wall_mm", "skin.width_mm")),

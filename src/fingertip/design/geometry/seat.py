@@ -283,12 +283,12 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     return tuple(points)
 
 
-def list_insert_points(dims: Dimensions) -> tuple[SkinPoint, ...]:
-    """List points on the edge of an insert, from which the skin over it is thinnest; none without one."""
+def list_insert_points(dims: Dimensions, lower_mm: float = 0.0) -> tuple[SkinPoint, ...]:
+    """List points on the edge of an insert, which may be lower, where the skin over it is thinnest; none without."""
     if dims.insert is None:
         return ()
     r, palm, points = dims.insert.radius, dims.outer.palmar_height_at, []
-    depth = dims.platform_depth + dims.insert.height
+    depth = dims.platform_depth + dims.insert.height - lower_mm
     for x, along in ((0.0, r), (r, 0.0), (0.0, -r)):
         z = dims.sensor_z + along
         by_x, by_z = ((palm(x + _STEP_MM, z) - palm(x, z)) / _STEP_MM, (palm(x, z + _STEP_MM) - palm(x, z)) / _STEP_MM)

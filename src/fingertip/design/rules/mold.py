@@ -251,17 +251,21 @@ def bone_is_held(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.at_most("sensor.insert_height_mm", bone_is_held)
-def skin_covers_insert(design: DesignTables) -> Limit | None:
+@RULES.rule("sensor.insert_height_mm", bone_is_held)
+def skin_covers_insert(design: DesignTables) -> Violation | None:
     """The skin keeps its minimum thickness over the edge of an insert, on a bone that lies off too."""
-    dims = design.dimensions
-    if dims.insert is None:
+    dims, height, minimum = design.dimensions, design.sensor.insert_height_mm, design.skin.min_thickness_mm
+
+    def holds(value: float) -> bool:
+        losses = find_losses(design, dims, points=list_insert_points(dims, height - value))
+        return min(loss.point.thickness_mm - loss.loss_mm for loss in losses) >= minimum - SLACK
+
+    if dims.insert is None or holds(height):
         return None
-    losses = find_losses(design, dims, points=list_insert_points(dims))
-    lacking = design.skin.min_thickness_mm - min(loss.point.thickness_mm - loss.loss_mm for loss in losses)
-    where = f"leaves less than skin.min_thickness_mm={design.skin.min_thickness_mm:g} of silicone over its edge"
-    # The surface over the edge is inclined: a lower insert gains less than it is lower.
-    return Limit(design.sensor.insert_height_mm - (1.2 if lacking > 0.0 else 0.5) * lacking, where)
+    return Violation(
+        f"{height:g} mm leaves less than skin.min_thickness_mm={minimum:g} of silicone over its edge",
+        at_most(bisect(holds, 0.0, height, halvings=2 * _HALVINGS)[0]) if holds(0.0) else (),
+    )
 
 
 def _leaves_enough(design: DesignTables, loss: Loss) -> bool:

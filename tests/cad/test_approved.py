@@ -19,7 +19,7 @@ from fingertip.cad.shapes.engraving import engraved_lines, omitted_lines
 from fingertip.cad.shapes.insert import cavity
 from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import hardware, parts_by_name
-from fingertip.cad.verification.check import list_causes
+from fingertip.cad.verification.check import list_causes, list_warnings
 from fingertip.casting.hardware import size_wires
 from fingertip.casting.quantities import measure_volumes, pose_tolerance_deg, skin_pull_off_n
 from fingertip.catalogues import amplifiers, print_materials, sensors, silicones
@@ -161,12 +161,16 @@ def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Calla
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", sorted(CHANGES.keys() - {"free"}))
 def test_values_of_checks_are_the_approved_ones(name: str) -> None:
-    """Each check names the parameters to change, or none where its failure would be a fault of the program."""
+    """Each check names the parameters to change, or none where its failure would be a fault of the program.
+
+    A warning fits on two lines of a terminal.
+    """
     lines = []
     for check in run_all_checks(load(name)).values():
         state = "" if check.passed else f" fails: {check.to_dict()['change']}"
         lines.append(f"{check.name}: {render(check.value)} {check.sign} {render(check.limit)} {check.unit}{state}")
         assert isinstance(list_causes(check.name), tuple)
+        assert all(len(text) <= 160 for text in list_warnings([check])), check.warning
     check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3)
 
 

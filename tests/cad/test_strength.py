@@ -120,8 +120,8 @@ def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     shock = checks["bone.safety_factor.shock"]
     assert shock.passed
     assert shock.state == "warning"
-    assert shock.to_dict()["warning"] == shock.warning
-    assert "It holds 35 N" in shock.warning, "35.x N, which it must not exceed"
+    assert shock.to_dict()["warning"] == f"{shock.warning} {shock.advice}"
+    assert "break at 35 N" in shock.warning, "35.x N, which it must not exceed"
     assert checks["bone.safety_factor.grip"].state == "passed"
     assert checks_of(strength={"min_shock_factor": 0.8})["bone.safety_factor.shock"].state == "failed"
     held = checks_of(strength={"shock_force_n": 35.0})["bone.safety_factor.shock"]
@@ -196,8 +196,9 @@ def test_report_and_command_state_the_strength(tmp_path):
     assert report["grip_safety_factor"] == pytest.approx(found.grip_safety_factor, rel=0.02)
     assert report["weakest"]["load"] == found.weakest.load == strength_data(found)["weakest"]["load"] == "apex"
     assert found.shock_safety_factor == pytest.approx(found.grip_safety_factor / 3)
-    first, warning = describe_strength(found)
+    (first,) = describe_strength(found)
     assert "safety factor 1.7" in first
+    _, warning = describe_strength(strength_of(strength={"shock_force_n": 30.0}))
     assert warning.startswith("warning: 2 and 1.2 are wanted")
     assert len(describe_strength(strength_of(strength={"grip_force_n": 5.0, "shock_force_n": 10.0}))) == 1
     skin = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "skin", "--out", tmp_path / "s", "-q")

@@ -107,7 +107,9 @@ def _check_designs(
     found: list[dict[str, Any]] = []
     for label, checks in checks_by_design.items():
         passed, dicts = all(c.passed for c in checks), [c.to_dict() for c in checks]
-        found.append({"design": label, "passed": passed, "warnings": list_warnings(checks), "checks": dicts})
+        found.append(
+            {"design": label, "passed": passed, "warnings": list_warnings(checks, with_advice=True), "checks": dicts}
+        )
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
     return data, [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
 

@@ -122,7 +122,7 @@ def sheet(
             prints[name] = slice_plate(program, name, files.contents[plate], loaded)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     strength = check_strength(loaded, assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM)))
-    data = casting_sheet_data(loaded, volumes, silicone, prints, list_warnings(strength))
+    data = casting_sheet_data(loaded, volumes, silicone, prints, list_warnings(strength, with_advice=True))
     drawn: dict[str, bytes] = {}
     if pictures:
         from fingertip.pictures.steps.pictures import draw_steps

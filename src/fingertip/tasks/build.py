@@ -145,7 +145,7 @@ def build(
         all_built = names == [*known]
         casting = None
         if all_built:
-            warnings = list_warnings(check_strength(design, strength)) if strength else ()
+            warnings = list_warnings(check_strength(design, strength), with_advice=True) if strength else ()
             volumes = measure_volumes(design, evaluator)
             casting = casting_sheet_data(design, volumes, design.silicone.material, warnings=warnings)
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}

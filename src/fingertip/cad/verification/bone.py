@@ -183,18 +183,18 @@ def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
     checks = [
         Check(
             "bone.safety_factor.grip", strength.grip_safety_factor, limits.min_grip_factor, "", "at least",
-            _warn_of_load(strength, strength.weakest, "grip", limits.grip_force_n, strength.grip_safety_factor),
+            *_warn_of_load(strength, strength.weakest, "grip", limits.grip_force_n, strength.grip_safety_factor),
         ),
         Check(
             "bone.safety_factor.shock", strength.shock_safety_factor, limits.min_shock_factor, "", "at least",
-            _warn_of_load(strength, strength.at_shock, "shock", limits.shock_force_n, strength.shock_safety_factor),
+            *_warn_of_load(strength, strength.at_shock, "shock", limits.shock_force_n, strength.shock_safety_factor),
         ),
     ]  # fmt: skip
     if strength.material.process != "fdm" or limits.print_direction != "upright":
         # The design sets no limit for a material that it is not made for: the check can only warn.
         factor = filament_grip_factor(design, strength)
-        warning = _warn_of_filament(design, strength, factor)
-        checks.append(Check(FILAMENT_CHECK, factor, 0.0, "", "at least", warning))
+        warnings = _warn_of_filament(design, strength, factor)
+        checks.append(Check(FILAMENT_CHECK, factor, 0.0, "", "at least", *warnings))
     return tuple(checks)
 
 
@@ -214,23 +214,24 @@ def _grip_factor(design: Design, strength: BoneStrength, material: PrintMaterial
     return material.across_mpa / strength.weakest.stress_per_n / design.strength.grip_force_n
 
 
-def _warn_of_load(strength: BoneStrength, place: Weakness, load: str, force_n: float, factor: float) -> str:
-    """Warn of a load at which the bone is expected to break; nothing to say from a factor of 1 on."""
+def _warn_of_load(strength: BoneStrength, place: Weakness, load: str, force_n: float, factor: float) -> tuple[str, str]:
+    """Warn of a load at which the bone is expected to break, and advise; nothing to say from a factor of 1 on."""
     if factor >= _BREAKS_BELOW:
-        return ""
+        return "", ""
     held = _round_down(force_n * factor)
     return (
-        f"the bone is expected to break at strength.{load}_force_n = {force_n:g} N: its safety factor is {factor:.2f} "
-        f"in {strength.material.label} (strength.print_material), at the {place.place} at z = {place.z_mm:.1f} mm "
-        f"under a load at the {place.load}. It holds {held:g} N: keep harder loads off, and set "
-        f"strength.{load}_force_n={held:g} if there are none; strength.min_{load}_factor=1 makes the check fail."
+        f"the bone is expected to break at {held:g} N, below strength.{load}_force_n = {force_n:g} N, at the "
+        f"{place.place} at z = {place.z_mm:.1f} mm.",
+        f"In {strength.material.label} (strength.print_material) its safety factor is {factor:.2f} under a load at the "
+        f"{place.load}. Keep harder loads off, and set strength.{load}_force_n={held:g} if there are none; "
+        f"strength.min_{load}_factor=1 makes the check fail.",
     )
 
 
-def _warn_of_filament(design: Design, strength: BoneStrength, factor: float) -> str:
-    """Warn of a bone that breaks at the grip if it is printed from filament; nothing to say otherwise."""
+def _warn_of_filament(design: Design, strength: BoneStrength, factor: float) -> tuple[str, str]:
+    """Warn of a bone that breaks at the grip if it is printed from filament, and advise; nothing to say otherwise."""
     if factor >= _BREAKS_BELOW:
-        return ""
+        return "", ""
     force = design.strength.grip_force_n
     strong = [
         material.name
@@ -239,10 +240,10 @@ def _warn_of_filament(design: Design, strength: BoneStrength, factor: float) -> 
     ]
     remedy = f"print it from {' or '.join(strong)}" if strong else "no print material in the catalogue is strong enough"
     return (
-        f"plate_fdm gives a bone for trying the fit only: in {_find_filament().label}, upright as it stands there, its "
-        f"safety factor is {factor:.2f}, and it is expected to break at {_round_down(force * factor):g} N, below "
-        f"strength.grip_force_n = {force:g} N. For a finger that grips, {remedy}. The mold halves of the plate are "
-        "for use."
+        f"the bone of plate_fdm breaks at {_round_down(force * factor):g} N, so it is for trying the fit; for a grip, "
+        f"{remedy}.",
+        f"In {_find_filament().label}, upright as it stands there, its safety factor is {factor:.2f} at "
+        f"strength.grip_force_n = {force:g} N. The mold halves of the plate are for use.",
     )
 
 

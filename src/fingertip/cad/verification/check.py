@@ -115,7 +115,9 @@ class Check(Comparison):
     """Verified property of a built part."""
 
     warning: str = ""
-    """Sentences on what is expected to go wrong although the value satisfies the limit; empty if nothing is."""
+    """Sentence on what is expected to go wrong although the value satisfies the limit; empty if nothing is."""
+    advice: str = ""
+    """Sentences that add to the warning in reports. A terminal shows the warning alone."""
 
     @property
     def state(self) -> State:
@@ -134,7 +136,7 @@ class Check(Comparison):
             "relation": self.relation,
             "passed": self.passed,
             "state": self.state,
-            **({"warning": self.warning} if self.state == "warning" else {}),
+            **({"warning": f"{self.warning} {self.advice}".rstrip()} if self.state == "warning" else {}),
             **({} if self.state == "passed" else {"change": [*list_causes(self.name)]}),
         }
 
@@ -147,10 +149,11 @@ def count_checks(checks: Sequence[Check]) -> str:
     return text + (f", {warned} warning{'s' if warned > 1 else ''}" if warned else "")
 
 
-def list_warnings(checks: Sequence[Check]) -> list[str]:
-    """List the warnings, each with the name of its check and the parameters to change."""
+def list_warnings(checks: Sequence[Check], *, with_advice: bool = False) -> list[str]:
+    """List the warnings, each with the name of its check; with advice, also the parameters to change."""
     return [
-        f"{check.name}: {check.warning} It is set by {', '.join(list_causes(check.name))}."
+        f"{check.name}: {check.warning}"
+        + (f" {check.advice} It is set by {', '.join(list_causes(check.name))}." if with_advice else "")
         for check in checks
         if check.state == "warning"
     ]

@@ -21,29 +21,28 @@ def check_pad(design: Design) -> Iterator[Check]:
     survey = survey_pad(design)
     share, turn_on = survey.least_share(*GRASP_DEG), survey.worst_turn_on_n
     grasp, wide = (f"{low:g} to {high:g} degrees" for low, high in (GRASP_DEG, WIDE_DEG))
-    remedy = "a harder silicone or an insert carries more to the sensor (see docs/pad.md)"
+    remedy = "an insert or harder silicone helps"
     if design.skin.crown_radius_mm == 0.0:
-        remedy = "the pad is straight along the finger: begin with fsr400, whose crown touches over the sensor"
+        remedy = "begin with fsr400, whose pad has a crown"
     yield _warn(
         "pad.share", share, 0.0, "", share < WANTED_SHARE,
-        f"at tilts of {grasp} as little as {share:.0%} of {FORCE_N:g} N reaches the sensor, below {WANTED_SHARE:.0%}; "
-        f"{remedy}.",
+        f"{share:.0%} of {FORCE_N:g} N reaches the sensor at some tilt of {grasp}, below {WANTED_SHARE:.0%}; {remedy}.",
     )  # fmt: skip
     yield _warn(
         "pad.evenness", survey.evenness, 0.0, "", survey.evenness < WANTED_EVENNESS,
-        f"the share that reaches the sensor changes by {1 / max(survey.evenness, 0.001):.3g} times over tilts of "
-        f"{grasp}, more than {1 / WANTED_EVENNESS:.1f}: a turn of the finger looks like a change of grip; {remedy}.",
+        f"a turn of the finger by {grasp} changes the signal {1 / max(survey.evenness, 0.001):.3g} times, as a grip "
+        f"does; {remedy}.",
     )  # fmt: skip
     never = turn_on == math.inf
-    at = f"at no force up to {MAX_TURN_ON_N:g} N on the pad" if never else f"at {turn_on:.2g} N on the pad"
+    at = f"at no force up to {MAX_TURN_ON_N:g} N" if never else f"at {turn_on:.2g} N"
     yield _warn(
         "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
-        f"at some tilt of {wide} the sensor turns on {at}, above {WANTED_TURN_ON_N:g} N; {remedy}.",
+        f"at some tilt of {wide} the sensor turns on {at}, not below {WANTED_TURN_ON_N:g} N; {remedy}.",
     )  # fmt: skip
     yield _warn(
         "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,
-        f"{FIRM_N:g} N presses the pad by {survey.strain:.0%} of its thickness, above {WANTED_STRAIN:.0%}, where small "
-        "strain is a poor model; a harder or thicker silicone is pressed less, and pad --large-strain computes it.",
+        f"{FIRM_N:g} N presses the pad by {survey.strain:.0%} of its thickness, above {WANTED_STRAIN:.0%}, where these "
+        "figures err; use a harder or thicker silicone.",
     )  # fmt: skip
 
 

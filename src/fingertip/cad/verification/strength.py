@@ -236,7 +236,9 @@ def describe_strength(strength: BoneStrength) -> list[str]:
         f"{strength.shock_safety_factor:.2f} at the shock; weakest at the {weakest.place} at z = {weakest.z_mm:.1f} mm "
         f"under a load at the {weakest.load}"
     ]
-    if strength.grip_safety_factor < WANTED_AT_GRIP or strength.shock_safety_factor < WANTED_AT_SHOCK:
+    factors = strength.grip_safety_factor, strength.shock_safety_factor
+    # Below 1 the checks warn.
+    if min(factors) >= 1.0 and (factors[0] < WANTED_AT_GRIP or factors[1] < WANTED_AT_SHOCK):
         lines.append(
             f"warning: {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted; a larger "
             "interface, a shorter finger or a stronger material raises them"

@@ -146,7 +146,7 @@ class ChosenSilicone(ParameterTable):
     shore_a: float = quantity(40.0, "", (1, 95), "Hardness of the cured silicone, Shore A.")
     modulus_mpa: float = quantity(
         1.0, "MPa", (0.01, 50),
-        "Young's modulus at small strain; without one, the stress at 100 % strain (145 psi are 1 MPa).",
+        "Young's modulus at small strain; without one, 1.7 times the stress at 100 % strain (145 psi are 1 MPa).",
     )  # fmt: skip
     elongation_percent: float = quantity(300.0, "%", (10, 2000), "Elongation at break.")
     shrinkage_percent: float = quantity(0.2, "%", (0, 5), "Linear shrinkage; 0.001 in/in are 0.1 %.")

@@ -33,7 +33,7 @@ TIGHT = 1e-3
 LOOSE = {
     "skin_is_thick_enough": 0.002,  # leaves the slack of the section's measurement
     "travel_free": 0.03,  # whole degrees, found in steps of the travel
-    "bent_stop_long_enough": 0.02,  # whole degrees
+    "bent_stop_long_enough": 0.03,  # whole degrees
     "chaplet_stands_on_bone": 0.025,  # found in steps of the height
     "bone_is_held": 0.02,  # found by search, on the safe side
     "filter_resistors_in_range": 0.2,  # preferred values

@@ -30,6 +30,9 @@ LIMIT_S = 2.0
 EXPENSIVE = {
     "tests/design/test_rules.py::test_a_refusal_is_the_approved_one_and_its_remedies_pass": "searches remedies",
     "tests/cad/test_volumes.py::test_dented_skin_breaks_the_cavity_balance": "exact solids of all parts",
+    "tests/cli/test_coupon_and_calibrate.py::test_a_failed_check_is_named_and_no_design_is_written": (
+        "checks a whole design"
+    ),
     "tests/cad/test_files.py::test_files_of_both_processes_are_returned": "imports cadquery in two processes",
     "tests/sweep/test_report_files.py::test_reports_are_the_approved_ones": "lays out all plots of a sweep",
     "tests/sweep/test_failures.py::test_point_whose_worker_dies_once_is_computed_at_the_second_attempt": (

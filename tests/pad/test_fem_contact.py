@@ -210,6 +210,7 @@ def test_large_round_object_presses_as_a_plate(shape: Any) -> None:
     assert round_.depth_mm == pytest.approx(plate.depth_mm, rel=1e-3)
 
 
+@pytest.mark.full
 def test_object_over_the_sensor_is_felt_and_one_beside_it_less() -> None:
     shares = [coarse(Pose(object="edge", place_mm=place)).share for place in (0.0, 4.0, -8.0)]
     assert shares == sorted(shares, reverse=True)

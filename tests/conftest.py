@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -41,6 +42,8 @@ Case = TypeVar("Case")
 def pytest_configure(config: pytest.Config) -> None:
     """Select the tests that run, and measure them."""
     config.pluginmanager.register(first_set)
+    # A process in the background of a shell ignores Ctrl-C, and so would the commands that tests interrupt.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def some_of(cases: Iterable[Case], *kept: Case) -> list[Case]:

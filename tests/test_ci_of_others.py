@@ -85,6 +85,7 @@ def test_action_checks_designs_and_boards(repository: Path) -> None:
     assert codes == [0, 0, 1], "a board of another design"
 
 
+@pytest.mark.full
 def test_action_fails_where_a_design_is_refused_and_is_documented(repository: Path) -> None:
     (repository / "a.toml").write_text("[skin]\nwidth_mm = 3\n")
     assert run_action(repository, designs="a.toml") == [0, 2]

@@ -65,6 +65,7 @@ def as_pinned(names: Iterable[str]) -> None:
         pytest.skip(f"the list is about the pinned versions, and {wrong[0]} {installed.get(wrong[0])} is installed")
 
 
+@pytest.mark.full
 def test_licence_of_every_dependency_is_listed() -> None:
     as_pinned(needs.collect(users_packages(read_project())))
     found = licences.list_licences()

@@ -35,14 +35,14 @@ def work(seconds):
 
 def test_of_a_shared_fixture(shared): pass
 
-def test_slow(): work(0.1)
+def test_slow(): work(0.5)
 """
 
 
 @pytest.mark.parametrize(
     ("full", "word", "expected"),
     [
-        ("", "not slow and not shared", (27, 0)),
+        ("", "not slow and not shared", (24, 0)),
         ("1", "not slow and not shared", (41, 0)),
         ("", "slow or shared", (1, 1)),
     ],

@@ -368,6 +368,7 @@ def plans(world: World) -> Iterator[tuple[str, Any]]:
         yield f"plan {data[:20]!r}", data
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["check", "firmware"])
 def test_hostile_plans(world: World, name: str) -> None:
     """A plan that names anything but files of its folder is refused, and nothing of it is done."""
@@ -430,6 +431,7 @@ def files_below(folder: Path) -> dict[Path, tuple[int, int]]:
     return {path: (os.lstat(path).st_ino, os.lstat(path).st_size) for path in folder.rglob("*")}
 
 
+@pytest.mark.full
 def test_hostile_manifests(world: World) -> None:
     """A manifest that names a file elsewhere is none, even where the hash of that file is right."""
     target = world.victim / "t"
@@ -728,6 +730,7 @@ DATABASES: dict[str, Callable[[Path, Path], object]] = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("words", [("--show",), ("../sweep.toml", "--resume"), ("../sweep.toml",)])
 def test_databases_of_sweeps(world: World, words: tuple[str, ...]) -> None:
     (world.path.parent / "sweep.toml").write_text(SWEEP)

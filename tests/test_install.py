@@ -179,6 +179,7 @@ def write_wheel(path: Path, name: str, text: str = "") -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+@pytest.mark.full
 def test_install_refuses_a_wheel_of_other_bytes(checkout: Path) -> None:
     """pip itself, without a network: it takes the first of two wheels and refuses the second."""
     pytest.importorskip("pip")

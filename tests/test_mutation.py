@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 
+import pytest
+
 from tests.conftest import ROOT, run_python
 from tools.mutation.mutants import Mutant, Reach, read_equivalent
 from tools.mutation.run import plan_job
@@ -38,6 +40,7 @@ def test_a_job_holds_the_tests_that_enter_the_innermost_block() -> None:
     assert len(plan_job(outside, reach, (), Counter(), 9.0).tests) == 3
 
 
+@pytest.mark.full
 def test_a_fork_runs_the_new_code_of_a_function() -> None:
     """In a process of its own: the function stays changed."""
     code = """

@@ -153,6 +153,7 @@ def test_writer_killed_at_any_change_leaves_the_old_set_or_the_new_one(tmp_path:
     assert steps > 12
 
 
+@pytest.mark.full
 def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     fabrication = SetWriter(folder / "fab", "gerbers", "finger", "old", force=True)
@@ -249,6 +250,7 @@ def test_current_folder_and_a_link_are_not_swapped_away(tmp_path: Path, monkeypa
     recover(Path("/"))  # before each write below it; its own name is empty
 
 
+@pytest.mark.full
 def test_writers_at_the_same_time_wait_for_each_other(tmp_path: Path) -> None:
     folder = tmp_path / "area" / "board"
     prepare(folder)

@@ -100,6 +100,7 @@ def test_page_quotes_what_detect_prints(detection: Detection) -> None:
     assert re.sub(r"[\d.]+", "NUMBER", " ".join(printed.split())).startswith(form)
 
 
+@pytest.mark.full
 def test_command_writes_the_page_that_make_writes(tmp_path: Path) -> None:
     done = run_fingertip("acceptance", "fsr400", "--json", "--quiet", PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr

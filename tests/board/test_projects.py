@@ -98,6 +98,7 @@ def test_project_states_revision_title_rules_and_models(name: str) -> None:
     assert project.clearance_mm <= project.placement.narrowest_mm
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", [*BOARD_CONFIGURATIONS, "models"])
 def test_archive_is_packed_again_to_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     stored = read_archive(name)

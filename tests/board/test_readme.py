@@ -58,6 +58,7 @@ def test_readme_and_wiring_are_the_approved_ones(name: str) -> None:
 SHEETS = ["article_single", *(pytest.param(name, marks=pytest.mark.full) for name in SLOW_SHEETS)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", SHEETS)
 def test_bring_up_sheet_and_readings_are_the_approved_ones(name: str) -> None:
     design = load_article(BOARD_CONFIGURATIONS[name].changes)
@@ -152,6 +153,7 @@ def single_plan(predict_once: None) -> BringUp:
     return plan
 
 
+@pytest.mark.full
 def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(single_plan: BringUp) -> None:
     """Readings [mV] of every fifth fault."""
     board, lines = single_plan.board, list[str]()
@@ -215,6 +217,7 @@ def test_what_is_said_of_wrong_readings_is_the_approved_text(single_plan: BringU
     check_text(APPROVED / f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["comparator_split", "comparator_single_3v3", "precision_single"])
 def test_limits_of_the_readings_are_the_approved_ones(name: str) -> None:
     """Lowest, expected and highest reading, in the unit that its name ends in."""

@@ -89,6 +89,7 @@ def test_mesh_too_coarse_for_its_stated_tolerance_fails() -> None:
     assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 1), 0.001) == {"volume_difference_to_mesh"}
 
 
+@pytest.mark.full
 def test_brep_solid_with_an_extra_hole_fails(evaluator: MeshEvaluator) -> None:
     """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
     from fingertip.cad.kernel import brep
@@ -115,6 +116,7 @@ def test_failed_check_is_reported_and_files_are_written(tmp_path, monkeypatch: p
     assert (tmp_path / "skin.stl").exists()
 
 
+@pytest.mark.full
 def test_kernels_agree_on_volume_and_place_of_every_primitive(design: Design) -> None:
     """The kernels share no geometry code, so an error in either one shows as a difference."""
     from fingertip.cad.kernel import brep

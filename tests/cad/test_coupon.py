@@ -92,6 +92,7 @@ def test_pieces_are_closed_single_bodies_and_nothing_overhangs(name: str) -> Non
         assert corners[down][:, :, 2].max() < 1e-6
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("turns", [-1, 0, 1])
 def test_both_kernels_turn_by_the_right_hand_rule(turns: int) -> None:
     """A box from the origin to (1, 2, 3), turned by hand: y becomes z, and z becomes -y."""

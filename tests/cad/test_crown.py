@@ -181,6 +181,7 @@ LENGTHS = {
 }  # fmt: skip
 
 
+@pytest.mark.full
 @settings(max_examples=60, deadline=None)
 @given(
     st.fixed_dictionaries({}, optional={name: st.floats(*bounds) for name, bounds in LENGTHS.items()}),

@@ -323,6 +323,7 @@ def test_misaligned_skin_thickness_agrees_with_the_design_rule(changes: list[str
     assert checks["skin.retained_elsewhere"].value == pytest.approx(100 * worst(losses, False).retained)
 
 
+@pytest.mark.full
 def test_a_thick_adhesive_under_the_film_on_the_ramp_passes() -> None:
     """Measured at right angles to the ramp, its gap is less than the thickness by which the slot is deeper."""
     check = run_checks(
@@ -360,6 +361,7 @@ def test_parts_larger_than_the_build_volume_fail(monkeypatch: pytest.MonkeyPatch
     assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 
+@pytest.mark.full
 def test_sleeve_that_must_stretch_too_far_fails() -> None:
     stretch = run_checks(*SLEEVE)["skin.fitting_stretch"].value
     assert 5 < stretch < 50

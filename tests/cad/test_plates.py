@@ -94,6 +94,7 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
             assert gap >= kind.gap_mm - 1e-6
 
 
+@pytest.mark.full
 def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
     """Halves lie on their outer faces, the bone stands upright, and all have the scale of the printer."""
     design, _, _, prints = make()

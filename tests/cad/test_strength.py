@@ -187,6 +187,7 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     assert thick.weakest.z_mm > -22.0  # the base breaks first
 
 
+@pytest.mark.full
 def test_report_and_command_state_the_strength(tmp_path):
     done = run_fingertip("build", "fsr400", "--formats", "stl", "--parts", "bone", "--out", tmp_path / "b", "-q")
     assert done.returncode == 0, done.stderr

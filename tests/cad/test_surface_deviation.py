@@ -32,6 +32,7 @@ def distance_to_surface(body: ConicBody, points: Array, steps: int = 12) -> Arra
     return best
 
 
+@pytest.mark.full
 def test_points_offset_from_the_surface_have_that_distance(design: Design) -> None:
     """Offsets along the normal, in and out. Points near the rim and the planes of symmetry are left out.
 
@@ -70,6 +71,7 @@ def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
     np.testing.assert_allclose(near, distance_to_surface(body, centres, steps=3), rtol=0, atol=1e-12)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("changes", [[], ["mold.method=sleeve"], ["skin.width_mm=18"]], ids=str)
 def test_thickness_equals_the_distance_between_points_of_both_surfaces(changes: list[str]) -> None:
     """Points on facets no longer than h are at most h^2 / (4 d) farther apart than the surfaces, d apart."""

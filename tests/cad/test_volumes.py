@@ -134,6 +134,7 @@ def test_volume_balances_hold_on_brep_solids_that_do_not_overlap(volume: BrepVol
         assert abs(volume(intersection(volume.part[one], volume.part[other]))) < 1e-3
 
 
+@pytest.mark.full
 def test_dented_skin_breaks_the_cavity_balance(volume: BrepVolumes) -> None:
     dent = cylinder("y", (8.0, 0.0), 6.3, 20.0, 0.4)
     assert failed_balances(volume, skin=difference(volume.part["skin"], dent)) == {"step.volume_balance.cavity"}

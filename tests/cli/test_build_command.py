@@ -74,6 +74,7 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.full
 def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     """Files of another design are removed with the new ones in place. Files of the user are kept."""
     quick = ("--tolerance-mm", "0.05")

@@ -32,6 +32,7 @@ def test_valid_designs_exit_0(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["check.xml"], "nothing is exported"
 
 
+@pytest.mark.full
 def test_a_bone_that_breaks_at_the_shock_warns_in_every_report_and_exits_0(tmp_path: Path) -> None:
     """The default finger has a safety factor of 0.59 there, and 0.61 at the grip if it is printed from PETG."""
     report = tmp_path / "check.xml"
@@ -76,6 +77,7 @@ def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeyp
     assert {c["name"] for c in output["designs"][0]["checks"] if not c["passed"]} == failed
 
 
+@pytest.mark.full
 def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) -> None:
     for name in ("a.toml", "b.toml"):
         (tmp_path / name).write_text("")
@@ -83,6 +85,7 @@ def test_designs_of_the_same_name_are_labelled_by_their_files(tmp_path: Path) ->
     assert [design["design"] for design in json.loads(done.stdout)["designs"]] == ["a.toml", "b.toml"]
 
 
+@pytest.mark.full
 def test_picture_shows_the_colour_of_every_part(tmp_path: Path) -> None:
     from PIL import Image
 

@@ -98,6 +98,7 @@ def test_a_refused_design_is_explained_with_a_remedy_that_passes(folder: Path) -
     assert (folder / "mine.toml").exists()
 
 
+@pytest.mark.full
 def test_a_failed_check_is_named_and_no_design_is_written(folder: Path) -> None:
     """A bone that needs a factor that no material gives fails its check, calibrated or not."""
     changes = ("--set", "strength.min_grip_factor=20")

@@ -101,6 +101,7 @@ def test_remedies_of_values_out_of_bounds_pass_after_a_few_rounds(seed: int) -> 
         assert not refuse(changes), changes
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "misspelt", "changes"),
     [
@@ -119,6 +120,7 @@ def test_a_misspelt_name_beside_broken_rules_is_an_issue_like_others(
     assert len(fields) > 1
 
 
+@pytest.mark.full
 def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None:
     with pytest.raises(DesignError) as caught:
         Design(mold={"filling": "gravity", "land_mm": 13.0})

@@ -77,11 +77,13 @@ def faults(sheet: Sheet) -> list[str]:
 
 
 @pytest.mark.full
+@pytest.mark.full
 def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
     for part, sheet in drawn[1].items():
         assert not faults(sheet), part
 
 
+@pytest.mark.full
 def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn) -> None:
     design, sheets = drawn
     assert set(sheets) == {name for name, part in parts_by_name(design).items() if part.is_printed}

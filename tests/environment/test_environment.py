@@ -158,6 +158,7 @@ def test_a_user_without_rights_and_home(unprivileged: tuple[str, ...], tmp_path:
     assert list(readonly.iterdir()) == []
 
 
+@pytest.mark.full
 def test_a_folder_of_somebody_else_is_refused(unprivileged: tuple[str, ...], tmp_path: Path) -> None:
     theirs = tmp_path / "theirs"
     theirs.mkdir(0o755)

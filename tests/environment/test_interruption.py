@@ -145,6 +145,7 @@ def test_an_interrupted_build_leaves_no_temporary_folder(number: signal.Signals,
     assert find_step_processes(place) == []
 
 
+@pytest.mark.full
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a child process ends with its work, NOT TESTED HERE")
 def test_a_killed_build_leaves_no_process_and_the_next_one_removes_its_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -29,7 +29,6 @@ def failed(*changes: str, name: str = "fsr400") -> set[str]:
     return {check.name for check in check_filling(load(name, *changes)) if not check.passed}
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])
 def test_bundled_molds_fill_within_thirty_seconds_without_air(name: str, method: str) -> None:

@@ -155,6 +155,7 @@ def test_designs_far_from_the_articles_can_be_validated(cutoff_hz):
     assert all(0.0 <= s.share_above(200.0) <= 1.0 for s in compute_spectra(design))
 
 
+@pytest.mark.full
 def test_longer_window_is_later_and_has_fewer_contact_alarms():
     short, long = study_windows(ARTICLE, 4, 1.0, windows_s=(0.005, 0.1))
     assert short.threshold_v > long.threshold_v
@@ -212,6 +213,7 @@ def test_validate_refuses_bad_options_before_it_computes(tmp_path):
     assert not (tmp_path / "no").exists()
 
 
+@pytest.mark.full
 def test_larger_acceleration_shortens_the_delay_of_every_detector():
     slow, fast = (
         {
@@ -236,6 +238,7 @@ def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]
 
 
+@pytest.mark.full
 def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
     short, long = study_motor_discrimination(ARTICLE, 20, 6, segments_s=(0.02, 0.15))
     assert short.distinguished_share <= 0.5 < long.distinguished_share

@@ -190,6 +190,7 @@ def example(label: str, speed_m_s: float, rest_v: float) -> ExampleTrial:
     return ExampleTrial(label, speed_m_s, trace, 1.0)
 
 
+@pytest.mark.full
 def test_figures_are_the_approved_ones(validation: Validation, monkeypatch: pytest.MonkeyPatch) -> None:
     """Positions of all bars, lines and areas, their colours, and all words; drawn from the results above."""
     examples = [example("wood", 0.04, 4.3), example("object, smooth", 0.06, 4.0), example("object, paper", 0.08, 4.1)]

@@ -63,6 +63,7 @@ def test_thresholds_follow_the_step_of_another_converter(bits: int) -> None:
     assert ratio > 1.05
 
 
+@pytest.mark.full
 def test_onset_counts_from_the_start_of_the_slide() -> None:
     scene = SLIDE.model_copy(update={"outputs": ["voltage_v", "force_n", "slip"]})
     longer = scene.model_copy(update={"hold": scene.hold.model_copy(update={"wait_s": 2.0})})
@@ -83,6 +84,7 @@ def test_vibration_is_the_fast_part_of_the_force_in_slip() -> None:
     assert math.isnan(median_of_known([math.nan]))
 
 
+@pytest.mark.full
 def test_threshold_of_the_design_follows_a_change_of_noise() -> None:
     """With a constant threshold, twice the noise would keep digital ON all the time."""
     noisier = Variation("twice the noise", {"detector.noise_v": Factor(2.0)})
@@ -119,6 +121,7 @@ def test_slip_found_with_one_step_only_counts_as_beyond_a_sample() -> None:
     assert (empty.trials, empty.worst_s) == (0, 0.0)
 
 
+@pytest.mark.full
 def test_a_finer_step_changes_little() -> None:
     found = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 4)
     assert set(found.errors) == set(SIGNALS)
@@ -173,6 +176,7 @@ def test_the_finger_stays_and_the_board_is_the_article_s():
     assert changed.detector.adc_range_v == 10.0
 
 
+@pytest.mark.full
 def test_every_detector_is_compared_and_the_article_itself_is_not():
     rows = study_article_board(Design(), CampaignPlan(2, 0.5))
     assert [row.detector for row in rows] == ["analog", "digital", "fft", "fast"]

@@ -145,6 +145,7 @@ def test_force_and_bond_grow_with_the_modulus_at_the_same_depth() -> None:
     assert tight.depth_mm == pytest.approx(base.depth_mm, rel=0.04)
 
 
+@pytest.mark.full
 def test_stiffness_is_the_slope_of_the_force() -> None:
     less, more = solve(pad(), [Pose(5.0)], [2.0, 2.02], COARSE)
     slope = 0.02 / (more.depth_mm - less.depth_mm)
@@ -203,6 +204,7 @@ def test_poses_are_refused_before_the_stiffness_is_factorised(monkeypatch: pytes
         solve(pad(), [Pose(), Pose(object="edge", place_mm=15.0)], [1.0], MeshSize(0.5))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("shape", ["cylinder", "sphere"])
 def test_large_round_object_presses_as_a_plate(shape: Any) -> None:
     plate, round_ = coarse(Pose(3.0)), coarse(Pose(3.0, object=shape, radius_mm=1e5))

@@ -64,6 +64,7 @@ def test_a_soft_silicone_is_warned_of():
     assert any(check.name == "pad.strain" and check.warning for check in check_pad(soft))
 
 
+@pytest.mark.full
 def test_command_page_and_picture_show_the_survey(tmp_path):
     survey, answer = survey_pad(Design.load("article")), json.loads(run_fingertip("pad", "article", "--json").stdout)
     assert {"design": "article", **survey.to_dict()}.items() <= answer.items()

@@ -61,6 +61,7 @@ def describe_picture(drawn: AtlasPicture) -> str:
     return ", ".join(said)
 
 
+@pytest.mark.full
 def test_the_change_is_coloured_as_approved(design: Design, picture: AtlasPicture) -> None:
     """A part that becomes longer, and a hole that becomes wider."""
     hole = draw_parameter(design, "bone.cross_bolt_diameter_mm", ("bone",), "another design")

@@ -115,6 +115,7 @@ def test_error_stays_below_the_tolerance(tolerance):
     assert np.abs(simulate_board(BOARD, STEP_S, voltage, tolerance).envelope_v - exact).max() < tolerance
 
 
+@pytest.mark.full
 def test_error_falls_with_the_fourth_power_of_the_step():
     """The diode conducts nearly all the time, so that the stages of SDIRK4 determine the error."""
     t = np.arange(400) / 2000
@@ -189,6 +190,7 @@ def test_rails_limit_the_output_and_do_not_change_small_signals():
     assert np.abs(free.envelope_v - limited.envelope_v).max() < 1e-12
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_rails_agree_with_small_explicit_steps(variant):
     """Both amplifiers saturate; the comparison is the explicit Euler rule with small steps on separate equations."""
@@ -387,6 +389,7 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(supply, tmp_path):
     assert np.abs(out.envelope_v[700:] - at_samples).max() < 2e-3 * out.envelope_v.max()
 
 
+@pytest.mark.full
 def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
     tables = SceneFile(
         contact={"surface": "gross"},

@@ -47,6 +47,7 @@ def cvode_or_skip() -> contextlib.AbstractContextManager[CvodeLibrary]:
     return compile_cvode()
 
 
+@pytest.mark.full
 def test_peers_agree_with_fingertip_on_the_contact():
     problem = ContactProblem.over(1.0)
     system = contact._scipy_equations(problem.mount, problem.normal)
@@ -65,6 +66,7 @@ def test_peers_agree_with_fingertip_on_the_contact():
     assert np.abs(ours[: len(problem.time_s)]).max() > 0.2
 
 
+@pytest.mark.full
 def test_ngspice_agrees_on_both_sources():
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
     problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)

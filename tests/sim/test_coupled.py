@@ -42,6 +42,7 @@ def slide(
     )
 
 
+@pytest.mark.full
 def test_motion_agrees_with_scipy_radau():
     """scipy solves an independent copy of the equations and restarts at the kinks of the drive."""
     from scipy.integrate import solve_ivp
@@ -84,6 +85,7 @@ def test_elastic_bending_is_not_slip():
     assert not friction.sliding_speed_m_s(moved.velocity_m_s, moved.bristle_m).any()
 
 
+@pytest.mark.full
 def test_tolerance_is_an_error_in_newtons():
     reference = slide(tolerance=1e-11)
     pull = [STIFFNESS * np.abs(slide(tolerance=t).position_m - reference.position_m).max() for t in (1e-6, 1e-7, 1e-8)]

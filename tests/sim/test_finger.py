@@ -95,6 +95,7 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
         assert np.array_equal(other[:shared], points[0][:shared])
 
 
+@pytest.mark.full
 def test_stream_needs_no_more_memory_for_a_longer_scene():
     def peak_mb(seconds: float) -> float:
         scene = SceneFile(hold={"min_s": seconds}, outputs=["voltage_v", "force_n", "slip"])
@@ -130,6 +131,7 @@ def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tup
     return np.fft.rfftfreq(length, 1 / rate_hz), power
 
 
+@pytest.mark.full
 def test_pink_noise_has_the_same_power_in_every_decade():
     with compiled():
         noise = PinkNoise(Grid(), 1e-3, open_stream(3, "test"))

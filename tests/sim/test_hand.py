@@ -328,6 +328,7 @@ def test_an_object_that_no_hand_holds_is_refused_with_remedies_that_pass():
         tables |= {table: {name: float(remedy.split()[2])}} if table else {}
 
 
+@pytest.mark.full
 def test_command_writes_trace_and_plot(tmp_path):
     arguments = ["simulate", ROOT / "params/scenes/real_manipulation.toml", "--design", ROOT / "params/fsr402.toml"]
     more = ["--json", "-q", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=0.1", "--force-n", "3.0"]
@@ -353,6 +354,7 @@ def test_command_writes_trace_and_plot(tmp_path):
     assert found.returncode == 0, found.stderr  # the thumb's columns, like the article's
 
 
+@pytest.mark.full
 def test_command_with_grip_holds_what_is_lost_without(tmp_path):
     file = ROOT / "params/scenes/real_manipulation.toml"
     pinch = ["--set", "object.mass_kg=0.06", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=1", "--seed", "3"]

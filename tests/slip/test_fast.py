@@ -158,6 +158,7 @@ def learned_noise_v(detector: FastDetector) -> list[float]:
     return [math.sqrt(detector.state[index] / share) for index, share in shares.items()]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("factor", [0.6, 2.0])
 def test_all_three_floors_learn_white_noise(factor):
     detector = FastDetector(SETTINGS)

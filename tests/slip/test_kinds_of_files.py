@@ -414,6 +414,7 @@ def test_coarse_steps_of_a_stream_are_warned_of_once() -> None:
     assert fine.stderr == "detector digital, on voltage_v\n"
 
 
+@pytest.mark.full
 def test_fine_steps_are_not_warned_of(tmp_path: Path) -> None:
     step = minute_of_counts(tmp_path / "t.npz", 14)
     assert run("detect", tmp_path / "t.npz", "--detector", "fast", "--scale", step).stderr == ""

@@ -170,7 +170,6 @@ def describe(folder: Path, path: Path | str, *words: Any, lines: str | None = No
     return "\n".join(line.replace(f"{folder}/", "").replace(f"{ROOT}/", "") for line in said)
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("family", FAMILIES)
 def test_outputs_are_the_approved_ones(family: str, tmp_path: Path) -> None:
     told = []

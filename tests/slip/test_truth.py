@@ -95,6 +95,7 @@ def test_a_trace_in_memory_is_validated() -> None:
     assert "--rate-hz 1000" in str(caught.value)
 
 
+@pytest.mark.full
 def test_files_of_a_set_are_simulated_unless_they_were_changed(tmp_path: Path) -> None:
     contents, made = simulate_and_detect(Design(), lambda message: None)
     folder = tmp_path / "signal"

@@ -185,6 +185,7 @@ def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
     assert find_barriers(opened, scheme, width) == []
 
 
+@pytest.mark.full
 def test_a_server_that_ended_is_one_sentence(driver: Any, design: Design) -> None:
     import threading
 

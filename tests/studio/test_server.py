@@ -72,6 +72,7 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     assert "1 of" in strip_elements(weak["verdict"])
 
 
+@pytest.mark.full
 def test_the_picture_of_the_pad_holds_the_figures_of_the_command(server: StudioServer, tables: dict[str, Any]) -> None:
     drawn = post(server, "pad", change(tables, skin__crown_radius_mm=14)).content["pad"]
     found = json.loads(run_fingertip("pad", "fsr400", "--set", "skin.crown_radius_mm=14", "--json").stdout)
@@ -80,6 +81,7 @@ def test_the_picture_of_the_pad_holds_the_figures_of_the_command(server: StudioS
     assert f"Rolled by 10 degrees it gets {found['rolled_share']:.0%}" in drawn
 
 
+@pytest.mark.full
 def test_no_change_waits_for_the_finite_elements_of_an_insert(
     server: StudioServer, tables: dict[str, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

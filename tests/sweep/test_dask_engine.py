@@ -140,6 +140,7 @@ def assert_rows_complete(folder: Path, size: int) -> None:
         assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(row.point)[4])
 
 
+@pytest.mark.full
 def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: Path) -> None:
     plan = make_plan(**LONG_SWEEP)
     done_at_loss: list[int] = []

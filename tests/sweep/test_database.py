@@ -110,6 +110,7 @@ def test_foreign_file_in_the_folder_is_not_changed(tmp_path: Path) -> None:
     assert (tmp_path / FILE).read_text().startswith("no database")
 
 
+@pytest.mark.full
 def test_many_definitions_are_refused_before_they_are_read(tmp_path: Path) -> None:
     SweepDatabase.create(tmp_path, make_plan()).close()
     with contextlib.closing(sqlite3.connect(tmp_path / FILE)) as connection:

@@ -47,6 +47,7 @@ def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
     return {row.point: row for row in rows}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("evaluate", "deaths"), [(worker_functions.crash_once, "xx"), (worker_functions.die_while_sending, "x")]
 )

@@ -67,6 +67,7 @@ def test_axes_of_the_board_cause_no_new_meshes(monkeypatch: pytest.MonkeyPatch) 
     assert calls == dict.fromkeys(GROUPS, 0) | {"board": 3, "skin": 2}
 
 
+@pytest.mark.full
 def test_bone_is_meshed_once_while_the_mold_varies(monkeypatch: pytest.MonkeyPatch) -> None:
     import fingertip.cad.kernel.mesh as kernel
 

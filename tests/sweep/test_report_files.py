@@ -97,7 +97,6 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", CASES)
 def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Text, and figures of some: what matplotlib is asked to draw stands for its pixels."""
@@ -210,6 +209,7 @@ class GeneratedRows:
             raise ZeroDivisionError
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("export", [write_csv, write_parquet])
 def test_export_uses_constant_memory(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, export: Callable[[SweepDatabase, Path], None]

@@ -78,11 +78,12 @@ def pad(
         title = "finite elements, edges 0.7" if is_fine else "the same, finite elements"
         lines.insert(3 + is_fine, _row(title, ["-" if c is None else f"{c.share:.2f}" for c in found]))
         pressed = [c for c in found if c]
-        worst = {part: max(getattr(c, part) for c in pressed) for part in _WORST}
+        worst = {part: max(getattr(c, part) for c in pressed) for part in _WORST} if pressed else {}
         data[f"{name}_worst"] = {part: round(value, 4) for part, value in worst.items()}
     if fem or refine:
-        stretch = loaded.silicone.material.elongation_percent.low
         lines += [_REFUSED] if len(pressed) < len(found) else []
+    if (fem or refine) and worst:
+        stretch = loaded.silicone.material.elongation_percent.low
         lines += [
             f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %), "
             f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension,",
@@ -95,7 +96,7 @@ def pad(
         data["large_strain"] = rows = _strain_far(console, form, friction)
         titles = "share and depth [mm]", "small strain", "large strain", f"with friction of {friction:g}"
         lines += [
-            "finite elements, edges 1.2 mm:",
+            f"finite elements, edges of {_COARSE_MM:g} mm:",
             _row(titles[0], [f"{r['force_n']:g} N, {r['tilt_deg']:g} deg" for r in rows], 17),
         ]
         lines += [

@@ -57,7 +57,7 @@ def find_contacts(
     beyond = np.log(force / np.clip(force, FORCES_N[0], FORCES_N[-1]))
     share, shear = share * np.exp(change[0]), shear * np.exp(change[0])
     depth, area = np.exp(depth + change[1] + 0.6 * beyond), np.exp(area + change[2] + 0.7 * beyond)
-    over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm - form.insert.height
+    over = form.over_sensor_mm - form.insert.height
     rows = np.stack([force, share, shear, depth, area, centre], axis=1).tolist()
     found = [Contact(f, part, along, d, a, math.nan, (0.0, at), over) for f, part, along, d, a, at in rows]
     if found[-1].strain > max_strain:

@@ -104,7 +104,7 @@ class PadModel:
 
     @cached_property
     def step(self) -> Array:
-        """Unit step of the active area, of all nodes.
+        """Displacements of all nodes: 1 towards the skin on the active area, and 0 elsewhere.
 
         The step is projected to the shape functions: the load is then the integral of the traction over the disc,
         without a part of the elements around it.

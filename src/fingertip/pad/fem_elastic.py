@@ -88,13 +88,16 @@ def stiffness(
         mass = np.einsum("mq,eq,nq->emn", _PRESSURES, volume, _PRESSURES)
         stretch = unit + np.einsum("eai,eqaj->eqij", moved[part], gradient, optimize=True)
         j, gradient = np.linalg.det(stretch), gradient @ np.linalg.inv(stretch)
-        cauchy_green = shear[..., None] * j[..., None, None] ** (-2 / 3) * (stretch @ stretch.transpose(0, 1, 3, 2))
-        mean = np.einsum("eqii->eq", cauchy_green) / 3
-        drawn = gradient @ (cauchy_green - mean[..., None, None] * unit)
-        rise = np.einsum("mq,eq->em", _PRESSURES, volume * (j - 1))[..., None]
-        pressed = volume * j * (bulk * np.linalg.solve(mass, rise).transpose(0, 2, 1) @ _PRESSURES)[:, 0]
-        flat, drawn = gradient.reshape(len(part), 18, 54), drawn.reshape(len(part), 18, 54)
-        held = flat.transpose(0, 2, 1)
+        # Kirchhoff stress mu J^(-2/3) b; its deviator is the stress of the shape change, and draws at the nodes.
+        stress = shear[..., None] * j[..., None, None] ** (-2 / 3) * (stretch @ stretch.transpose(0, 1, 3, 2))
+        mean = np.einsum("eqii->eq", stress) / 3
+        drawn = gradient @ (stress - mean[..., None, None] * unit)
+        flat = gradient.reshape(len(part), 18, 54)
+        swell = np.einsum("mq,eq->em", _PRESSURES, volume * (j - 1))[..., None]
+        divergence = np.einsum("mq,eq,eqd->emd", _PRESSURES, volume * j, flat, optimize=True)
+        modes = bulk * np.linalg.solve(mass, np.concatenate([divergence, swell], axis=2))
+        pressed = volume * j * (modes[:, :, -1] @ _PRESSURES)
+        drawn, held = drawn.reshape(len(part), 18, 54), flat.transpose(0, 2, 1)
         means, presses, draws = (
             (held @ (weight[..., None] * other)).reshape(-1, 18, 3, 18, 3)
             for weight, other in ((volume * mean, flat), (pressed, flat), (volume, drawn))
@@ -102,8 +105,7 @@ def stiffness(
         alike = np.einsum("eakbk->eab", means + draws)[:, :, None, :, None] * unit[:, None, :]
         draws = draws + draws.transpose(0, 3, 4, 1, 2)
         matrix = alike + presses - 2 / 3 * (means + draws) + (means - presses).transpose(0, 1, 4, 3, 2)
-        divergence = np.einsum("mq,eq,eqd->emd", _PRESSURES, volume * j, flat, optimize=True)
-        matrix = matrix.reshape(-1, 54, 54) + bulk * divergence.transpose(0, 2, 1) @ np.linalg.solve(mass, divergence)
+        matrix = matrix.reshape(-1, 54, 54) + divergence.transpose(0, 2, 1) @ modes[:, :, :-1]
         rows = (3 * part[:, :, None] + np.arange(3)).reshape(-1, 54)
         where = (np.repeat(rows, 54, axis=1).ravel(), np.tile(rows, (1, 54)).ravel())
         total = total + coo_array((matrix.ravel(), where), shape=(size, size)).tocsr()

@@ -78,9 +78,7 @@ class FarContact:
         travel = np.outer(self._area, self._into).reshape(-1, 1)
         self._join = hstack([below, spread, travel]).tocsr()
         self.still = (spread @ model.top.points.ravel()).reshape(-1, 3) / self._area[:, None]
-        form = model.form
-        over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm
-        self._springs = _SPRINGS * form.young_mpa / over
+        self._springs = _SPRINGS * model.form.young_mpa / model.form.over_sensor_mm
         self._anchors, self._free = self.still, np.append(np.flatnonzero(~model.body.is_fixed), model.mesh.nodes.size)
 
     def first_touch(self) -> Array:

@@ -119,10 +119,9 @@ def _circles(form: PadForm) -> list[float]:
 
 def _faces_of_insert(form: PadForm, insert: SensorInsert, arm: Array, bottom: Array, surface: Array) -> Array:
     """Heights of the faces of the layers: an insert's within its radius, and the same part of the skin beside it."""
-    over = float(form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0]) - form.platform_mm
     widest = insert.radius * (1.0 + 1e-9)
     levels = [
-        np.where(arm <= widest, form.platform_mm + top, bottom + top / over * (surface - bottom))
+        np.where(arm <= widest, form.platform_mm + top, bottom + top / form.over_sensor_mm * (surface - bottom))
         for _, top in insert.parts
     ]
     return np.stack([bottom, *levels, surface])

@@ -68,6 +68,11 @@ class PadForm:
         span, height = self.outer.spans[0], self.outer.section.palmar
         return height * (span.palmar[0] - span.palmar[2]) / (span.z[2] - span.z[0])
 
+    @property
+    def over_sensor_mm(self) -> float:
+        """Thickness of the silicone over the middle of the sensor, an insert included."""
+        return float(self.skin_mm(np.zeros(1), np.array([self.sensor_z_mm]))[0]) - self.platform_mm
+
     def skin_mm(self, x: Array, z: Array) -> Array:
         """Return the height of the skin [mm]; -inf where there is none. Units: `x` [mm], `z` [mm]."""
         return _height(self.outer, x, z)

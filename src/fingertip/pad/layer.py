@@ -118,8 +118,7 @@ def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
     The pressure T under a force at a place, summed over the active area, is the same as T under a pressure of one on
     the active area, at that place.
     """
-    at = np.array([[0.0]]), np.array([[form.sensor_z_mm]])
-    thickness = float(form.skin_mm(*at)[0, 0]) - form.platform_mm
+    thickness = form.over_sensor_mm
     reach = form.active_radius_mm + 3.0 * thickness
     count = math.ceil(reach / GRID_MM)
     size = next(n for n in _SIZES if n >= 4 * count)

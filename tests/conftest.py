@@ -40,7 +40,7 @@ Case = TypeVar("Case")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Select the tests that run, and measure them."""
+    """Select the tests that run."""
     config.pluginmanager.register(first_set)
     # A process in the background of a shell ignores Ctrl-C, and so would the commands that tests interrupt.
     signal.signal(signal.SIGINT, signal.default_int_handler)

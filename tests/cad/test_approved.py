@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
-from fingertip.cad.printing.settings import slicer_settings
+from fingertip.cad.printing.settings import FDM, slicer_settings
 from fingertip.cad.shapes.coupon import frame_with_fits, list_heights, loose_slice
 from fingertip.cad.shapes.coupon_layout import lay_out
 from fingertip.cad.shapes.engraving import engraved_lines, omitted_lines
@@ -135,7 +135,7 @@ def list_solids(design: Design) -> Iterator[str]:
     yield f"not engraved: {omitted_lines(design)}"
     supports = supports_by_part(design)
     for name, pose in print_orientations(design).items():
-        yield f"{name}: {render(pose)}, {slicer_settings(name, pose, supports[name])}, {supports[name].note}"
+        yield f"{name}: {render(pose)}, {slicer_settings(FDM, name, pose, supports[name])}, {supports[name].note}"
 
 
 def list_filling(design: Design) -> Iterator[str]:

@@ -16,7 +16,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
-from fingertip.cad.printing.settings import slicer_settings
+from fingertip.cad.printing.settings import FDM, slicer_settings
 from fingertip.cad.printing.slicer import parse_gcode, slice_to_gcode
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
@@ -150,7 +150,7 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
     """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
     design = Design()
     (bone,) = (item for item in threemf.read_items(plate_of(design)) if item.name == "bone")
-    settings = slicer_settings("bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
+    settings = slicer_settings(FDM, "bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
     heights, infills, brims = [], [], []
     for item in (bone, replace(bone, settings=settings)):
         code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", [item]), design, LAYER_MM)

@@ -76,7 +76,6 @@ def replay(transcript: str) -> str:
     return "".join(done)
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", TRANSCRIPTS)
 def test_commands_do_what_the_transcript_shows(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest

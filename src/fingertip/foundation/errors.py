@@ -25,6 +25,8 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u206
 """Characters that move the cursor, change the colour or the direction of writing, or cannot be encoded."""
 _LINE_BREAK = re.compile(r"\n(?!  )")
 """Line break before a line that is not indented."""
+_PASTED = re.compile(r"(=\S+|\b(?:least|most|and|or) -?\d[\d.e+-]*)\.$")
+"""Value at the end of a message: it is pasted, and a full stop would be pasted with it."""
 _LONG_WORD = re.compile(rf"\S{{{_MAX_WORD_LENGTH + 1},}}")
 
 
@@ -79,7 +81,7 @@ class Issue:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "field", escape_control(_cut(self.field)))
-        object.__setattr__(self, "message", escape_message(_cut(self.message)))
+        object.__setattr__(self, "message", _PASTED.sub(r"\1", escape_message(_cut(self.message))))
 
     def __str__(self) -> str:
         return f"{self.field}: {self.message}" if self.field else self.message

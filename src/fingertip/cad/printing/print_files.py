@@ -11,7 +11,7 @@ from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.settings import FDM, PLATE_KINDS, describe_part, slicer_settings
+from fingertip.cad.printing.settings import PLATE_KINDS, describe_part, slicer_settings
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 
@@ -122,7 +122,7 @@ def make_print_files(
                 for part in plate:
                     stands, lies, pose = supports[part.name], orientations[part.name], poses[part.name]
                     pose = (pose.turned() if part.is_turned else pose).on_bed(meshes[part.name], part.x, part.y)
-                    settings = slicer_settings(part.name, lies, stands) if kind is FDM else ()
+                    settings = slicer_settings(kind, part.name, lies, stands)
                     note = describe_part(kind, part.name, lies, stands, material)
                     items.append(Item(part.name, encoded[part.name], note, pose.rotation, pose.shift, settings))
                 contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)

@@ -52,13 +52,18 @@ def needs_brim(orientation: Orientation) -> bool:
     return orientation.rotate_x_deg == 0.0
 
 
-def slicer_settings(part: str, orientation: Orientation, supports: Supports) -> tuple[tuple[str, str], ...]:
-    """Set for PrusaSlicer how a part of the filament plate is printed. Other programs ignore these settings.
+def slicer_settings(
+    kind: PlateKind, part: str, orientation: Orientation, supports: Supports
+) -> tuple[tuple[str, str], ...]:
+    """Set for PrusaSlicer how a part of a plate is printed. Other programs ignore these settings.
 
     They are settings of the object, so that printer, filament and whatever else is chosen in the slicer stay. Automatic
     supports stand below most bridges too (in version 2.5), in the nut traps as anywhere. Those of the usual style
     spread to other parts and above the collar, which snug ones do not.
     """
+    if kind is SLA:
+        needed = f"{int(bool(supports.places))}"
+        return (("layer_height", f"{RESIN_LAYER_MM:g}"), ("hollowing_enable", "0"), ("supports_enable", needed))
     infill = infill_percent(part)
     settings = [("layer_height", f"{LAYER_MM:g}"), ("perimeters", f"{WALLS}"), ("fill_density", f"{infill}%")]
     if infill == _SOLID_PERCENT:

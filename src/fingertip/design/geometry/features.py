@@ -91,7 +91,8 @@ class Chaplet:
 
     @property
     def pilot_radius(self) -> float:
-        return _PILOT_RATIO * self.thread.diameter_mm / 2
+        """Radius that a drill has: drills are sold in steps of 0.1 mm."""
+        return round(_PILOT_RATIO * self.thread.diameter_mm, 1) / 2
 
     @property
     def engaged(self) -> float:

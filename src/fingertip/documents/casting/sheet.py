@@ -177,6 +177,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
         "hole_mm": round(2 * chaplet.hole_radius, 2),
         "pilot_mm": round(2 * chaplet.pilot_radius, 2),
         "pilot_depth_mm": round(chaplet.pilot_depth, 1),
+        "turns": math.floor(chaplet.engaged / chaplet.thread.pitch_mm),
         "needle": find_needle(2 * chaplet.pilot_radius),
     }
 

@@ -171,6 +171,7 @@ def _pocket_sizes(design: Design) -> list[Size]:
     flat, half = -dims.platform_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
     begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
+    passage = -dims.flat_depth + dims.pocket_depth
     opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
     return [
         Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
@@ -182,6 +183,10 @@ def _pocket_sizes(design: Design) -> list[Size]:
         Length("width of the slot", INNER, "palmar", "left", "x", (half, -dims.flat_depth, begin),
                (-half, -dims.flat_depth, begin),
                clearance(2 * gap - design.printer.offset_mm)),
+        *([
+            Length("height of the passage through the collar", INNER, "section", "left", "y", (0.0, passage, 0.0),
+                   (0.0, passage - dims.passage_height, 0.0), None, "file it until crimps and solder pass")
+        ] if dims.tail_passes_collar else []),
         Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
                (0.0, flat, z + head), is_reference=True),
         *_platform_size(design),

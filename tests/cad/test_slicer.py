@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+import zipfile
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +16,8 @@ from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
-from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
 from fingertip.cad.printing.settings import FDM, slicer_settings
+from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
 from fingertip.cad.printing.slicer import parse_gcode, slice_to_gcode
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
 from fingertip.cad.verification.verify import verify
@@ -174,4 +175,6 @@ def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_pat
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert not re.search(r"\[(warning|error|fatal)\]", done.stdout + done.stderr, re.IGNORECASE)
-    assert (tmp_path / "plate.sl1").stat().st_size > 100_000
+    with zipfile.ZipFile(tmp_path / "plate.sl1") as sliced:
+        layers = sum(name.endswith(".png") for name in sliced.namelist())
+    assert layers > 900, "of 0.05 mm as the plate says, not of 0.1 mm as the command does"

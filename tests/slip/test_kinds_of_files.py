@@ -487,13 +487,13 @@ def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
 
 
 SUGGESTIONS = {
-    "Time [s],AI0 (V)": "; or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'.",
-    "AI0,Time": "--column time_s=Time --column voltage_v=AI0.",
-    "date,temp,elapsed_s,ch1": "--column time_s=elapsed_s --column voltage_v=ch1.",
+    "Time [s],AI0 (V)": "; or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'",
+    "AI0,Time": "--column time_s=Time --column voltage_v=AI0",
+    "date,temp,elapsed_s,ch1": "--column time_s=elapsed_s --column voltage_v=ch1",
     "time_s,force_n": "Or name the file's column: --column voltage_v=force_n --calibrate 0:0.5",
     "t,Load [N]": "--column time_s=t --column voltage_v='Load [N]' --calibrate 0:0.5",
-    "time_s,Time_S,Voltage_V,VOLTAGE_V": "--column voltage_v=Voltage_V.",
-    "time_s,level": "--column voltage_v=level.",
+    "time_s,Time_S,Voltage_V,VOLTAGE_V": "--column voltage_v=Voltage_V",
+    "time_s,level": "--column voltage_v=level",
 }
 
 
@@ -509,7 +509,7 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
     assert done.exit_code == 2
     assert "t.csv, line 2: " in done.stderr
     assert SUGGESTIONS[header] in done.stderr
-    options = shlex.split(re.search(r"(--column.*?)(?: \(a force|\.$)", done.stderr, re.MULTILINE)[1])
+    options = shlex.split(re.search(r"(--column.*?)(?: \(a force|$)", done.stderr, re.MULTILINE)[1])
     if "--calibrate" in options:
         options[-1] = "0:0.4"
     assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.006)
@@ -583,11 +583,11 @@ def test_a_missing_row_is_ignored_with_the_options_in_the_message(tmp_path):
     (tmp_path / "t.csv").write_text(csv(np.delete(T, 48), np.delete(V, 48)))
     done = run("detect", tmp_path / "t.csv")
     assert "0.0245 s in line 50 comes after a gap" in done.stderr
-    remedy = shlex.split(re.search(r"ignore the times with (.*)\.$", done.stderr, re.MULTILINE)[1])
+    remedy = shlex.split(re.search(r"ignore the times with (.*)$", done.stderr, re.MULTILINE)[1])
     assert single_onset(run("detect", tmp_path / "t.csv", *remedy, "--json")) == pytest.approx(ONSET, abs=0.001)
     live = run("detect", "-", lines=(tmp_path / "t.csv").read_text())
     assert "line 50: 0.0245 s is 0.001 s after the previous sample" in live.stderr
-    assert shlex.split(re.search(r"ignore the times with (.*)\.$", live.stderr, re.MULTILINE)[1]) == remedy
+    assert shlex.split(re.search(r"ignore the times with (.*)$", live.stderr, re.MULTILINE)[1]) == remedy
 
 
 def bomb_mat(megabytes: int, version: bytes = b"\x00\x01IM") -> bytes:

@@ -25,7 +25,7 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u206
 """Characters that move the cursor, change the colour or the direction of writing, or cannot be encoded."""
 _LINE_BREAK = re.compile(r"\n(?!  )")
 """Line break before a line that is not indented."""
-_PASTED = re.compile(r"(=\S+|\b(?:least|most|and|or) -?\d[\d.e+-]*)\.$")
+_PASTED = re.compile(r"(=(?:'[^']*'|\S+)|\b(?:least|most|and|or) -?\d[\d.e+-]*)\.$")
 """Value at the end of a message: it is pasted, and a full stop would be pasted with it."""
 _LONG_WORD = re.compile(rf"\S{{{_MAX_WORD_LENGTH + 1},}}")
 

@@ -274,7 +274,7 @@ def test_rounded_times_are_ignored_with_the_options_in_the_message(tmp_path, rat
             (message,) = [line for line in done.stderr.splitlines() if line.startswith("error")]
             assert f"the times are rounded to 0.001 s, at a mean rate of {rate} Hz" in message
             assert "is sampled at" not in done.stderr
-            remedy = shlex.split(re.search(r"ignore them with (.*)\.$", message)[1])
+            remedy = shlex.split(re.search(r"ignore them with (.*)$", message)[1])
             assert remedy == ["--rate-hz", str(rate), "--column", "time_s=none"]
             onsets.add(single_onset(run("detect", tmp_path / name, *remedy, "--json")))
         (onset,) = onsets
